@@ -1,4 +1,4 @@
-//! From a data file to a report, by what the file holds.
+//! Searches a data file and returns a report; the kind of data follows from the file's columns.
 
 use std::path::Path;
 
@@ -10,16 +10,17 @@ use crate::joint::search as joint;
 use crate::options::Options;
 use crate::procedure::search::Found;
 
-/// What the three kinds of data are usually called.
+/// Usual file names of the three kinds of data.
 const FILES: [&str; 3] = ["runs.csv", "experiments.csv", "pressures.csv"];
 
 /// Reads data and model, searches, and returns the report and the next model's text.
 ///
-/// The kind of data is determined by its columns: `run` (runs), `mu` (friction experiments), `case` (pressure measurements). A `campaign.toml`
-/// names several and their model; tables need one as well.
+/// The kind of data is determined by its columns: `run` (runs), `mu` (friction experiments), `case`
+/// (pressure measurements). A `campaign.toml` names several and their model; tables need one as
+/// well.
 ///
 /// # Errors
-/// Those of the readers, [`Error::File`] for a folder, for a table of none of the three kinds or without a model, and of the search.
+/// Those of readers and search; [`Error::File`] for a folder, an unknown table or a missing model.
 pub fn discover(
     data: &Path,
     model: Option<&Path>,
@@ -56,8 +57,9 @@ pub fn discover(
     }
     let model = model.ok_or_else(|| Error::File {
         file: data.display().to_string(),
-        reason: "a table by itself; expected a model as well, or a campaign.toml that names both"
-            .to_owned(),
+        reason:
+            "a table without a model; expected a model as well, or a campaign.toml that names both"
+                .to_owned(),
     })?;
     let table = Table::read(data)?;
     let has = |name: &str| table.place(name).is_some();

@@ -1,9 +1,9 @@
-//! What can be wrong with the data.
+//! Errors of reading data and of searches.
 
-/// Why a search cannot be made.
+/// Why a search fails.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A file cannot be read or is not what it must be.
+    /// A file cannot be read or has invalid content.
     #[error("{file}: {reason}")]
     File {
         /// The file.
@@ -32,12 +32,12 @@ pub enum Error {
         file: String,
         /// The column.
         column: String,
-        /// The columns there are.
+        /// The columns present.
         found: String,
     },
-    /// Two runs or rows carry the same data, which would fake significance.
+    /// Two runs or rows contain the same data, which would inflate significance.
     #[error(
-        "{file}: {first} and {second} hold the same data; a copy would count as a second measurement"
+        "{file}: {first} and {second} contain the same data; a copy would count as a second measurement"
     )]
     Duplicate {
         /// The file.
@@ -47,7 +47,7 @@ pub enum Error {
         /// Second of the two.
         second: String,
     },
-    /// Too little data for what is required.
+    /// Too few data.
     #[error("{what}: found {found}, at least {needed} are needed")]
     TooFew {
         /// What there is too little of.
@@ -57,18 +57,18 @@ pub enum Error {
         /// How many are needed.
         needed: usize,
     },
-    /// An effect that is to search for and that nobody knows.
+    /// An unknown effect was requested.
     #[error("effect {name:?}: expected one of {known}")]
-    Unheard {
-        /// Its name.
+    UnknownEffect {
+        /// The requested name.
         name: String,
-        /// Those there are.
+        /// The known names.
         known: String,
     },
     /// The base model cannot be fitted.
-    #[error("the base model did not settle on the data: {reason}")]
+    #[error("the base model could not be fitted to the data: {reason}")]
     BaseFit {
-        /// What went wrong.
+        /// The reason.
         reason: String,
     },
     /// From the sled's reader or model.

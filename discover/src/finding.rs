@@ -1,14 +1,13 @@
-//! The documents of a search ([`kufe::results::finding`]), and which bins they show.
+//! Result types of a search ([`kufe::results::finding`]), and the selection of bins in them.
 
 pub use kufe::results::finding::*;
 
-/// Largest p-value of a bin that is shown.
+/// Largest p-value of a bin that is reported.
 pub(crate) const BIN_SHOWN: f64 = 0.05;
-/// Most bins that are shown.
+/// Most bins that are reported.
 pub(crate) const BINS_SHOWN: usize = 40;
 
-/// Bins, each with a p-value of its own, that are significant among all of them (Bonferroni),
-/// strongest first.
+/// Bins that are significant among all of them (Bonferroni), strongest first.
 pub(crate) fn significant(mut bins: Vec<Bin>) -> Vec<Bin> {
     let count = bins.len() as f64;
     for bin in &mut bins {

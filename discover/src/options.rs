@@ -1,4 +1,4 @@
-//! How a search is made.
+//! Options of a search.
 
 use kufe_sled::Model;
 use kufe_sled::effects::{CATALOGUE, Effects};
@@ -6,25 +6,25 @@ use kufe_sled::effects::{CATALOGUE, Effects};
 use crate::error::Error;
 use crate::procedure::rules::Rules;
 
-/// What is given among the effects to search for in place of all dependences that the catalogue has no name for.
+/// Name in [`Options::only`] that stands for all dependences outside the catalogue.
 pub const OUTSIDE_CATALOGUE: &str = "unknown";
 
-/// How a search is made.
+/// Options of a search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Simulated runs or tables in which nothing is missing, a screen.
+    /// Simulated runs or tables without missing effects per screen.
     pub twins: u64,
-    /// Sign-flips or permutations a screen.
+    /// Sign-flips or permutations per screen.
     pub flips: usize,
-    /// Whether the longitudinal channel of runs takes part.
+    /// Whether the longitudinal channel of runs is used.
     pub longitudinal: bool,
-    /// Whether the lateral channels of runs take part.
+    /// Whether the lateral channels of runs are used.
     pub lateral: bool,
-    /// Whether runs with gaps are refused rather than used without what is next to the gaps.
+    /// Whether runs with gaps are an error; otherwise samples next to gaps are omitted.
     pub strict: bool,
-    /// The only effects that are searched for, by name, and [`OUTSIDE_CATALOGUE`] for what no name of the catalogue is; all where empty.
+    /// Names of the only effects that are searched for, or [`OUTSIDE_CATALOGUE`]; empty: all.
     pub only: Vec<String>,
     /// Thresholds of the search.
     pub rules: Rules,
@@ -51,15 +51,15 @@ impl Options {
         self.only.is_empty() || self.only.iter().any(|name| name == effect)
     }
 
-    /// What a report says of effects that were not searched for.
-    pub(crate) fn looked_for(&self) -> Option<String> {
+    /// The remark of a report on a restricted search.
+    pub(crate) fn restriction_remark(&self) -> Option<String> {
         let names = self.only.join(", ");
-        let note = "were searched for, as requested; what else may be missing was not";
+        let note = "were searched for, as requested; other missing effects were not";
         (!self.only.is_empty()).then(|| format!("only {names} {note}"))
     }
 
-    /// Refuses names to search for that no effect bears, of the catalogues or of the model's own.
-    pub(crate) fn refuse_unheard(&self, model: Option<&Model>) -> Result<(), Error> {
+    /// Checks the requested names against the catalogues and the model's own effects.
+    pub(crate) fn check_names(&self, model: Option<&Model>) -> Result<(), Error> {
         let own = match model {
             Some(model) => Effects::from_tables(&model.effects)?.active,
             None => Vec::new(),
@@ -75,7 +75,7 @@ impl Options {
             .iter()
             .find(|name| !known.contains(&name.as_str()))
         {
-            Some(name) => Err(Error::Unheard {
+            Some(name) => Err(Error::UnknownEffect {
                 name: name.clone(),
                 known: known.join(", "),
             }),

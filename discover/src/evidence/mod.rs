@@ -1,4 +1,4 @@
-//! What each kind of data says of what a model does not contain.
+//! Evidence of each kind of data.
 
 pub mod experiments;
 pub mod maps;

@@ -10,8 +10,8 @@ use crate::error::Error;
 /// Reads channel `p` of a map.
 ///
 /// # Errors
-/// [`Error::File`] where the file is no EXR image with a place in metres, is too large, does not have the channel, or holds values
-/// that are no pressures.
+/// [`Error::File`] if the file is not an EXR image with a place in metres, is too large, does not
+/// have the channel, or contains values that are not pressures.
 pub fn read_map(path: &Path) -> Result<Map, Error> {
     let file = path.display().to_string();
     let image = ExrImage::load(path).map_err(|error| match error {

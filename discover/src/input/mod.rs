@@ -1,4 +1,4 @@
-//! Reading: tables of text and numbers, and pressure maps.
+//! Readers of tables and pressure maps.
 
 pub(crate) mod exr_map;
 pub(crate) mod table;

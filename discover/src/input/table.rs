@@ -1,4 +1,4 @@
-//! Small tables of numbers and names, read with their place in every complaint.
+//! Small CSV tables of numbers and names; errors state the cell.
 
 use std::path::Path;
 
@@ -7,14 +7,11 @@ use crate::error::Error;
 /// Largest table [bytes]: some 500,000 rows.
 const MOST_BYTES: u64 = 1 << 25;
 
-/// A CSV table as text, with its file's name.
+/// A CSV table as text.
 #[derive(Clone, Debug)]
 pub struct Table {
-    /// The file, for messages.
     pub file: String,
-    /// Column names.
     pub header: Vec<String>,
-    /// Cells, row by row.
     pub rows: Vec<Vec<String>>,
 }
 
@@ -22,7 +19,7 @@ impl Table {
     /// Reads a CSV file with a header.
     ///
     /// # Errors
-    /// [`Error::File`] where it cannot be read or is ragged.
+    /// [`Error::File`] if it cannot be read or is ragged.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let file = path.display().to_string();
         let file_error = |reason: String| Error::File {
@@ -62,7 +59,7 @@ impl Table {
         self.header.iter().position(|name| name == column)
     }
 
-    /// A column's cells.
+    /// Cells of a column.
     ///
     /// # Errors
     /// [`Error::MissingColumn`].

@@ -1,18 +1,19 @@
-//! Sizes and chances of one effect by several kinds of data, taken together.
+//! Combination of sizes and p-values of one effect by several kinds of data.
 //!
 //! ```text
 //! size = sum_k size_k / e_k^2  /  sum_k 1 / e_k^2        error = (sum_k 1 / e_k^2)^(-1/2)
 //! p = P(chi2 with 4 degrees > -2 ln p_1 - 2 ln p_2)
 //! ```
 //!
-//! The second is Fisher's (Statistical Methods for Research Workers, 1932, section 21.1). Each p holds over all candidates of its kind
-//! of data, so that the largest of all combined ones is no larger by chance than that of two such p-values: it holds over all effects, too.
+//! The second is Fisher's (Statistical Methods for Research Workers, 1932, section 21.1). Each p is
+//! corrected for all candidates of its kind of data, so that the combination is corrected for all
+//! effects, too.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::procedure::shared_effects::Amount;
 
-/// The size that lies between those of all kinds, by inverse variance; `None` without any.
+/// The inverse-variance weighted mean of the sizes; `None` without any.
 pub fn together(amounts: &[Amount]) -> Option<Amount> {
     let weights: Vec<f64> = amounts
         .iter()
@@ -28,16 +29,16 @@ pub fn together(amounts: &[Amount]) -> Option<Amount> {
     })
 }
 
-/// By how many standard errors the two that part most do.
-pub fn parted(amounts: &[Amount]) -> f64 {
+/// Largest difference of two sizes, in its standard errors.
+pub fn disagreement(amounts: &[Amount]) -> f64 {
     let pairs = amounts
         .iter()
         .enumerate()
-        .flat_map(|(k, a)| amounts[..k].iter().map(move |b| a.apart(b)));
+        .flat_map(|(k, a)| amounts[..k].iter().map(move |b| a.t_difference(b)));
     pairs.fold(0.0, f64::max)
 }
 
-/// Twice the logarithm of the likelihood that one common size gains over none: of independent sizes t of each, less what they part by.
+/// Twice the log likelihood ratio of one common size: the sum of t^2, less the disagreement.
 pub fn gain(amounts: &[Amount]) -> f64 {
     let Some(common) = together(amounts) else {
         return 0.0;
@@ -45,8 +46,8 @@ pub fn gain(amounts: &[Amount]) -> f64 {
     common.t().powi(2)
 }
 
-/// The chance of two independent p-values together.
-pub fn chance(a: f64, b: f64) -> f64 {
+/// Combined p-value of two independent ones.
+pub fn combined_p_value(a: f64, b: f64) -> f64 {
     let sum = -2.0 * (a.max(1e-300).ln() + b.max(1e-300).ln());
     ChiSquared::new(4.0).map_or(1.0, |law| law.sf(sum))
 }
@@ -66,22 +67,22 @@ mod tests {
     }
 
     #[test]
-    fn two_sizes_meet_by_inverse_variance_and_gain_what_they_say_less_what_they_part_by() {
+    fn two_sizes_combine_by_inverse_variance() {
         let two = [amount(1.0, 0.1), amount(1.6, 0.2)];
         let common = together(&two).expect("two");
         assert!((common.value - 1.12).abs() < 1e-12);
         assert!((common.error - (0.1_f64.powi(-2) + 0.2_f64.powi(-2)).powf(-0.5)).abs() < 1e-12);
-        assert!((parted(&two) - 0.6 / 0.05_f64.sqrt()).abs() < 1e-12);
-        let expected = two[0].t().powi(2) + two[1].t().powi(2) - parted(&two).powi(2);
+        assert!((disagreement(&two) - 0.6 / 0.05_f64.sqrt()).abs() < 1e-12);
+        let expected = two[0].t().powi(2) + two[1].t().powi(2) - disagreement(&two).powi(2);
         assert!((gain(&two) - expected).abs() < 1e-9);
         assert_eq!(together(&[]), None);
     }
 
     /// The closed form of two: q (1 - ln q), q = p1 p2.
     #[test]
-    fn chances_combine_as_fisher_says() {
+    fn p_values_combine_by_fishers_method() {
         let q: f64 = 0.01 * 0.02;
-        assert!((chance(0.01, 0.02) / (q * (1.0 - q.ln())) - 1.0).abs() < 1e-9);
-        assert!((chance(1.0, 1.0) - 1.0).abs() < 1e-12);
+        assert!((combined_p_value(0.01, 0.02) / (q * (1.0 - q.ln())) - 1.0).abs() < 1e-9);
+        assert!((combined_p_value(1.0, 1.0) - 1.0).abs() < 1e-12);
     }
 }

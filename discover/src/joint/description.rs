@@ -1,27 +1,29 @@
-//! What a campaign's report tells: every kind's own part side by side, and one next model.
+//! Report of a campaign: the results of every kind of data, and one next model.
 
 use crate::finding::{Fitted, OfKind};
-use crate::joint::kinds::{Joint, PRESSURES, Said};
+use crate::joint::kinds::{Joint, PRESSURES, StepEstimates};
 use crate::procedure::evidence::{Account, Description, Words};
 
-/// What one kind of data has to tell.
-pub struct OfPart {
-    /// Its description.
+/// Results of one kind of data.
+pub struct PartResults {
     pub description: Description,
     /// The campaign's step of each of its own.
     pub steps: Vec<usize>,
 }
 
-/// All kinds' descriptions as one; what each says of a step by itself goes into the account.
+/// Merges the descriptions of all kinds; their separate estimates of a step go into the account.
 pub fn described(
     joint: &Joint,
-    said: &[Said],
-    parts: Vec<OfPart>,
+    estimates: &[StepEstimates],
+    parts: Vec<PartResults>,
     account: &mut Account,
 ) -> Description {
     let steps = account.steps.len();
     let mut all = Description {
-        parameters: said.iter().map(|said| joint.combined(said)).collect(),
+        parameters: estimates
+            .iter()
+            .map(|estimates| joint.combined(estimates))
+            .collect(),
         laws: vec![None; steps],
         clean: true,
         words: Words {
@@ -31,11 +33,13 @@ pub fn described(
         ..Description::default()
     };
     all.parameters.resize(steps, Vec::new());
-    account
-        .remarks
-        .extend(said.iter().filter_map(|said| said.parted.clone()));
+    account.remarks.extend(
+        estimates
+            .iter()
+            .filter_map(|estimates| estimates.disagreement.clone()),
+    );
     for (step, known) in account.steps.iter_mut().enumerate() {
-        known.evidence = evidence(joint, said.get(step), &parts, step);
+        known.evidence = evidence(joint, estimates.get(step), &parts, step);
     }
     let several = parts.len() > 1;
     let mut names = Vec::new();
@@ -50,7 +54,7 @@ pub fn described(
                 all.parameters[*step] = own;
             }
         }
-        // Two kinds' own bases may have parameters of one name.
+        // Bases of two kinds may have parameters of the same name.
         for parameter in &mut one.base {
             if several {
                 parameter.name = format!("{} ({name})", parameter.name);
@@ -93,7 +97,7 @@ pub fn described(
         let unwritten = !step.evidence.is_empty() && !is_written(&all, &step.effect);
         if unwritten {
             account.remarks.push(format!(
-                "{} is not in the next model, which is that of {}: those data do not know it",
+                "{} is not in the next model, which is that of {}: those data do not determine it",
                 step.effect, joint.kinds[0].name
             ));
         }
@@ -109,7 +113,7 @@ fn is_written(all: &Description, effect: &str) -> bool {
     of(&all.next_model) || all.next_case.as_deref().is_some_and(of)
 }
 
-fn next_after_nothing(parts: &[OfPart]) -> String {
+fn next_after_nothing(parts: &[PartResults]) -> String {
     let each: Vec<&str> = parts
         .iter()
         .map(|part| part.description.words.next_after_nothing.as_str())
@@ -118,16 +122,21 @@ fn next_after_nothing(parts: &[OfPart]) -> String {
     each.join("; ")
 }
 
-/// What each kind that knows a step's effect says of it.
-fn evidence(joint: &Joint, said: Option<&Said>, parts: &[OfPart], step: usize) -> Vec<OfKind> {
+/// Estimates of a step's effect by each kind that knows it.
+fn evidence(
+    joint: &Joint,
+    estimates: Option<&StepEstimates>,
+    parts: &[PartResults],
+    step: usize,
+) -> Vec<OfKind> {
     let quantile = joint.options.rules.search.interval;
     let mut each = Vec::new();
     for (k, part) in parts.iter().enumerate() {
         let Some(own) = part.steps.iter().position(|s| *s == step) else {
             continue;
         };
-        let amounts = said
-            .and_then(|said| said.by_kind.iter().find(|(kind, _)| *kind == k))
+        let amounts = estimates
+            .and_then(|estimates| estimates.by_kind.iter().find(|(kind, _)| *kind == k))
             .map(|(_, amounts)| amounts.iter().map(|a| a.fitted(quantile)).collect());
         let described = part.description.parameters.get(own).cloned();
         let parameters: Vec<Fitted> = amounts
@@ -138,7 +147,7 @@ fn evidence(joint: &Joint, said: Option<&Said>, parts: &[OfPart], step: usize) -
         each.push(OfKind {
             data: joint.kinds[k].name.to_owned(),
             parameters,
-            agrees: said.is_none_or(|said| said.parted.is_none()),
+            agrees: estimates.is_none_or(|estimates| estimates.disagreement.is_none()),
             gap_before: held_out.gap_before,
             gap_after: held_out.gap_after,
             unit: held_out.unit.clone(),

@@ -1,15 +1,16 @@
 //! Several kinds of data as one evidence.
 //!
-//! Each kind keeps its own base, null and held-out data. An effect that one selects is added to every kind that knows it; where their sizes
-//! agree they are combined and fixed at that in all, before anything is judged on held-out data and written.
+//! Each kind keeps its own base, null and held-out data. An effect that one selects is added to
+//! every kind that knows it. Sizes that agree are combined and fixed in all kinds before any
+//! comparison on held-out data.
 
 use crate::error::Error;
-use crate::joint::description::{OfPart, described};
+use crate::joint::description::{PartResults, described};
 use crate::joint::kinds::{Joint, JointFit, Origin, PartFit};
 use crate::procedure::evidence::{
-    Account, Added, Description, Evidence, Opened, Screen, Selection,
+    Account, Description, Evidence, ExtendedFit, HeldOutResults, Screen, Selection,
 };
-use crate::procedure::lowered::Lowered;
+use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::shared_effects::Amount;
 
 impl Evidence for Joint<'_> {
@@ -21,7 +22,7 @@ impl Evidence for Joint<'_> {
         for k in 0..self.kinds.len() {
             let mut own = Account::default();
             let free = self.kinds[k].part.fit_base(&mut own)?;
-            self.tell(k, own, account);
+            self.add_remarks(k, own, account);
             parts.push(PartFit {
                 free,
                 written: free,
@@ -30,7 +31,7 @@ impl Evidence for Joint<'_> {
         }
         Ok(JointFit {
             parts,
-            said: Vec::new(),
+            estimates: Vec::new(),
         })
     }
 
@@ -44,14 +45,14 @@ impl Evidence for Joint<'_> {
             }
             let mut own = self.own(fit, k, account);
             let screen = self.kinds[k].part.screen(&free, &mut own)?;
-            self.tell(k, own, account);
+            self.add_remarks(k, own, account);
             detectable.extend(screen.detectable);
             match screen.selection {
                 Some(selection) => selections.push((k, selection)),
                 None => self.kinds[k].silent = Some(free),
             }
         }
-        // The surest first; of equals the first kind's.
+        // The most significant first; ties go to the first kind.
         let surest = selections
             .into_iter()
             .reduce(|a, b| if b.1.p_value < a.1.p_value { b } else { a });
@@ -70,7 +71,7 @@ impl Evidence for Joint<'_> {
         fit: &JointFit,
         selection: &Selection<Origin>,
         step: usize,
-    ) -> Result<Added<JointFit>, Error> {
+    ) -> Result<ExtendedFit<JointFit>, Error> {
         let origin = selection.candidate.act;
         let amount = Amount::of(&selection.candidate, selection.size, selection.error);
         let common = self.is_common(&amount.effect);
@@ -97,7 +98,7 @@ impl Evidence for Joint<'_> {
                 part.steps.push(step);
             }
         }
-        Ok(Added {
+        Ok(ExtendedFit {
             fit: next,
             written: added.written,
             gap: added.gap,
@@ -128,28 +129,29 @@ impl Evidence for Joint<'_> {
                     (known.gap_before, known.gap_after) = (own.gap_before, own.gap_after);
                 }
             }
-            self.tell(k, own, account);
+            self.add_remarks(k, own, account);
         }
-        // A step that no kind keeps is gone.
+        // A step that no kind contains is removed.
         for step in (0..account.steps.len()).rev() {
             if !next.parts.iter().any(|part| part.steps.contains(&step)) {
                 account.steps.remove(step);
-                next.leave_out(step);
+                next.remove_step(step);
             }
         }
-        next.said.clear();
+        next.estimates.clear();
         for step in 0..account.steps.len() {
             let effect = account.steps[step].effect.clone();
-            let said = self.said(&next, step, &effect)?;
-            if !said.together.is_empty() {
+            let estimates = self.estimates(&next, step, &effect)?;
+            if !estimates.together.is_empty() {
                 for (k, part) in next.parts.iter_mut().enumerate() {
                     if let Some(own) = part.steps.iter().position(|s| *s == step) {
                         let kind = &mut self.kinds[k].part;
-                        part.written = kind.with_fixed_sizes(&part.written, own, &said.together)?;
+                        part.written =
+                            kind.with_fixed_sizes(&part.written, own, &estimates.together)?;
                     }
                 }
             }
-            next.said.push(said);
+            next.estimates.push(estimates);
         }
         Ok(next)
     }
@@ -162,31 +164,32 @@ impl Evidence for Joint<'_> {
                 part.written = part.free;
             }
         }
-        next.leave_out(step);
-        next.said.clear();
+        next.remove_step(step);
+        next.estimates.clear();
         Ok(next)
     }
 
-    fn lowered(&self, from: &JointFit, to: &JointFit) -> Result<Option<Lowered>, Error> {
-        let settled =
-            |fit: &JointFit| !fit.said.is_empty() || fit.parts.iter().all(|p| p.steps.is_empty());
+    fn misfit_decrease(&self, from: &JointFit, to: &JointFit) -> Result<Option<Decrease>, Error> {
+        let settled = |fit: &JointFit| {
+            !fit.estimates.is_empty() || fit.parts.iter().all(|p| p.steps.is_empty())
+        };
         let both = settled(from) && settled(to);
         let of = |part: &PartFit| if both { part.written } else { part.free };
-        let mut sum: Option<Lowered> = None;
+        let mut sum: Option<Decrease> = None;
         for (kind, (from, to)) in self.kinds.iter().zip(from.parts.iter().zip(&to.parts)) {
-            let Some(one) = kind.part.lowered(&of(from), &of(to))? else {
+            let Some(one) = kind.part.misfit_decrease(&of(from), &of(to))? else {
                 continue;
             };
             sum = Some(match sum {
                 None => one,
-                Some(sum) => Lowered {
+                Some(sum) => Decrease {
                     by: sum.by + one.by,
                     error: sum.error.hypot(one.error),
                     weighed: None,
-                    promise: sum.promise.or(one.promise),
+                    contact_evidence: sum.contact_evidence.or(one.contact_evidence),
                     by_channel: [sum.by_channel, one.by_channel].concat(),
                     repeats: sum.repeats + one.repeats,
-                    // What data without tolerances tell is no trace of them.
+                    // Kinds without tolerances have no tolerated misfit.
                     tolerated: sum.tolerated.min(one.tolerated),
                 },
             });
@@ -199,13 +202,13 @@ impl Evidence for Joint<'_> {
         base: &JointFit,
         last: &JointFit,
         account: &mut Account,
-    ) -> Result<Opened, Error> {
+    ) -> Result<HeldOutResults, Error> {
         let mut closed = vec![None; account.steps.len()];
         for k in 0..self.kinds.len() {
             let mut own = self.own(last, k, account);
             let (from, to) = (base.parts[k].written, last.parts[k].written);
             let opened = self.kinds[k].part.open(&from, &to, &mut own)?;
-            self.tell(k, own, account);
+            self.add_remarks(k, own, account);
             for (step, of_step) in last.parts[k].steps.iter().zip(opened.closed) {
                 closed[*step].get_or_insert(of_step);
             }
@@ -221,7 +224,7 @@ impl Evidence for Joint<'_> {
         let others = self.kinds.iter().enumerate().filter(|(k, _)| *k != head);
         let others = others.flat_map(|(_, kind)| kind.held_out.channels.clone());
         held_out.channels.extend(others);
-        Ok(Opened {
+        Ok(HeldOutResults {
             held_out,
             closed: closed.into_iter().map(Option::unwrap_or_default).collect(),
         })
@@ -242,9 +245,9 @@ impl Evidence for Joint<'_> {
             for (step, of_part) in steps.iter().zip(&own.steps) {
                 account.steps[*step].contacts.clone_from(&of_part.contacts);
             }
-            self.tell(k, own, account);
-            parts.push(OfPart { description, steps });
+            self.add_remarks(k, own, account);
+            parts.push(PartResults { description, steps });
         }
-        Ok(described(self, &last.said, parts, account))
+        Ok(described(self, &last.estimates, parts, account))
     }
 }

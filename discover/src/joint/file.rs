@@ -1,4 +1,4 @@
-//! `campaign.toml`: which data belong together, and the model that they are compared with.
+//! `campaign.toml`: the data files of a campaign and their model.
 
 use std::path::{Path, PathBuf};
 
@@ -7,10 +7,10 @@ use serde::Deserialize;
 use crate::error::Error;
 use crate::input::table::Table;
 
-/// A longer campaign file is none.
+/// Largest campaign file [bytes].
 const MOST_BYTES: u64 = 1 << 20;
 
-/// The files of a campaign; paths are those of the file's folder.
+/// The files of a campaign; paths are relative to its folder.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CampaignFile {
@@ -28,7 +28,8 @@ impl CampaignFile {
     /// Reads and checks it.
     ///
     /// # Errors
-    /// [`Error::File`] for what is no such file, without data, without a model, or naming a file twice or one that is not there.
+    /// [`Error::File`] for an invalid file, without data, without a model, or naming a file twice
+    /// or one that does not exist.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let file_error = |reason: String| Error::File {
             file: path.display().to_string(),
@@ -50,7 +51,7 @@ impl CampaignFile {
             *file = folder.join(&*file);
             if !file.is_file() {
                 return Err(file_error(format!(
-                    "{key}: {} is not there or no file; paths are those of the campaign's folder",
+                    "{key}: {} is not an existing file; paths are relative to the campaign's folder",
                     file.display()
                 )));
             }
@@ -95,7 +96,7 @@ impl CampaignFile {
 /// The one case that all rows of a `pressures.csv` name.
 ///
 /// # Errors
-/// [`Error::File`] where they name several; those of the table.
+/// [`Error::File`] if they name several; those of the table.
 pub fn case_of(pressures: &Path) -> Result<PathBuf, Error> {
     let table = Table::read(pressures)?;
     let mut cases = table.texts("case")?;
@@ -106,7 +107,7 @@ pub fn case_of(pressures: &Path) -> Result<PathBuf, Error> {
         several => Err(Error::File {
             file: table.file,
             reason: format!(
-                "column case: found {}; expected one case in all rows of a campaign, which is what is improved",
+                "column case: found {}; expected one case in all rows of a campaign, the one to improve",
                 several.join(", ")
             ),
         }),
@@ -128,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn a_campaign_names_its_files_beside_itself() {
+    fn paths_are_relative_to_the_campaign_file() {
         let campaign = read("runs = \"runs.csv\"\nmodel = \"model.toml\"\n").expect("a campaign");
         assert!(
             campaign
@@ -140,14 +141,14 @@ mod tests {
     }
 
     #[test]
-    fn wrong_campaigns_are_refused_with_what_was_expected() {
+    fn errors_of_invalid_campaigns_state_the_expected_content() {
         for (text, expected) in [
             ("", "no data"),
             ("model = \"model.toml\"", "no data"),
             ("runs = \"runs.csv\"", "model is missing"),
             (
                 "runs = \"away.csv\"\nmodel = \"model.toml\"",
-                "away.csv is not there",
+                "away.csv is not an existing file",
             ),
             (
                 "runs = \"runs.csv\"\nmodel = \"runs.csv\"",

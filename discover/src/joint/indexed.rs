@@ -1,16 +1,16 @@
-//! Evidence of any kind behind numbers: fits and selections are stored, and referred to by their place.
+//! Evidence of any kind with stored fits and selections, referred to by index.
 
 use crate::error::Error;
 use crate::procedure::evidence::{
-    Account, Added, Description, Evidence, Opened, Screen, Selection,
+    Account, Description, Evidence, ExtendedFit, HeldOutResults, Screen, Selection,
 };
-use crate::procedure::lowered::Lowered;
-use crate::procedure::shared_effects::{Amount, Chance, SharesEffects};
+use crate::procedure::misfit_decrease::Decrease;
+use crate::procedure::shared_effects::{Amount, ScreenEstimate, SharesEffects};
 
 /// Evidence of a kind that is not named.
 pub type Part<'a> = Box<dyn SharesEffects<Act = usize, Fit = usize> + 'a>;
 
-/// Evidence with every fit and selection that it has made.
+/// Evidence with all its fits and selections.
 pub struct Indexed<E: Evidence> {
     evidence: E,
     fits: Vec<E::Fit>,
@@ -18,7 +18,6 @@ pub struct Indexed<E: Evidence> {
 }
 
 impl<E: Evidence> Indexed<E> {
-    /// Nothing fitted yet.
     pub fn new(evidence: E) -> Self {
         Self {
             evidence,
@@ -27,7 +26,7 @@ impl<E: Evidence> Indexed<E> {
         }
     }
 
-    fn keep(&mut self, fit: E::Fit) -> usize {
+    fn store(&mut self, fit: E::Fit) -> usize {
         self.fits.push(fit);
         self.fits.len() - 1
     }
@@ -39,7 +38,7 @@ impl<E: Evidence> Evidence for Indexed<E> {
 
     fn fit_base(&mut self, account: &mut Account) -> Result<usize, Error> {
         let fit = self.evidence.fit_base(account)?;
-        Ok(self.keep(fit))
+        Ok(self.store(fit))
     }
 
     fn screen(&mut self, fit: &usize, account: &mut Account) -> Result<Screen<usize>, Error> {
@@ -61,11 +60,11 @@ impl<E: Evidence> Evidence for Indexed<E> {
         fit: &usize,
         selection: &Selection<usize>,
         step: usize,
-    ) -> Result<Added<usize>, Error> {
+    ) -> Result<ExtendedFit<usize>, Error> {
         let own = &self.selections[selection.candidate.act];
         let own = self.evidence.add(&self.fits[*fit], own, step)?;
-        Ok(Added {
-            fit: self.keep(own.fit),
+        Ok(ExtendedFit {
+            fit: self.store(own.fit),
             written: own.written,
             gap: own.gap,
             place: own.place,
@@ -74,19 +73,25 @@ impl<E: Evidence> Evidence for Indexed<E> {
 
     fn settle(&mut self, fit: usize, account: &mut Account) -> Result<usize, Error> {
         let settled = self.evidence.settle(self.fits[fit].clone(), account)?;
-        Ok(self.keep(settled))
+        Ok(self.store(settled))
     }
 
     fn without(&mut self, fit: &usize, step: usize) -> Result<usize, Error> {
         let without = self.evidence.without(&self.fits[*fit], step)?;
-        Ok(self.keep(without))
+        Ok(self.store(without))
     }
 
-    fn lowered(&self, from: &usize, to: &usize) -> Result<Option<Lowered>, Error> {
-        self.evidence.lowered(&self.fits[*from], &self.fits[*to])
+    fn misfit_decrease(&self, from: &usize, to: &usize) -> Result<Option<Decrease>, Error> {
+        self.evidence
+            .misfit_decrease(&self.fits[*from], &self.fits[*to])
     }
 
-    fn open(&mut self, base: &usize, last: &usize, account: &mut Account) -> Result<Opened, Error> {
+    fn open(
+        &mut self,
+        base: &usize,
+        last: &usize,
+        account: &mut Account,
+    ) -> Result<HeldOutResults, Error> {
         self.evidence
             .open(&self.fits[*base], &self.fits[*last], account)
     }
@@ -103,8 +108,8 @@ impl<E: Evidence> Evidence for Indexed<E> {
 }
 
 impl<E: SharesEffects> SharesEffects for Indexed<E> {
-    fn chances(&self) -> &[Chance] {
-        self.evidence.chances()
+    fn screen_estimates(&self) -> &[ScreenEstimate] {
+        self.evidence.screen_estimates()
     }
 
     fn is_common(&self, effect: &str) -> bool {
@@ -117,9 +122,9 @@ impl<E: SharesEffects> SharesEffects for Indexed<E> {
 
     fn select(&mut self, fit: &usize, amount: &Amount) -> Option<Selection<usize>> {
         let selection = self.evidence.select(&self.fits[*fit], amount)?;
-        let retained = selection.acting(self.selections.len());
+        let stored = selection.acting(self.selections.len());
         self.selections.push(selection);
-        Some(retained)
+        Some(stored)
     }
 
     fn amounts(&self, fit: &usize, step: usize) -> Vec<Amount> {
@@ -135,6 +140,6 @@ impl<E: SharesEffects> SharesEffects for Indexed<E> {
         let fixed = self
             .evidence
             .with_fixed_sizes(&self.fits[*fit], step, amounts)?;
-        Ok(self.keep(fixed))
+        Ok(self.store(fixed))
     }
 }

@@ -1,8 +1,8 @@
-//! The kinds of data of a campaign, their fits, and what they say of one effect.
+//! The kinds of data of a campaign, their fits, and their estimates of one effect.
 
 use crate::error::Error;
 use crate::finding::{Fitted, HeldOut};
-use crate::joint::combine::{parted, together};
+use crate::joint::combine::{disagreement, together};
 use crate::joint::indexed::Part;
 use crate::options::Options;
 use crate::procedure::evidence::{Account, Dependence};
@@ -13,13 +13,11 @@ pub const PRESSURES: &str = "pressures";
 
 /// One kind of data of a campaign.
 pub struct Kind<'a> {
-    /// What it is called.
     pub name: &'static str,
-    /// Its evidence.
     pub part: Part<'a>,
     /// The fit with which its last screen selected nothing.
     pub silent: Option<usize>,
-    /// What its held-out data say.
+    /// Comparison on its held-out data.
     pub held_out: HeldOut,
 }
 
@@ -27,17 +25,15 @@ pub struct Kind<'a> {
 pub struct Joint<'a> {
     /// The kinds; the first is the one whose model is written.
     pub kinds: Vec<Kind<'a>>,
-    /// How the search is made.
     pub options: &'a Options,
 }
 
 /// A fit of every kind.
 #[derive(Clone)]
 pub struct JointFit {
-    /// By kind.
     pub parts: Vec<PartFit>,
-    /// By step, once settled: what the kinds say of it.
-    pub said: Vec<Said>,
+    /// Estimates by step, once settled.
+    pub estimates: Vec<StepEstimates>,
 }
 
 /// A fit of one kind.
@@ -45,29 +41,28 @@ pub struct JointFit {
 pub struct PartFit {
     /// With its own sizes.
     pub free: usize,
-    /// With the combined ones; the same where nothing is combined.
+    /// With the combined ones; the same without any.
     pub written: usize,
     /// The campaign's step of each of its own steps.
     pub steps: Vec<usize>,
 }
 
-/// What the kinds of data say of a step's effect.
+/// Estimates of a step's effect by the kinds of data.
 #[derive(Clone, Default)]
-pub struct Said {
+pub struct StepEstimates {
     /// Sizes by kind, of those that know it.
     pub by_kind: Vec<(usize, Vec<Amount>)>,
-    /// The combined sizes, where they agree.
+    /// The combined sizes, if they agree.
     pub together: Vec<Amount>,
-    /// What the reader should know where they disagree.
-    pub parted: Option<String>,
+    /// A remark if they disagree.
+    pub disagreement: Option<String>,
 }
 
 /// Which kind selects, and its selection.
 #[derive(Clone, Copy)]
 pub struct Origin {
-    /// The kind.
     pub kind: usize,
-    /// Its selected effect.
+    /// Index of its selection.
     pub selection: usize,
 }
 
@@ -86,7 +81,7 @@ impl<'a> Joint<'a> {
         }
     }
 
-    /// The steps that a kind takes part in.
+    /// A kind's account: the steps that it takes part in.
     pub fn own(&self, fit: &JointFit, kind: usize, account: &Account) -> Account {
         let steps = &fit.parts[kind].steps;
         Account {
@@ -95,8 +90,8 @@ impl<'a> Joint<'a> {
         }
     }
 
-    /// Takes over what a kind has to tell.
-    pub fn tell(&self, kind: usize, own: Account, account: &mut Account) {
+    /// Adds a kind's remarks to the account.
+    pub fn add_remarks(&self, kind: usize, own: Account, account: &mut Account) {
         let name = self.kinds[kind].name;
         let of = |text: String| format!("{name}: {text}");
         account.remarks.extend(own.remarks.into_iter().map(of));
@@ -107,7 +102,7 @@ impl<'a> Joint<'a> {
         account.depends.extend(depends);
         if let Some(why) = own.unexplained {
             // Reported with the names that other kinds of data have found.
-            let remark = of(format!("something remains without a name: {why}"));
+            let remark = of(format!("a residual remains unidentified: {why}"));
             account.remarks.push(remark);
             account.unexplained.get_or_insert(of(why));
         }
@@ -118,11 +113,8 @@ impl<'a> Joint<'a> {
         self.kinds.iter().all(|k| k.part.is_common(effect))
     }
 
-    /// What a kind says of an effect with its fit; `None` where it knows no such effect.
-    ///
-    /// # Errors
-    /// Those of the fit.
-    pub fn ask(
+    /// A kind's estimates of an effect with its fit; `None` for an unknown effect.
+    pub fn estimates_of(
         &mut self,
         kind: usize,
         fit: usize,
@@ -140,30 +132,38 @@ impl<'a> Joint<'a> {
         Ok(Some((added.fit, part.amounts(&added.fit, EXTRA_STEP))))
     }
 
-    /// What every kind says of a step's effect, and its combined size.
-    pub fn said(&mut self, fit: &JointFit, step: usize, effect: &str) -> Result<Said, Error> {
-        let mut said = Said::default();
+    /// Every kind's estimates of a step's effect, and its combined size.
+    pub fn estimates(
+        &mut self,
+        fit: &JointFit,
+        step: usize,
+        effect: &str,
+    ) -> Result<StepEstimates, Error> {
+        let mut estimates = StepEstimates::default();
         for (k, part) in fit.parts.iter().enumerate() {
             if let Some(own) = part.steps.iter().position(|s| *s == step) {
                 let amounts = self.kinds[k].part.amounts(&part.free, own);
-                said.by_kind.push((k, amounts));
+                estimates.by_kind.push((k, amounts));
             }
         }
-        if said.by_kind.len() < 2 || !self.is_common(effect) {
-            return Ok(said);
+        if estimates.by_kind.len() < 2 || !self.is_common(effect) {
+            return Ok(estimates);
         }
         let mut all: Vec<Vec<Amount>> = Vec::new();
-        for amount in said.by_kind.iter().flat_map(|(_, amounts)| amounts) {
+        for amount in estimates.by_kind.iter().flat_map(|(_, amounts)| amounts) {
             match all.iter_mut().find(|same| same[0].is_same(amount)) {
                 Some(same) => same.push(amount.clone()),
                 None => all.push(vec![amount.clone()]),
             }
         }
-        let worst = all.iter().map(|same| parted(same)).fold(0.0, f64::max);
+        let worst = all
+            .iter()
+            .map(|same| disagreement(same))
+            .fold(0.0, f64::max);
         if worst <= self.options.rules.search.agree {
-            said.together = all.iter().filter_map(|same| together(same)).collect();
+            estimates.together = all.iter().filter_map(|same| together(same)).collect();
         } else {
-            let sizes = said.by_kind.iter().flat_map(|(k, amounts)| {
+            let sizes = estimates.by_kind.iter().flat_map(|(k, amounts)| {
                 let name = self.kinds[*k].name;
                 amounts.iter().map(move |a| {
                     format!(
@@ -173,33 +173,37 @@ impl<'a> Joint<'a> {
                 })
             });
             let sizes: Vec<String> = sizes.collect();
-            said.parted = Some(format!(
+            estimates.disagreement = Some(format!(
                 "{effect}: the kinds of data disagree by {worst:.1} standard errors ({}); each keeps its own size, and the next model has that of {}",
                 sizes.join("; "),
-                self.kinds[said.by_kind[0].0].name
+                self.kinds[estimates.by_kind[0].0].name
             ));
         }
-        Ok(said)
+        Ok(estimates)
     }
 
-    /// The parameters of a step where its kinds agree.
-    pub fn combined(&self, said: &Said) -> Vec<Fitted> {
+    /// The parameters of a step if its kinds agree.
+    pub fn combined(&self, estimates: &StepEstimates) -> Vec<Fitted> {
         let quantile = self.options.rules.search.interval;
-        said.together.iter().map(|a| a.fitted(quantile)).collect()
+        estimates
+            .together
+            .iter()
+            .map(|a| a.fitted(quantile))
+            .collect()
     }
 }
 
 impl JointFit {
-    /// Forgets a step that no kind has; later ones move up.
-    pub fn leave_out(&mut self, step: usize) {
+    /// Removes a step that no kind contains; later ones move up.
+    pub fn remove_step(&mut self, step: usize) {
         for part in &mut self.parts {
             part.steps.retain(|s| *s != step);
             for s in &mut part.steps {
                 *s -= usize::from(*s > step);
             }
         }
-        if step < self.said.len() {
-            self.said.remove(step);
+        if step < self.estimates.len() {
+            self.estimates.remove(step);
         }
     }
 }

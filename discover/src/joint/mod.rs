@@ -1,4 +1,4 @@
-//! Several kinds of data of one campaign in one search: `campaign.toml`, each kind's evidence, and what they say together.
+//! Joint search of the data of a campaign: `campaign.toml`, each kind's evidence, combination.
 
 pub(crate) mod combine;
 pub(crate) mod description;

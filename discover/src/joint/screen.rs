@@ -1,19 +1,20 @@
-//! Who it could be, by all kinds of data together.
+//! Joint screen of all kinds of data.
 //!
-//! Of the class of a selected effect, each member is evaluated of every other kind that knows it: what that kind adds to it is `t^2 - d^2`, with t the size there in
-//! its errors and d what the two sizes part by in those of their difference (the logarithm of a likelihood ratio, twice). Members that fall behind
-//! the best by more than the square of what a rival must leave are distinguished. Where no kind selects anything alone, p-values of the same
-//! effect are combined.
+//! Each member of the class of a selected effect is evaluated in every other kind that knows it.
+//! That kind adds `t^2 - d^2` to its evidence (twice a log likelihood ratio), with t the size there
+//! in its standard errors and d the difference of the two sizes in those of their difference.
+//! Members whose evidence is below the best by more than the square of the needed t are excluded.
+//! If no kind selects anything alone, p-values of the same effect are combined.
 
 use crate::error::Error;
 use crate::finding::Rival;
-use crate::joint::combine::{chance, gain, parted};
+use crate::joint::combine::{combined_p_value, disagreement, gain};
 use crate::joint::kinds::{Joint, JointFit, Origin};
 use crate::procedure::evidence::{Account, Randomised, Selection};
 use crate::procedure::shared_effects::Amount;
 
-/// An effect that several kinds of data show, none of them surely.
-struct Weak {
+/// An effect of several kinds of data that none selects alone.
+struct WeakEffect {
     /// Kind and size, by kind.
     by_kind: Vec<(usize, Amount)>,
     p_value: f64,
@@ -21,7 +22,7 @@ struct Weak {
 }
 
 impl Joint<'_> {
-    /// t that a named effect must retain given a rival: the largest that any kind asks.
+    /// t that a named effect must keep given a rival: the largest requirement of any kind.
     fn needed_t(&self) -> f64 {
         let rules = &self.options.rules;
         let (runs, levels) = (&rules.runs.rivals, &rules.runs.level_rivals);
@@ -29,7 +30,7 @@ impl Joint<'_> {
         needed.into_iter().fold(0.0, f64::max)
     }
 
-    /// The smallest of the p-values that the kinds ask for.
+    /// The smallest significance level of the kinds.
     fn alpha(&self) -> f64 {
         let rules = &self.options.rules;
         [
@@ -41,10 +42,7 @@ impl Joint<'_> {
         .fold(1.0, f64::min)
     }
 
-    /// A kind's selected effect with the class that all kinds leave.
-    ///
-    /// # Errors
-    /// Those of the fits.
+    /// A kind's selected effect with the class given all kinds.
     pub fn judged(
         &mut self,
         fit: &JointFit,
@@ -67,25 +65,27 @@ impl Joint<'_> {
             };
             members.push((amount, None));
         }
-        let mut heard = false;
+        let mut evaluated = false;
         for (amount, added) in &mut members {
             let mut sum = 0.0;
             let mut is_untestable = false;
             for other in (0..self.kinds.len()).filter(|k| *k != kind) {
                 is_untestable |= self.kinds[other].part.is_untestable(&amount.effect);
-                let Some((_, said)) = self.ask(other, fit.parts[other].free, amount)? else {
+                let Some((_, estimates)) =
+                    self.estimates_of(other, fit.parts[other].free, amount)?
+                else {
                     continue;
                 };
-                for there in said.iter().filter(|there| there.is_same(amount)) {
-                    sum += there.t().powi(2) - there.apart(amount).powi(2);
-                    heard = true;
+                for there in estimates.iter().filter(|there| there.is_same(amount)) {
+                    sum += there.t().powi(2) - there.t_difference(amount).powi(2);
+                    evaluated = true;
                 }
             }
-            // What the others cannot measure they cannot exclude.
+            // Kinds that cannot measure an effect cannot exclude it.
             *added = (!is_untestable).then_some(sum);
         }
         let origin = |selection| Origin { kind, selection };
-        if !heard || members.len() < 2 {
+        if !evaluated || members.len() < 2 {
             return Ok(selection.acting(origin(selection.candidate.act)));
         }
         let of = |member: &(Amount, Option<f64>)| member.1.unwrap_or(0.0);
@@ -123,7 +123,7 @@ impl Joint<'_> {
             .collect();
         if !out.is_empty() {
             let message = format!(
-                "{} by themselves leave {} with {}: distinguished by the other data",
+                "{} alone cannot distinguish {} from {}: the other data do",
                 self.kinds[kind].name,
                 out.join(", "),
                 named.effect
@@ -142,7 +142,7 @@ impl Joint<'_> {
         Ok(joint)
     }
 
-    /// A selected effect that no kind makes alone.
+    /// A selected effect that no kind selects alone.
     pub fn weak_together(
         &mut self,
         fit: &JointFit,
@@ -151,14 +151,14 @@ impl Joint<'_> {
         let alpha = self.alpha();
         let agree = self.options.rules.search.agree;
         let weak = self.weak();
-        let known = |weak: &Weak| {
+        let known = |weak: &WeakEffect| {
             let effect = &weak.by_kind[0].1.effect;
             account.steps.iter().any(|s| s.effect == *effect)
         };
         let best = weak
             .iter()
             .filter(|w| w.by_kind.len() > 1 && w.p_value <= alpha && !known(w))
-            .filter(|w| parted(&amounts(w)) <= agree)
+            .filter(|w| disagreement(&amounts(w)) <= agree)
             .max_by(|a, b| a.gain.total_cmp(&b.gain))?;
         let surest = best
             .by_kind
@@ -188,11 +188,11 @@ impl Joint<'_> {
         Some(joint)
     }
 
-    /// What all kinds' last screens show of each amplitude that they have in common.
-    fn weak(&self) -> Vec<Weak> {
-        let mut weak: Vec<Weak> = Vec::new();
+    /// Estimates of every common amplitude in all kinds' last screens.
+    fn weak(&self) -> Vec<WeakEffect> {
+        let mut weak: Vec<WeakEffect> = Vec::new();
         for (k, kind) in self.kinds.iter().enumerate() {
-            for one in kind.part.chances() {
+            for one in kind.part.screen_estimates() {
                 let amount = one.amount.clone();
                 let common = self.is_common(&amount.effect);
                 let same = weak
@@ -200,11 +200,11 @@ impl Joint<'_> {
                     .find(|w| common && w.by_kind[0].1.is_same(&amount));
                 match same {
                     Some(same) => {
-                        same.p_value = chance(same.p_value, one.p_value);
+                        same.p_value = combined_p_value(same.p_value, one.p_value);
                         same.by_kind.push((k, amount));
                         same.gain = gain(&amounts(same));
                     }
-                    None => weak.push(Weak {
+                    None => weak.push(WeakEffect {
                         gain: gain(std::slice::from_ref(&amount)),
                         by_kind: vec![(k, amount)],
                         p_value: one.p_value,
@@ -216,7 +216,7 @@ impl Joint<'_> {
     }
 }
 
-/// The rivals of a member that is named instead of what a kind named by itself, which becomes one of them.
+/// The rivals of a member named instead of a kind's own selection, which becomes one of them.
 fn instead(selection: &Selection<usize>, named: &str) -> Vec<Rival> {
     let mut rivals = selection.rivals.clone();
     for rival in rivals.iter_mut().filter(|r| r.effect == named) {
@@ -236,7 +236,7 @@ fn instead(selection: &Selection<usize>, named: &str) -> Vec<Rival> {
     rivals
 }
 
-fn amounts(weak: &Weak) -> Vec<Amount> {
+fn amounts(weak: &WeakEffect) -> Vec<Amount> {
     weak.by_kind
         .iter()
         .map(|(_, amount)| amount.clone())

@@ -1,4 +1,4 @@
-//! From a campaign's file to a finding.
+//! Search of a campaign's data.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ use crate::joint::kinds::{Joint, PRESSURES};
 use crate::options::Options;
 use crate::procedure::search::{Found, search_evidence};
 
-/// Searches all data of a campaign at once; a single kind as it is searched by itself.
+/// Searches all data of a campaign together; a single kind is searched as usual.
 ///
 /// # Errors
 /// Those of the campaign's file and of the readers and searches of its data.
@@ -41,7 +41,7 @@ pub fn search(
         }
         _ => {}
     }
-    options.refuse_unheard(model.as_ref())?;
+    options.check_names(model.as_ref())?;
     let data = match (&files.runs, &model) {
         (Some(index), Some(model)) => {
             progress("reading runs");

@@ -1,4 +1,4 @@
-//! Classes split and chances combined, by kinds of data whose every word is stated.
+//! Splitting of classes and combination of p-values, by data with stated results.
 
 use crate::error::Error;
 use crate::finding::Rival;
@@ -7,20 +7,20 @@ use crate::joint::kinds::{Joint, JointFit, PartFit};
 use crate::options::Options;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{
-    Account, Added, Description, Evidence, Opened, Screen, Selection,
+    Account, Description, Evidence, ExtendedFit, HeldOutResults, Screen, Selection,
 };
-use crate::procedure::lowered::Lowered;
+use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::rules::SearchRules;
-use crate::procedure::shared_effects::{Amount, Chance, SharesEffects};
+use crate::procedure::shared_effects::{Amount, ScreenEstimate, SharesEffects};
 
-/// Data that know some effects, each with one size; a fit is the name of what was added last.
+/// Data that know some effects, each with one size; a fit is the name of the effect added last.
 #[derive(Default)]
 struct StatedData {
     sizes: Vec<Amount>,
-    chances: Vec<Chance>,
+    screen_estimates: Vec<ScreenEstimate>,
     is_untestable: Vec<&'static str>,
     of_the_air: Vec<&'static str>,
-    lowered: Option<Lowered>,
+    decrease: Option<Decrease>,
 }
 
 impl Evidence for StatedData {
@@ -37,8 +37,8 @@ impl Evidence for StatedData {
         _: &String,
         selection: &Selection<()>,
         _: usize,
-    ) -> Result<Added<String>, Error> {
-        Ok(Added {
+    ) -> Result<ExtendedFit<String>, Error> {
+        Ok(ExtendedFit {
             fit: selection.candidate.effect.clone(),
             written: true,
             gap: [0.0, 0.0],
@@ -51,10 +51,10 @@ impl Evidence for StatedData {
     fn without(&mut self, fit: &String, _: usize) -> Result<String, Error> {
         Ok(fit.clone())
     }
-    fn lowered(&self, _: &String, _: &String) -> Result<Option<Lowered>, Error> {
-        Ok(self.lowered.clone())
+    fn misfit_decrease(&self, _: &String, _: &String) -> Result<Option<Decrease>, Error> {
+        Ok(self.decrease.clone())
     }
-    fn open(&mut self, _: &String, _: &String, _: &mut Account) -> Result<Opened, Error> {
+    fn open(&mut self, _: &String, _: &String, _: &mut Account) -> Result<HeldOutResults, Error> {
         unreachable!("not used here")
     }
     fn describe(&mut self, _: &String, _: &String, _: &mut Account) -> Result<Description, Error> {
@@ -63,8 +63,8 @@ impl Evidence for StatedData {
 }
 
 impl SharesEffects for StatedData {
-    fn chances(&self) -> &[Chance] {
-        &self.chances
+    fn screen_estimates(&self) -> &[ScreenEstimate] {
+        &self.screen_estimates
     }
     fn is_common(&self, effect: &str) -> bool {
         !self.of_the_air.contains(&effect)
@@ -92,8 +92,8 @@ fn amount(effect: &str, value: f64, error: f64) -> Amount {
     }
 }
 
-fn chance(effect: &str, value: f64, error: f64, p_value: f64) -> Chance {
-    Chance {
+fn chance(effect: &str, value: f64, error: f64, p_value: f64) -> ScreenEstimate {
+    ScreenEstimate {
         amount: amount(effect, value, error),
         p_value,
     }
@@ -157,7 +157,7 @@ fn with_joint<T>(stated: [StatedData; 2], of: impl FnOnce(&mut Joint, &JointFit)
     };
     let fit = JointFit {
         parts: vec![part.clone(), part],
-        said: Vec::new(),
+        estimates: Vec::new(),
     };
     of(&mut joint, &fit)
 }
@@ -174,7 +174,7 @@ fn of_class(own: StatedData, other: StatedData, rivals: &[(&str, f64)]) -> (Stri
 }
 
 #[test]
-fn a_class_is_split_by_what_other_data_say_at_the_size_that_is_asked_for() {
+fn other_data_split_a_class_by_their_estimates() {
     let runs = || StatedData {
         sizes: vec![amount("temperature", 0.5, 0.05)],
         ..StatedData::default()
@@ -187,13 +187,13 @@ fn a_class_is_split_by_what_other_data_say_at_the_size_that_is_asked_for() {
         ..StatedData::default()
     };
     let rivals = [("temperature", 0.5)];
-    // The ice house sees the temperature at the size of the runs and nothing of the humidity.
+    // The ice house measures the temperature at the size of the runs and no humidity.
     let (named, class) = of_class(runs(), ice_house(0.0, 0.5), &rivals);
     assert_eq!((named.as_str(), class.len()), ("temperature", 1));
     // It confirms the humidity instead.
     let (named, class) = of_class(runs(), ice_house(1.0, 0.0), &rivals);
     assert_eq!((named.as_str(), class.len()), ("humidity", 1));
-    // It sees both as they would have to be, or knows neither, or cannot measure the one it would exclude.
+    // It measures both at their sizes, or knows neither, or cannot measure one.
     let (_, class) = of_class(runs(), ice_house(1.0, 0.5), &rivals);
     assert_eq!(class, ["humidity", "temperature"]);
     let (_, class) = of_class(runs(), StatedData::default(), &rivals);
@@ -208,13 +208,13 @@ fn a_class_is_split_by_what_other_data_say_at_the_size_that_is_asked_for() {
 }
 
 fn weakly(
-    own: Vec<Chance>,
-    other: Vec<Chance>,
+    own: Vec<ScreenEstimate>,
+    other: Vec<ScreenEstimate>,
     of_the_air: Vec<&'static str>,
 ) -> Option<(String, f64)> {
-    let of = |chances: Vec<Chance>| StatedData {
-        sizes: chances.iter().map(|c| c.amount.clone()).collect(),
-        chances,
+    let of = |screen_estimates: Vec<ScreenEstimate>| StatedData {
+        sizes: screen_estimates.iter().map(|c| c.amount.clone()).collect(),
+        screen_estimates,
         ..StatedData::default()
     };
     let other = StatedData {
@@ -228,13 +228,13 @@ fn weakly(
 }
 
 #[test]
-fn what_no_data_claim_alone_two_may_claim_together_where_they_agree() {
+fn two_kinds_together_select_an_effect_that_none_selects_alone() {
     let of = |size: f64, p: f64| vec![chance("temperature", size, 0.3, p)];
     let found = weakly(of(1.0, 0.01), of(1.1, 0.01), Vec::new());
     let q: f64 = 1e-4;
     let p = q * (1.0 - q.ln());
     assert!(found.is_some_and(|(name, own)| name == "temperature" && (own / p - 1.0).abs() < 1e-9));
-    // Of other signs, not sure enough, of different bodies, or by one kind alone.
+    // Different signs, too weak, different bodies, or one kind alone.
     assert_eq!(weakly(of(1.0, 0.01), of(-1.0, 0.01), Vec::new()), None);
     assert_eq!(weakly(of(1.0, 0.05), of(1.0, 0.2), Vec::new()), None);
     assert_eq!(
@@ -245,19 +245,21 @@ fn what_no_data_claim_alone_two_may_claim_together_where_they_agree() {
 }
 
 #[test]
-fn what_rises_in_the_channel_that_it_is_made_of_is_seen_beside_other_data() {
+fn a_rise_in_the_own_channel_is_rejected_with_other_data() {
     let falls = [[-2.0, 9.0], [-3.0, 10.0], [-2.5, 11.0], [-2.2, 10.0]];
-    let of = |lowered: Option<Lowered>| StatedData {
-        lowered,
+    let of = |decrease: Option<Decrease>| StatedData {
+        decrease,
         ..StatedData::default()
     };
-    let runs = of(Lowered::over_channels(["side", "yaw"], &falls, &falls));
-    let experiments = of(Lowered::over(&[5.0, 6.0, 5.5], 0.0));
-    let sum = with_joint([runs, experiments], |joint, fit| joint.lowered(fit, fit));
+    let runs = of(Decrease::over_channels(["side", "yaw"], &falls, &falls));
+    let experiments = of(Decrease::over(&[5.0, 6.0, 5.5], 0.0));
+    let sum = with_joint([runs, experiments], |joint, fit| {
+        joint.misfit_decrease(fit, fit)
+    });
     let (sum, rules) = (sum.ok().flatten(), SearchRules::default());
-    let holds_in = |channel| sum.as_ref().map(|sum| sum.holds_in(channel, &rules));
+    let is_accepted_in = |channel| sum.as_ref().map(|sum| sum.is_accepted_in(channel, &rules));
     assert_eq!(
-        [holds_in("yaw"), holds_in("side")],
+        [is_accepted_in("yaw"), is_accepted_in("side")],
         [Some(true), Some(false)]
     );
 }

@@ -1,17 +1,18 @@
-//! Tests in which all runs of a session may share a fault.
+//! Tests in which the runs of a session may share an error.
 //!
-//! With U_g the sum of a candidate's scores over the runs of session g and V the variance that random effects give to all of them,
-//! the null distribution is that of
+//! With U_g the sum of a candidate's scores over the runs of session g and V the variance of all of
+//! them by random effects, the null distribution is that of
 //!
 //! ```text
 //! T* = (sum_g w_g U_g + sum_k z_k c_k) / sqrt(sum_g w_g^2 U_g^2 + V)
 //! ```
 //!
-//! w_g are Webb's six weights, which leave distinct values of T* to few sessions, and z_k is standard normal: the wild cluster
-//! bootstrap of scores with the null imposed.
+//! w_g are Webb's six weights, which give distinct values of T* with few sessions, and z_k is
+//! standard normal: the wild cluster bootstrap of scores with the null imposed.
 //!
-//! Source: M. D. Webb, Reworking wild bootstrap-based inference for clustered errors, Canadian Journal of Economics 56 (2023) 839;
-//! P. Kline, A. Santos, A score based approach to wild bootstrap inference, Journal of Econometric Methods 1 (2012) 23.
+//! Source: M. D. Webb, Reworking wild bootstrap-based inference for clustered errors, Canadian
+//! Journal of Economics 56 (2023) 839; P. Kline, A. Santos, A score based approach to wild
+//! bootstrap inference, Journal of Econometric Methods 1 (2012) 23.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -41,9 +42,10 @@ pub fn session_numbers<'a>(sessions: impl Iterator<Item = &'a str>) -> Vec<usize
 
 /// The max-T p-value of each candidate over all of them; `None` with fewer than two sessions.
 ///
-/// `u` holds scores (candidates by runs), `shared` what random effects add to each sum, `common` what a standard deviation of each
-/// random effect moves it by (candidates by random effects), `sessions` the number of each run's session. Candidates without any
-/// score take no part.
+/// `u`: scores (candidates by runs). `shared`: contribution of random effects to each sum.
+/// `common`: derivative of each sum by each random effect, per standard deviation (candidates by
+/// random effects). `sessions`: number of each run's session. Candidates without any score are
+/// excluded.
 pub fn by_sessions(
     u: &DMatrix<f64>,
     shared: &[f64],
@@ -111,8 +113,8 @@ mod tests {
 
     const RUNS: usize = 4;
 
-    /// Share of data sets with a p-value of at most 0.01 by runs and by sessions: twenty candidates, runs of a session correlated
-    /// by 0.3, the first candidate with this mean score.
+    /// Share of data sets with a p-value of at most 0.01 by runs and by sessions: twenty
+    /// candidates, runs of a session correlated by 0.3, the first candidate with this mean score.
     fn detected(sessions: usize, mean: f64) -> [f64; 2] {
         let numbers: Vec<usize> = (0..sessions * RUNS).map(|run| run / RUNS).collect();
         let mut rng = stream(7, 7, 7);
@@ -147,14 +149,14 @@ mod tests {
 
     /// Binomial with 200 trials at 0.01: mean 2, three deviations 4.2.
     #[test]
-    fn faults_that_sessions_share_are_claimed_by_runs_and_not_by_sessions() {
+    fn errors_shared_by_sessions_are_significant_by_runs_and_not_by_sessions() {
         let [by_runs, by_sessions] = detected(12, 0.0);
         assert!(by_runs > 0.05, "{by_runs}");
         assert!(by_sessions <= 0.031, "{by_sessions}");
     }
 
     #[test]
-    fn an_effect_in_all_of_twelve_sessions_is_claimed_by_both() {
+    fn an_effect_in_twelve_sessions_is_significant_by_both() {
         let found = detected(12, 2.0);
         assert!(found.iter().all(|share| *share > 0.9), "{found:?}");
     }

@@ -1,9 +1,9 @@
-//! The tail of the largest statistic above what simulations reach.
+//! The tail of the largest statistic beyond the simulated range.
 
 /// Upper tail of a Gumbel law fitted by moments to maxima of simulated nulls.
 ///
-/// P(M >= t) = 1 - exp(-exp(-(t - a)/b)), b = sd sqrt(6)/pi, a = mean - 0.5772 b. Maxima over many candidates are close
-/// to it, and its tail reaches below 1/(number of twins).
+/// P(M >= t) = 1 - exp(-exp(-(t - a)/b)), b = sd sqrt(6)/pi, a = mean - 0.5772 b. Maxima over many
+/// candidates are close to it, and its tail reaches below 1/(number of simulations).
 pub fn gumbel_tail(maxima: &[f64], t: f64) -> f64 {
     let n = maxima.len() as f64;
     let mean = maxima.iter().sum::<f64>() / n;

@@ -1,4 +1,4 @@
-//! What chance alone shows: randomisations, their largest statistics and the tail above them.
+//! Null distributions: randomisations, their largest statistics and the tail above them.
 
 pub(crate) mod clusters;
 pub(crate) mod gumbel;

@@ -1,10 +1,11 @@
-//! Permutation tests of what belongs to sessions.
+//! Permutation tests of session-level quantities.
 
 use crate::null::random::{shuffle, stream};
 
-/// Permutes what belongs to sessions: does `levels` (one a session) follow one of the covariates more than chance?
+/// Tests `levels` (one per session) against covariates by permutation of the sessions.
 ///
-/// Returns, for each covariate, |r| and its max-T p-value; all orders are visited where there are at most 5040.
+/// Returns, for each covariate, |r| and its max-T p-value; all orders are visited if there are at
+/// most 5040.
 pub fn by_session_permutation(
     levels: &[f64],
     covariates: &[Vec<f64>],

@@ -4,7 +4,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// A stream that depends on the seed and the place where it is used, never on the order of threads.
+/// A stream that depends on the seed and its purpose, never on the order of threads.
 pub fn stream(seed: u64, purpose: u64, index: u64) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed ^ purpose.wrapping_mul(0x9E37_79B9_7F4A_7C15));
     rng.set_stream(index);
@@ -21,12 +21,10 @@ pub fn sign(rng: &mut impl Rng) -> f64 {
     if rng.random::<bool>() { 1.0 } else { -1.0 }
 }
 
-/// A whole number below `n`.
 pub fn below(rng: &mut impl Rng, n: usize) -> usize {
     rng.random_range(0..n)
 }
 
-/// A random order.
 pub fn shuffle<T>(rng: &mut impl Rng, items: &mut [T]) {
     for i in (1..items.len()).rev() {
         items.swap(i, below(rng, i + 1));

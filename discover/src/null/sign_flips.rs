@@ -1,4 +1,4 @@
-//! Sign-flip tests, corrected for looking at many candidates at once.
+//! Sign-flip tests with a correction for multiple candidates.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -14,16 +14,19 @@ pub struct MaxT {
 }
 
 impl MaxT {
-    /// Flips the sign of whole runs: under the null a run's scores are as likely positive as negative, whatever the
-    /// correlation within it. Westfall and Young's single-step max-T over the rows of `u` (candidates by runs).
+    /// Flips the sign of whole runs: under the null a run's scores are symmetric, whatever the
+    /// correlation within it. Westfall and Young's single-step max-T over the rows of `u`
+    /// (candidates by runs).
     pub fn by_sign_flips(u: &DMatrix<f64>, flips: usize, seed: u64) -> Self {
         let norms: Vec<f64> = (0..u.nrows()).map(|c| u.row(c).norm()).collect();
         Self::with_norms(u, &norms, &DMatrix::zeros(u.nrows(), 0), flips, seed)
     }
 
-    /// The same for sums of scores over given norms, which signs must not change; rows of norm 0 take no part. Random effects
-    /// that are the same in all runs are drawn with the signs; `common` (candidates by random effects) says by how much a
-    /// standard deviation of each moves the sums.
+    /// The same for sums of scores over given norms, which signs must not change; rows of norm 0
+    /// are excluded.
+    ///
+    /// Random effects common to all runs are drawn with the signs; `common` (candidates by random
+    /// effects) is the derivative of the sums by a standard deviation of each.
     pub fn with_norms(
         u: &DMatrix<f64>,
         norms: &[f64],
@@ -84,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn noise_is_claimed_in_the_stated_share_of_data_sets() {
+    fn noise_is_significant_at_the_stated_rate() {
         let mut rng = stream(5, 5, 5);
         let sets = 300;
         let detections = (0..sets)

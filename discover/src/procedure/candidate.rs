@@ -1,28 +1,24 @@
-//! What could be missing: one amplitude of one effect.
+//! Candidates: one amplitude of one effect each.
 
-/// One amplitude of one effect; `A` is how it acts on the data at hand.
+/// One amplitude of one effect; `A` is its action on the data at hand.
 #[derive(Clone)]
 pub struct Candidate<A> {
     /// Name of the effect, as in `[effects.NAME]`.
     pub effect: String,
     /// Name of the amplitude.
     pub key: String,
-    /// Its unit.
     pub unit: String,
-    /// Smallest admissible value.
     pub low: f64,
-    /// Largest admissible value.
     pub high: f64,
-    /// Order of magnitude: a noticeable size.
+    /// Typical order of magnitude.
     pub typical: f64,
-    /// What would tell it from its rivals.
+    /// Measurement that would distinguish it from its rivals.
     pub decides: String,
-    /// How it acts.
     pub act: A,
 }
 
 impl<A> Candidate<A> {
-    /// Whether it is no effect but a dependence on a column outside the catalogue.
+    /// Whether it is a dependence on a column outside the catalogue.
     pub fn is_column(&self) -> bool {
         self.effect.starts_with("unknown:")
     }
@@ -32,7 +28,7 @@ impl<A> Candidate<A> {
         (self.low..=self.high).contains(&size)
     }
 
-    /// The same with another way to act.
+    /// The same with another action.
     pub fn acting<B>(&self, act: B) -> Candidate<B> {
         Candidate {
             effect: self.effect.clone(),

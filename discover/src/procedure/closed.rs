@@ -1,27 +1,26 @@
-//! How much of the gap that can be explained is closed, seen along the direction in which it can.
+//! Closed share of the explainable misfit, by projection on the explained direction.
 
 use crate::finding::Interval;
 
-/// What the rows hold to judge by; all entries in units of their standard deviations.
+/// Residuals and directions, in units of their standard deviations.
 pub struct ClosedGap<'a> {
-    /// Change of the simulation by all that the training rows explain, what was found and the best of the rest.
+    /// Change of the simulation by all that the training rows explain.
     pub direction: &'a [f64],
-    /// Residual before.
     pub before: &'a [f64],
-    /// Residual after.
     pub after: &'a [f64],
-    /// The same direction on the training rows, which its length was fitted to.
+    /// The same direction on the training rows, to which its length was fitted.
     pub fitted: &'a [f64],
-    /// Deviation of a residual where no effect remains, 1 where the noise is as stated.
+    /// Standard deviation of a residual without missing effects, 1 if the noise is as stated.
     pub spread: f64,
 }
 
 impl ClosedGap<'_> {
-    /// 1 - |f . r_after| / f . r_before, too much counting as too little, with 95 % for the noise on these rows and for
-    /// that of the fit; -1 to 1 where nothing explainable exceeds the noise here.
+    /// 1 - |f . r_after| / f . r_before with its 95 % interval; an excess counts as a deficit.
     ///
-    /// f is independent of these rows' noise where they took no part in the fit, so that r_before needs no noise taken off;
-    /// from the value, not from the interval, the noise of f . r_after is taken off in squares.
+    /// The interval includes the noise on these rows and that of the fit; it is -1 to 1 if nothing
+    /// explainable exceeds the noise here. f is independent of the noise of rows that were not
+    /// fitted, so that r_before needs no correction. The noise of f . r_after is subtracted in
+    /// squares from the value, not from the interval.
     pub fn closed(&self) -> Interval {
         let along = |r: &[f64]| -> f64 { self.direction.iter().zip(r).map(|(f, r)| f * r).sum() };
         let (before, after) = (along(self.before), along(self.after));
@@ -62,9 +61,9 @@ mod tests {
     use crate::null::random::normal;
     use crate::null::random::stream;
 
-    /// A fitted size is off by its own error; the truth is what that size leaves of the true change.
+    /// A fitted size has its own error; the truth is the remaining part of the true change.
     #[test]
-    fn intervals_hold_what_the_fitted_size_closes() {
+    fn intervals_cover_the_share_that_the_fitted_size_closes() {
         let change: Vec<f64> = (0..200).map(|i| 0.5 * (0.2 * i as f64).sin()).collect();
         let (fit, locked) = change.split_at(150);
         let (mut covered, mut full, cases) = (0, 0, 400);
@@ -96,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn where_nothing_explainable_is_seen_nothing_is_told() {
+    fn without_an_explainable_misfit_the_interval_is_unbounded() {
         let seen = ClosedGap {
             direction: &[0.1, -0.1],
             before: &[0.5, 0.4],
@@ -109,9 +108,9 @@ mod tests {
     }
 
     #[test]
-    fn half_a_change_is_half_closed_and_twice_the_change_closes_nothing() {
+    fn half_of_a_change_closes_half_and_twice_the_change_nothing() {
         let f = [30.0, -40.0];
-        // A change of 50 standard deviations: noise takes off 2e-4 of a half.
+        // A change of 50 standard deviations: noise subtracts 2e-4 of a half.
         for (remaining, closed) in [(0.5, 0.5), (-1.0, 0.0), (0.0, 1.0)] {
             let after = f.map(|f| remaining * f);
             let seen = ClosedGap {

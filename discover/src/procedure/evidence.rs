@@ -1,4 +1,4 @@
-//! What a search asks of data, whatever their kind.
+//! Interface of the search to data of any kind.
 
 use crate::error::Error;
 use crate::finding::NextRuns;
@@ -8,91 +8,64 @@ use crate::finding::{
     Rival, Step, Tolerated, Withheld,
 };
 use crate::procedure::candidate::Candidate;
-use crate::procedure::lowered::Lowered;
+use crate::procedure::misfit_decrease::Decrease;
 
-/// Data of one kind, a part of them held out, and the model that is judged by them.
+/// Data of one kind, a part of them held out, and the model that is tested with them.
 pub trait Evidence {
-    /// How a candidate acts on these data.
+    /// Action of a candidate on these data.
     type Act;
-    /// The model so far, fitted to what is not held out.
+    /// A model fitted to the training data.
     type Fit: Clone;
 
     /// The base model, fitted.
-    ///
-    /// # Errors
-    /// Where it cannot be fitted.
     fn fit_base(&mut self, account: &mut Account) -> Result<Self::Fit, Error>;
 
-    /// Who it could be: every candidate with the fit, judged against what chance shows.
-    ///
-    /// # Errors
-    /// Those of the simulations it needs.
+    /// Scores every candidate given the fit, with p-values under the null.
     fn screen(
         &mut self,
         fit: &Self::Fit,
         account: &mut Account,
     ) -> Result<Screen<Self::Act>, Error>;
 
-    /// Base, earlier selected effects and this one fitted together; it belongs to the account's step `step`.
-    ///
-    /// # Errors
-    /// Those of the fit.
+    /// Fits base, earlier selected effects and this one of the account's step `step` together.
     fn add(
         &mut self,
         fit: &Self::Fit,
         selection: &Selection<Self::Act>,
         step: usize,
-    ) -> Result<Added<Self::Fit>, Error>;
+    ) -> Result<ExtendedFit<Self::Fit>, Error>;
 
-    /// A selected effect judged once more at the fit that contains it: itself, or the effect that takes its place, with its fit.
-    ///
-    /// # Errors
-    /// Those of the fit.
+    /// Re-evaluates a selected effect at its fit: returns the effect or its replacement.
     fn exchange(
         &mut self,
         _before: &Self::Fit,
-        selected: Selected<Self::Act, Self::Fit>,
+        selected: SelectedFit<Self::Act, Self::Fit>,
         _step: usize,
         _account: &Account,
-    ) -> Result<Selected<Self::Act, Self::Fit>, Error> {
+    ) -> Result<SelectedFit<Self::Act, Self::Fit>, Error> {
         Ok(selected)
     }
 
-    /// Removes from fit and account what later selected effects have made superfluous, and fits what remains once more.
-    ///
-    /// # Errors
-    /// Those of the fit.
+    /// Removes from fit and account the effects that later ones have made superfluous, and refits.
     fn settle(&mut self, fit: Self::Fit, account: &mut Account) -> Result<Self::Fit, Error>;
 
-    /// The fit without the effects of a step, what remains fitted again.
-    ///
-    /// # Errors
-    /// Those of the fit.
+    /// Refits without the effects of a step.
     fn without(&mut self, fit: &Self::Fit, step: usize) -> Result<Self::Fit, Error>;
 
-    /// By how much the held-out data's gap is lower with the second fit than with the first, all channels together; `None`
-    /// where nothing is held out.
-    ///
-    /// # Errors
-    /// Those of the simulations it needs.
-    fn lowered(&self, from: &Self::Fit, to: &Self::Fit) -> Result<Option<Lowered>, Error>;
+    /// Decrease of the held-out misfit from the first fit to the second, all channels together;
+    /// `None` without held-out data.
+    fn misfit_decrease(&self, from: &Self::Fit, to: &Self::Fit) -> Result<Option<Decrease>, Error>;
 
-    /// Opens the held-out data and says what the two fits leave and close there.
-    ///
-    /// # Errors
-    /// Those of the simulations it needs.
+    /// Evaluates the two fits on the held-out data.
     fn open(
         &mut self,
         base: &Self::Fit,
         last: &Self::Fit,
         account: &mut Account,
-    ) -> Result<Opened, Error>;
+    ) -> Result<HeldOutResults, Error>;
 
     /// The model to write: the fit with effects, the refitted base or the model as given, whichever
     /// comes first of those that are no worse than the model as given on the held-out data.
-    ///
-    /// # Errors
-    /// Those of the simulations it needs.
     fn choose(
         &mut self,
         refitted: &Self::Fit,
@@ -111,10 +84,7 @@ pub trait Evidence {
         })
     }
 
-    /// Everything else that a report tells, and the next model.
-    ///
-    /// # Errors
-    /// Those of the simulations it needs.
+    /// The remaining results of a report, and the next model.
     fn describe(
         &mut self,
         base: &Self::Fit,
@@ -123,42 +93,38 @@ pub trait Evidence {
     ) -> Result<Description, Error>;
 }
 
-/// Why a selected effect is omitted that later ones explain.
+/// Reason for removing an effect that later ones explain.
 pub const SUPERFLUOUS: &str = "became superfluous";
 
-/// What a search has to tell so far.
+/// State of a search.
 #[derive(Clone, Debug, Default)]
 pub struct Account {
     /// The effects that are named.
     pub steps: Vec<Step>,
-    /// What the reader should know.
     pub remarks: Vec<String>,
     /// Assumptions without which a selected effect would not be significant.
     pub depends: Vec<Dependence>,
-    /// What differs although nothing can be named.
+    /// A measurement to make if data and model differ but no effect can be named.
     pub unexplained: Option<String>,
 }
 
 /// An assumption on which a selected effect depends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dependence {
-    /// What depends on what.
+    /// The dependence, in words.
     pub assumption: String,
-    /// What to measure to be free of it.
+    /// A measurement that would make it unnecessary.
     pub decides: String,
 }
 
 impl Account {
-    /// Takes back a selected effect, and says why: [`SUPERFLUOUS`], or why its size does not suffice.
-    pub fn leave_out(&mut self, step: usize, why: &str) {
+    /// Removes a selected effect for a reason: [`SUPERFLUOUS`] or the insufficient size.
+    pub fn remove_step(&mut self, step: usize, why: &str) {
         let gone = self.steps.remove(step);
         let message = match self.steps.is_empty() {
-            false => format!(
-                "{} {why} once the others were there and was removed",
-                gone.effect
-            ),
+            false => format!("{} {why} given the others and was removed", gone.effect),
             true => format!(
-                "{} is significant on the training data (p = {:.1e}), but its size not from its own error: it is not named",
+                "{} is significant on the training data (p = {:.1e}), but its size is within its standard error: it is not named",
                 gone.effect, gone.p_value
             ),
         };
@@ -168,8 +134,8 @@ impl Account {
         self.remarks.push(message);
     }
 
-    /// Takes back every selected effect, of which these shares of what can be explained on the held-out data are closed.
-    pub fn take_back_all(&mut self, closed: &[Interval]) {
+    /// Removes every selected effect, given their closed shares on the held-out data.
+    pub fn remove_all(&mut self, closed: &[Interval]) {
         let gone = std::mem::take(&mut self.steps);
         let message: Vec<String> = gone
             .iter()
@@ -183,11 +149,11 @@ impl Account {
                 )
             })
             .collect();
-        self.is_left_without(message);
+        self.set_unexplained(message);
     }
 
-    /// Takes back every step: the model with them is worse than the one as given, for this reason.
-    pub fn are_withheld(&mut self, reason: &str) {
+    /// Removes every step because the model with them is worse than the given one, for this reason.
+    pub fn withhold(&mut self, reason: &str) {
         let gone = std::mem::take(&mut self.steps);
         let names: Vec<&str> = gone.iter().map(|step| step.effect.as_str()).collect();
         let withheld = format!(
@@ -195,56 +161,54 @@ impl Account {
             names.join(" with "),
             gone.first().map_or(1.0, |step| step.p_value)
         );
-        self.is_left_without(vec![withheld]);
+        self.set_unexplained(vec![withheld]);
     }
 
-    /// A step is taken back that is significant at more places than it can be bound to.
-    pub fn is_everywhere(&mut self, step: usize, places: usize) {
+    /// Removes a step that is significant at more places than can be listed.
+    pub fn remove_nonlocal(&mut self, step: usize, places: usize) {
         let gone = self.steps.remove(step);
         let message = format!(
-            "{} was significant at {places} places ({}) and still does at others: what acts at so many is not bound to them; it is not named",
+            "{} was significant at {places} places ({}) and is so at others: it is not a local effect and is not named",
             gone.effect, gone.place
         );
         match self.steps.is_empty() {
-            true => self.is_left_without(vec![message]),
+            true => self.set_unexplained(vec![message]),
             false => self.remarks.push(message),
         }
     }
 
-    /// Nothing is named any more, for these reasons.
-    pub fn is_left_without(&mut self, message: Vec<String>) {
+    /// Records that no effect remains named, for these reasons.
+    pub fn set_unexplained(&mut self, message: Vec<String>) {
         self.depends.clear();
         self.unexplained.get_or_insert(message.join("; "));
         self.remarks.extend(message);
     }
 }
 
-/// What one screen of all candidates shows.
+/// Results of one screen of all candidates.
 pub struct Screen<A> {
-    /// The selected effect, where one is significant.
+    /// The selected effect, if one is significant.
     pub selection: Option<Selection<A>>,
-    /// The smallest size of each effect that would be selected.
+    /// Detectable size of each effect.
     pub detectable: Vec<Detectable>,
 }
 
-/// p-values of a selected effect by randomisations, where they can be made.
+/// p-values of a selected effect by randomisations, if available.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Randomised {
-    /// Runs independent of one another.
+    /// With independent runs.
     pub runs: Option<f64>,
-    /// Sessions independent, the runs of one not.
+    /// With independent sessions.
     pub sessions: Option<f64>,
 }
 
-/// One effect that is significant.
+/// A significant effect.
 pub struct Selection<A> {
-    /// The effect.
     pub candidate: Candidate<A>,
     /// Size in its unit.
     pub size: f64,
-    /// Standard error of the size.
     pub error: f64,
-    /// Every effect that the data cannot tell from it, itself first.
+    /// Effects that the data cannot distinguish, itself first.
     pub class: Vec<String>,
     /// The rivals, best first.
     pub rivals: Vec<Rival>,
@@ -252,18 +216,17 @@ pub struct Selection<A> {
     pub p_value: f64,
     /// p-values by randomisations of runs and sessions.
     pub randomised: Randomised,
-    /// Where.
     pub place: String,
-    /// Channel in which it shows most, and that channel's unit.
+    /// The channel that it changes most, and that channel's unit.
     pub channel: (&'static str, &'static str),
-    /// What the reader should know of it, once it is added.
+    /// A remark that is reported once it is added.
     pub remark: Option<String>,
-    /// Size with its interval where the fit of the forces does not set it.
+    /// Size with its interval if it is not estimated from the forces.
     pub parameters: Vec<Fitted>,
 }
 
 impl<A> Selection<A> {
-    /// The same selection of a candidate that acts otherwise.
+    /// The same selection with another action.
     pub fn acting<B>(&self, act: B) -> Selection<B> {
         Selection {
             candidate: self.candidate.acting(act),
@@ -282,81 +245,73 @@ impl<A> Selection<A> {
 }
 
 /// A model with one more effect.
-pub struct Added<F> {
-    /// The fit.
+pub struct ExtendedFit<F> {
     pub fit: F,
-    /// Whether a model can hold the effect; where not, the search ends.
+    /// Whether a model file can contain the effect; if not, the search ends.
     pub written: bool,
     /// Root mean square of the selected effect's channel before and after.
     pub gap: [f64; 2],
-    /// Where it acts, if that is known only now; with the places of an effect that acts elsewhere already.
+    /// Where it acts, if that follows from the fit; includes earlier places of the effect.
     pub place: Option<String>,
 }
 
 /// A selected effect with the model that contains it.
-pub type Selected<A, F> = (Selection<A>, Added<F>);
+pub type SelectedFit<A, F> = (Selection<A>, ExtendedFit<F>);
 
-/// What the held-out data say.
-pub struct Opened {
-    /// The gap before and after.
+/// Results on the held-out data.
+pub struct HeldOutResults {
+    /// Misfit before and after.
     pub held_out: HeldOut,
-    /// Share of the explainable gap that is closed, by step.
+    /// Closed share of the explainable misfit, by step.
     pub closed: Vec<Interval>,
 }
 
-impl Opened {
-    /// Whether every step leaves more of what can be explained than there was, outside its interval.
+impl HeldOutResults {
+    /// Whether every step increases the explainable misfit, outside its interval.
     pub fn are_worse(&self) -> bool {
         !self.closed.is_empty() && self.closed.iter().all(|closed| closed.high < 0.0)
     }
 }
 
-/// The model to write, and how it compares on the held-out data.
+/// The model to write, with its comparison on the held-out data.
 pub struct Choice<F> {
-    /// Its fit.
     pub fit: F,
     /// Which model it is.
     pub written: ModelKind,
     /// Root mean squares of all three models.
     pub baselines: Vec<Baseline>,
-    /// Models that are worse than the one as given.
+    /// Models that are worse than the given one.
     pub withheld: Vec<Withheld>,
 }
 
-/// The rest of a report.
+/// The remaining results of a report.
 #[derive(Default)]
 pub struct Description {
-    /// Kind of data.
     pub data: String,
-    /// Gap on the data that were learned from.
+    /// Misfit on the training data.
     pub training: Vec<ChannelGap>,
     /// Parameters of each step.
     pub parameters: Vec<Vec<Fitted>>,
-    /// The formula of each step that is one, as the next model has it.
+    /// The formula of each step that is a law, as the next model has it.
     pub laws: Vec<Option<String>>,
-    /// What the installation is off by, within its tolerance.
+    /// Installation errors within their tolerances.
     pub within_tolerance: Vec<Tolerated>,
-    /// Base parameters.
     pub base: Vec<Fitted>,
-    /// Those of them that a refit moves out of their plausible range.
+    /// Base parameters outside their plausible range.
     pub implausible: Vec<Fitted>,
-    /// Bins that are significant before.
     pub bins: Vec<Bin>,
-    /// Bins that are significant after.
     pub bins_after: Vec<Bin>,
-    /// Means by run.
     pub by_run: Vec<ByRun>,
     /// Pictures of the page.
     pub pictures: Vec<Picture>,
     /// Whether the residual is clean.
     pub clean: bool,
-    /// What remains of the repeatable misfit, by channel.
+    /// Remaining repeatable misfit, by channel.
     pub remaining: Vec<Remaining>,
-    /// Whether places are significant although nothing is named.
+    /// Whether places are significant without a named effect.
     pub located: bool,
-    /// Effects that could not be tested, and why.
     pub untestable: Vec<(String, String)>,
-    /// What is known of the effects that may be named.
+    /// Meaning of the effects that may be named.
     pub effects: Vec<Meaning>,
     /// Sentences of this kind of data.
     pub words: Words,
@@ -364,27 +319,26 @@ pub struct Description {
     pub next_runs: Vec<NextRuns>,
     /// The next model, as its file's text.
     pub next_model: String,
-    /// The next case, where pressures are searched together with other data.
+    /// The next case, if pressures are searched together with other data.
     pub next_case: Option<String>,
 }
 
-/// What an effect means.
+/// Meaning of an effect.
 #[derive(Clone, Debug)]
 pub struct Meaning {
-    /// Its name.
     pub name: String,
-    /// What it means; empty for a column that no effect has.
+    /// Summary; empty for a column outside the catalogue.
     pub summary: String,
-    /// What would tell it from its rivals.
+    /// Measurement that would distinguish it from its rivals.
     pub decides: String,
 }
 
 /// Sentences of one kind of data.
 #[derive(Clone, Debug, Default)]
 pub struct Words {
-    /// The verdict where nothing is found; a general sentence where it is empty.
+    /// The verdict without a finding; empty: a general sentence.
     pub nothing: String,
-    /// What to measure next where nothing is found.
+    /// What to measure next without a finding.
     pub next_after_nothing: String,
 }
 
@@ -393,8 +347,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_answer_that_leaves_more_beyond_its_interval_is_worse() {
-        let opened = |closed: &[[f64; 3]]| Opened {
+    fn a_model_is_worse_if_the_misfit_grows_outside_its_interval() {
+        let opened = |closed: &[[f64; 3]]| HeldOutResults {
             held_out: HeldOut::default(),
             closed: closed
                 .iter()

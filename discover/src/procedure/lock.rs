@@ -1,24 +1,26 @@
-//! Which data are held out until the end: a rule without chance, made before noise and signs are examined.
+//! Selection of held-out data: a deterministic rule, applied before noise and signs are examined.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-/// How much is held out, by how the data are laid out.
+/// Amount of held-out data, by kind and layout.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LockRules {
-    /// Of rows of experiments, every so many-th. Chosen.
+    /// Interval of held-out rows of experiments. Chosen.
     pub rows_every: usize,
     /// Fewest rows of experiments of which any are held out. Chosen.
     pub fewest_rows: usize,
-    /// Of segments of one run every so many-th; of runs one in so many at least, where their sessions are long enough. Chosen.
+    /// Interval of held-out segments of one run; and of runs, at least one in so many if their
+    /// sessions are long enough. Chosen.
     pub every: usize,
-    /// Runs that remain to learn from before so many are. Derived: signs of eleven give p-values of 0.001.
+    /// Training runs that must remain. Derived: signs of eleven give p-values of 0.001.
     pub fewest_to_learn: usize,
     /// Fewest sessions of which a whole one is held out. Chosen.
     pub fewest_sessions: usize,
-    /// Fewest tracks, maps and runs of a session of which one is held out. Derived: of two, what remains has nothing to agree with.
+    /// Fewest tracks, maps and runs of a session of which one is held out. Derived: of two, the
+    /// remaining one has none to compare with.
     pub fewest: usize,
 }
 
@@ -35,16 +37,14 @@ impl Default for LockRules {
     }
 }
 
-/// Indices of data to learn from and of data that are opened once, at the end.
+/// Indices of training data and of held-out data, which are evaluated once, at the end.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Locked {
-    /// To learn from.
+pub struct Split {
     pub training: Vec<usize>,
-    /// Held out.
     pub held_out: Vec<usize>,
 }
 
-impl Locked {
+impl Split {
     fn of(held_out: &[bool]) -> Self {
         let pick = |wanted: bool| {
             (0..held_out.len())
@@ -61,27 +61,23 @@ impl Locked {
 /// Where a run was driven.
 #[derive(Clone, Copy, Debug)]
 pub struct Place<'a> {
-    /// Session.
     pub session: &'a str,
-    /// Track.
     pub track: &'a str,
-    /// Who drove.
     pub driver: &'a str,
 }
 
-/// How many runs there are by name, and how many of them are held out.
+/// Number of runs and of held-out runs by name.
 #[derive(Default)]
 struct Shares<'a>(BTreeMap<&'a str, [usize; 2]>);
 
 impl<'a> Shares<'a> {
-    /// Counts a run.
     fn count(&mut self, name: &'a str, held_out: bool) {
         let [all, locked] = self.0.entry(name).or_default();
         *all += 1;
         *locked += usize::from(held_out);
     }
 
-    /// Locks one more away.
+    /// Holds out one more.
     fn lock(&mut self, name: &'a str) {
         self.0.entry(name).or_default()[1] += 1;
     }
@@ -94,12 +90,17 @@ impl<'a> Shares<'a> {
 }
 
 impl LockRules {
-    /// With three tracks or more, the one with the fewest runs if it holds no more than a quarter of them (what is peculiar to a locked
-    /// track could not be found); with six sessions or more, the whole middle one; then as many runs as every second session gives, one each,
-    /// or as make up a quarter of all where eleven remain to learn from, of sessions of at least three runs and no more than half of one. Each is of the track and the driver of
-    /// whom the smallest share is held out, so that what differs between them is learned and judged of all; of those that are alike the
-    /// last run of every second session comes first.
-    pub fn runs(&self, runs: &[Place]) -> Locked {
+    /// Held-out runs.
+    ///
+    /// With at least three tracks, the one with the fewest runs if it has at most a quarter of them
+    /// (effects peculiar to a held-out track could not be found). With at least six sessions, the
+    /// whole middle one. Then as many runs as every second session gives, one each, or as make up a
+    /// quarter of all if eleven training runs remain, of sessions of at least three runs and at
+    /// most half of one.
+    ///
+    /// Each is of the track and driver with the smallest held-out share, so that all are both
+    /// learned and tested. Ties go to the last run of every second session.
+    pub fn runs(&self, runs: &[Place]) -> Split {
         let mut held_out = vec![false; runs.len()];
         let tracks = names(runs.iter().map(|r| r.track));
         let count = |track: &str| runs.iter().filter(|r| r.track == track).count();
@@ -107,15 +108,15 @@ impl LockRules {
             && let Some(least) = tracks.iter().min_by_key(|track| count(track))
             && 4 * count(least) <= runs.len()
         {
-            hold(&mut held_out, runs, |run| run.track == *least);
+            hold_out(&mut held_out, runs, |run| run.track == *least);
         }
         let sessions = names(runs.iter().map(|r| r.session));
         let whole = sessions.get(sessions.len() / 2);
         let whole = whole.filter(|_| sessions.len() >= self.fewest_sessions);
         if let Some(whole) = whole {
-            hold(&mut held_out, runs, |run| run.session == *whole);
+            hold_out(&mut held_out, runs, |run| run.session == *whole);
         }
-        // Runs of each session that may give some, from its last on.
+        // Runs of each session that may be held out, from its last on.
         let mut own: Vec<Vec<usize>> = vec![Vec::new(); sessions.len()];
         for (i, run) in runs.iter().enumerate().rev() {
             if let Some(k) = sessions.iter().position(|session| *session == run.session) {
@@ -155,28 +156,28 @@ impl LockRules {
         if runs.len() >= 5 && !held_out.contains(&true) {
             held_out[runs.len() - 1] = true;
         }
-        Locked::of(&held_out)
+        Split::of(&held_out)
     }
 
-    /// Of the segments of one run every fourth.
-    pub fn segments(&self, count: usize) -> Locked {
-        Locked::of(&every(self.every, count))
+    /// Every fourth segment of one run.
+    pub fn segments(&self, count: usize) -> Split {
+        Split::of(&every(self.every, count))
     }
 
-    /// Of rows every fifth, where there are rows enough to spare.
-    pub fn rows(&self, count: usize) -> Locked {
+    /// Every fifth row, if there are enough.
+    pub fn rows(&self, count: usize) -> Split {
         match count >= self.fewest_rows {
-            true => Locked::of(&every(self.rows_every, count)),
-            false => Locked::of(&vec![false; count]),
+            true => Split::of(&every(self.rows_every, count)),
+            false => Split::of(&vec![false; count]),
         }
     }
 
-    /// Of maps the last, where there are three or more.
-    pub fn maps(&self, count: usize) -> Locked {
+    /// The last map, if there are at least three.
+    pub fn maps(&self, count: usize) -> Split {
         let held_out: Vec<bool> = (0..count)
             .map(|i| count >= self.fewest && i + 1 == count)
             .collect();
-        Locked::of(&held_out)
+        Split::of(&held_out)
     }
 }
 
@@ -185,14 +186,14 @@ fn every(step: usize, count: usize) -> Vec<bool> {
     (0..count).map(|i| i % step == step - 1).collect()
 }
 
-/// Locks away the runs of which `wanted` says so.
-fn hold(held_out: &mut [bool], runs: &[Place], wanted: impl Fn(&Place) -> bool) {
+/// Holds out the runs that satisfy `wanted`.
+fn hold_out(held_out: &mut [bool], runs: &[Place], wanted: impl Fn(&Place) -> bool) {
     for (held_out, run) in held_out.iter_mut().zip(runs) {
         *held_out |= wanted(run);
     }
 }
 
-/// Each name once, in the order in which they come.
+/// Each name once, in order of appearance.
 fn names<'a>(all: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let mut list: Vec<&str> = Vec::new();
     for name in all {
@@ -208,7 +209,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn last_runs_a_whole_session_and_the_rarest_track_are_locked_away() {
+    fn last_runs_a_whole_session_and_the_rarest_track_are_held_out() {
         let names: Vec<(String, &str)> = (0..18)
             .map(|i| {
                 (
@@ -238,7 +239,7 @@ mod tests {
 
     /// Ten sessions of four runs, on two tracks in turn; then by five drivers in turn.
     #[test]
-    fn every_track_and_driver_has_its_share_locked_away() {
+    fn every_track_and_driver_has_a_held_out_share() {
         let sessions: Vec<String> = (1..=10).map(|k| format!("s{k}")).collect();
         let on = |session| {
             let k = sessions.iter().position(|s| s == session).unwrap_or(0);
@@ -254,7 +255,6 @@ mod tests {
             .collect();
         let locked = LockRules::default().runs(&runs);
         let on_a = locked.held_out.iter().filter(|i| runs[**i].track == "a");
-        // The sixth session is held out as a whole.
         assert_eq!(locked.held_out.len(), 10);
         assert_eq!(on_a.count(), 5);
         assert!((20..24).all(|i| locked.held_out.contains(&i)));
@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn of_few_runs_most_are_learned_from() {
+    fn few_runs_are_mostly_training_runs() {
         let place = Place {
             session: "",
             track: "a",
@@ -298,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn few_rows_and_maps_are_all_learned_from() {
+    fn few_rows_and_maps_are_all_training_data() {
         let rules = LockRules::default();
         assert!(rules.rows(19).held_out.is_empty() && rules.maps(2).held_out.is_empty());
         assert_eq!(rules.rows(20).held_out, [4, 9, 14, 19]);

@@ -11,13 +11,13 @@ const SHOWN: usize = 12;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RivalRule {
-    /// t that the named effect must retain once the rival has taken its part, to be distinguished from it. Chosen.
+    /// t that the named effect must keep given the rival, to be distinguished from it. Chosen.
     pub needed_t: f64,
-    /// What is added to it, over the root of the number of independent runs: t of few runs has wider tails. Chosen.
+    /// Addition to it, over the root of the number of independent runs, for few runs. Chosen.
     pub needed_t_few: f64,
     /// Share of the named effect's gain that a rival must explain; 0: none. Chosen.
     pub least_gain: f64,
-    /// Correlation above which two effects are the same in all but name. Chosen.
+    /// Correlation above which two effects are equivalent. Chosen.
     pub alike: f64,
     /// |t| of its own below which an effect is no rival. Chosen.
     pub least_t: f64,
@@ -35,25 +35,24 @@ impl Default for RivalRule {
     }
 }
 
-/// What is named.
+/// The named effect.
 #[derive(Clone, Copy, Debug)]
 pub struct NamedEffect<'a> {
-    /// Effect.
     pub effect: &'a str,
-    /// Its t: the sign counts.
+    /// Its t, with sign.
     pub t: f64,
-    /// What it explains.
+    /// Its gain.
     pub gain: f64,
-    /// Number of independent runs or rows that it is judged by.
+    /// Number of independent runs or rows.
     pub units: usize,
 }
 
 impl RivalRule {
-    /// The class, the named effect first, and the rivals with their place in it, best first.
+    /// The class, the named effect first, and the rivals with their class membership, best first.
     ///
-    /// `others` holds every other candidate, `in_class` telling whether its size would be admissible. One is of the class where
-    /// it is admissible and either all but the same as the named effect, or explains enough and leaves the named effect
-    /// less than the t that it needs.
+    /// `others` contains every other candidate, with `in_class` set if its size is admissible. An
+    /// admissible candidate belongs to the class if it is equivalent to the named effect, or if it
+    /// explains enough and the named effect has less than the needed t given it.
     pub fn class(&self, named: &NamedEffect, others: Vec<Rival>) -> (Vec<String>, Vec<Rival>) {
         let needed = self.needed_t + self.needed_t_few / (named.units.max(1) as f64).sqrt();
         let mut rivals = others;
@@ -96,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rival_is_of_the_class_where_it_hides_the_named_effect_or_is_the_same() {
+    fn a_rival_is_in_the_class_if_it_makes_the_effect_insignificant_or_is_equal() {
         let rule = RivalRule {
             least_gain: 0.3,
             alike: 0.99,

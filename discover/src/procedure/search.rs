@@ -4,25 +4,22 @@ use crate::error::Error;
 use crate::finding::{Interval, Report, Step};
 use crate::options::Options;
 use crate::procedure::evidence::{Account, Evidence, Selection};
-use crate::procedure::outlast::outlast;
 use crate::procedure::sentence::{adequacy, sentence};
 use crate::procedure::verdict::{next_experiment, verdict};
+use crate::procedure::verification::verify;
 
-/// What a search found.
+/// The result of a search.
 #[derive(Clone, Debug)]
 pub struct Found {
     /// The report.
     pub report: Report,
-    /// The model with the effects switched on and everything refitted, as its file's text.
+    /// The model with the effects found and everything refitted, as its file's text.
     pub next_model: String,
-    /// The next case, where pressures are searched together with other data.
+    /// The next case, if pressures are searched together with other data.
     pub next_case: Option<String>,
 }
 
-/// Searches data of any kind for what the model does not contain.
-///
-/// # Errors
-/// Those of the evidence.
+/// Searches data of any kind for effects that the model does not contain.
 pub fn search_evidence<E: Evidence>(
     evidence: &mut E,
     options: &Options,
@@ -34,7 +31,7 @@ pub fn search_evidence<E: Evidence>(
     let rules = &options.rules.search;
     let mut fit = base.clone();
     let mut detectable = Vec::new();
-    // How many stretches each step has.
+    // Number of places of each step.
     let mut places: Vec<usize> = Vec::new();
     // Several amplitudes or places of one effect belong to one effect.
     let most_screens = 2 * rules.most_effects;
@@ -56,10 +53,11 @@ pub fn search_evidence<E: Evidence>(
                 account.steps.len()
             );
             match known.filter(|step| places[*step] > rules.most_effects) {
-                // What is significant all along the tracks is bound to no places; without them it may be significant as what it is, without a name.
+                // An effect that is significant at many places is not local; without it a global
+                // effect may be significant.
                 Some(step) => {
                     fit = evidence.without(&fit, step)?;
-                    account.is_everywhere(step, places[step]);
+                    account.remove_nonlocal(step, places[step]);
                 }
                 None => account.remarks.push(message),
             }
@@ -75,7 +73,7 @@ pub fn search_evidence<E: Evidence>(
         places.resize(account.steps.len().max(at + 1), 0);
         places[at] += usize::from(added.place.is_some());
         match known {
-            // Another stretch or another amplitude of an effect belongs to the same step.
+            // Another place or amplitude of an effect belongs to the same step.
             Some(known) => {
                 let place = added.place.unwrap_or_default();
                 let step = &mut account.steps[known];
@@ -107,12 +105,12 @@ pub fn search_evidence<E: Evidence>(
         false => evidence.settle(base.clone(), &mut Account::default())?,
     };
     if !account.steps.is_empty() {
-        last = outlast(evidence, &refitted, last, &mut account, rules)?;
+        last = verify(evidence, &refitted, last, &mut account, rules)?;
     }
-    // What makes more of what can be explained is no explanation, however much of the rest it takes along.
+    // An effect that increases the explainable misfit is wrong, even if the total misfit falls.
     let compared = evidence.open(&base, &last, &mut account)?;
     if compared.are_worse() {
-        account.take_back_all(&compared.closed);
+        account.remove_all(&compared.closed);
         last = refitted.clone();
     }
     progress("replaying the held-out data");
@@ -191,7 +189,7 @@ pub fn search_evidence<E: Evidence>(
     })
 }
 
-/// What a selected effect adds to the report; how much of the gap it closes is reported once the held-out data are open.
+/// The report's entry of a selected effect; its closed share follows from the held-out data.
 fn step<A>(
     selection: Selection<A>,
     place: Option<String>,
@@ -224,10 +222,12 @@ mod tests {
     use super::*;
     use crate::finding::Verdict;
     use crate::procedure::candidate::Candidate;
-    use crate::procedure::evidence::{Added, Description, Opened, Randomised, Screen};
-    use crate::procedure::lowered::Lowered;
+    use crate::procedure::evidence::{
+        Description, ExtendedFit, HeldOutResults, Randomised, Screen,
+    };
+    use crate::procedure::misfit_decrease::Decrease;
 
-    /// Data in which an effect is significant at one place after another, at so many; a fit is the number of those that are added.
+    /// An effect that is significant at so many places in turn; a fit is the number of effects.
     struct Places(usize);
 
     impl Evidence for Places {
@@ -269,8 +269,8 @@ mod tests {
             added: &usize,
             _: &Selection<()>,
             _: usize,
-        ) -> Result<Added<usize>, Error> {
-            Ok(Added {
+        ) -> Result<ExtendedFit<usize>, Error> {
+            Ok(ExtendedFit {
                 fit: added + 1,
                 written: true,
                 gap: [1.0, 0.5],
@@ -283,11 +283,16 @@ mod tests {
         fn without(&mut self, _: &usize, _: usize) -> Result<usize, Error> {
             Ok(0)
         }
-        fn lowered(&self, _: &usize, _: &usize) -> Result<Option<Lowered>, Error> {
+        fn misfit_decrease(&self, _: &usize, _: &usize) -> Result<Option<Decrease>, Error> {
             Ok(None)
         }
-        fn open(&mut self, _: &usize, _: &usize, account: &mut Account) -> Result<Opened, Error> {
-            Ok(Opened {
+        fn open(
+            &mut self,
+            _: &usize,
+            _: &usize,
+            account: &mut Account,
+        ) -> Result<HeldOutResults, Error> {
+            Ok(HeldOutResults {
                 held_out: Default::default(),
                 closed: vec![Interval::default(); account.steps.len()],
             })
@@ -308,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_out_all_along_the_tracks_is_bound_to_no_places() -> Result<(), Error> {
+    fn an_effect_significant_at_many_places_is_not_local() -> Result<(), Error> {
         let found =
             |places: usize| search_evidence(&mut Places(places), &Options::default(), &|_| {});
         let few = found(3)?;

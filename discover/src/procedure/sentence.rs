@@ -58,7 +58,7 @@ pub fn sentence(
         Verdict::Law => format!("Outside the catalogue: {}{more}.{gap}", names.join(", then ")),
         Verdict::Named => format!("Missing from the model: {}{more}.{gap}", names.join(", then ")),
         Verdict::OneOf => format!(
-            "Missing from the model: {}{more}. These data cannot tell the members of a class apart; what would: {next}.{gap}",
+            "Missing from the model: {}{more}. These data cannot distinguish the members of a class; this would: {next}.{gap}",
             names.join(", then ")
         ),
         Verdict::DependsOn => format!("{}; {}.{gap}", names.join(", then "), depends.join("; ")),
@@ -70,7 +70,7 @@ pub fn sentence(
     }
 }
 
-/// The gap on held-out data, by the three models where they were compared.
+/// The misfit on held-out data by each of the compared models.
 fn gap(steps: &[Step], held_out: &HeldOut, baselines: &[Baseline]) -> String {
     let data = match held_out.runs.len() {
         0 => return String::new(),
@@ -97,7 +97,7 @@ fn gap(steps: &[Step], held_out: &HeldOut, baselines: &[Baseline]) -> String {
     }
 }
 
-/// What of the repeatable misfit the answer explains, what remains of it and where; empty where that is unknown.
+/// Explained and remaining repeatable misfit, with its places; empty if unknown.
 pub fn adequacy(steps: &[Step], remaining: &[Remaining]) -> String {
     let share = |share: &Interval| {
         let [value, low, high] = [share.value, share.low, share.high].map(|x| 100.0 * x);
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn the_channel_that_repeats_most_decides_what_is_said_of_adequacy() {
+    fn adequacy_is_that_of_the_channel_with_the_largest_repeatable_share() {
         let small = adequacy(
             &[],
             &[remaining("side", 1.0, 0.06), remaining("yaw", 1.0, 0.02)],

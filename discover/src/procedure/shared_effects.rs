@@ -1,22 +1,18 @@
-//! What one kind of data of a campaign tells the others.
+//! Estimates that the kinds of data of a campaign share.
 
 use crate::error::Error;
 use crate::finding::Fitted;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Evidence, Selection};
 
-/// The size of one amplitude of an effect, as some data have it.
+/// Estimate of one amplitude of an effect.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Amount {
-    /// Effect.
     pub effect: String,
     /// Name of the amplitude.
     pub key: String,
-    /// Its unit.
     pub unit: String,
-    /// Size.
     pub value: f64,
-    /// Its standard error.
     pub error: f64,
 }
 
@@ -32,7 +28,7 @@ impl Amount {
         }
     }
 
-    /// Whether it is a size of the same amplitude.
+    /// Whether it is an estimate of the same amplitude.
     pub fn is_same(&self, other: &Self) -> bool {
         self.effect == other.effect && self.key == other.key
     }
@@ -42,12 +38,12 @@ impl Amount {
         self.value / self.error.max(1e-300)
     }
 
-    /// By how many standard errors of their difference two sizes part.
-    pub fn apart(&self, other: &Self) -> f64 {
+    /// Difference of two sizes, in its standard errors.
+    pub fn t_difference(&self, other: &Self) -> f64 {
         (self.value - other.value).abs() / self.error.hypot(other.error).max(1e-300)
     }
 
-    /// As a parameter, so many standard errors to either side.
+    /// As a parameter with an interval of so many standard errors.
     pub fn fitted(&self, quantile: f64) -> Fitted {
         Fitted {
             name: self.key.clone(),
@@ -59,33 +55,32 @@ impl Amount {
     }
 }
 
-/// What a screen shows of one candidate, selected or not.
+/// Estimate and p-value of one candidate in a screen.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Chance {
-    /// Its size.
+pub struct ScreenEstimate {
     pub amount: Amount,
     /// p-value over all candidates of its kind.
     pub p_value: f64,
 }
 
-/// Data that can be searched together with others of the same campaign. What is not said otherwise shares nothing with them.
+/// Data that can be searched together with others; by default no effect is shared.
 pub trait SharesEffects: Evidence {
-    /// What the last screen shows of the candidates that others may know, too.
-    fn chances(&self) -> &[Chance] {
+    /// Results of the last screen for candidates that other kinds may share.
+    fn screen_estimates(&self) -> &[ScreenEstimate] {
         &[]
     }
 
-    /// Whether an effect is the same thing here as elsewhere; the air's is not that of another body.
+    /// Whether an effect is the same in other kinds of data, which aerodynamic ones may not be.
     fn is_common(&self, _effect: &str) -> bool {
         true
     }
 
-    /// Whether these data cannot speak of an effect because they do not have what it needs.
+    /// Whether these data cannot test an effect because required columns are missing.
     fn is_untestable(&self, _effect: &str) -> bool {
         false
     }
 
-    /// An effect that the fit has not, as a selection at a size; `None` where these data know no such effect.
+    /// An effect that is not in the fit, as a selection at a size; `None` for an unknown effect.
     fn select(&mut self, _fit: &Self::Fit, _amount: &Amount) -> Option<Selection<Self::Act>> {
         None
     }
@@ -95,10 +90,7 @@ pub trait SharesEffects: Evidence {
         Vec::new()
     }
 
-    /// The fit with a step's amplitudes fixed at these sizes and everything else fitted again.
-    ///
-    /// # Errors
-    /// Those of the fit.
+    /// The fit with a step's amplitudes fixed at these sizes and everything else refitted.
     fn with_fixed_sizes(
         &mut self,
         fit: &Self::Fit,

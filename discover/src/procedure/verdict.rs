@@ -1,4 +1,4 @@
-//! The outcome: its verdict and what to measure next.
+//! The verdict and what to measure next.
 
 use kufe::plot::number4;
 
@@ -6,7 +6,7 @@ use crate::finding::NextRuns;
 use crate::finding::{Bin, Verdict};
 use crate::procedure::evidence::{Account, Description};
 
-/// The outcome in one word.
+/// The verdict of a search.
 pub fn verdict(account: &Account, located: bool, adequate: bool) -> Verdict {
     match account.steps.first() {
         // Each assumption is about one step.
@@ -80,15 +80,15 @@ pub fn next_experiment(verdict: Verdict, account: &Account, described: &Descript
     }
 }
 
-/// The best of the planned runs with the rest.
+/// The best of the planned runs, in words.
 fn planned(plans: &[NextRuns]) -> Option<String> {
     let best = plans.first()?;
     let [a, b] = &best.between;
-    /// Less is no difference but rounding.
+    /// Smaller evidence is rounding.
     const NOTHING: f64 = 1e-6;
     if best.expected_evidence < NOTHING {
         return Some(format!(
-            "no runs tell {a} from {b}: simulated, they are the same in all {} plans tried",
+            "no runs distinguish {a} from {b}: their simulations agree in all {} plans tried",
             plans.len()
         ));
     }
@@ -101,10 +101,10 @@ fn planned(plans: &[NextRuns]) -> Option<String> {
     let tried = plans.len();
     Some(match best.splits {
         true => format!(
-            "{runs} runs on {track}, {change}, would tell {a} from {b}: of {tried} plans that were simulated the one that tells most"
+            "{runs} runs on {track}, {change}, would distinguish {a} from {b}: the best of {tried} simulated plans"
         ),
         false => format!(
-            "none of {tried} plans that were simulated, of {runs} runs each, tells {a} from {b}; runs on {track}, {change}, come nearest"
+            "none of {tried} simulated plans, of {runs} runs each, distinguishes {a} from {b}; runs on {track}, {change}, come nearest"
         ),
     })
 }

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use crate::regression::inverse::ridge_inverse;
 
-/// Products of all columns with each other, `X'X`: each of the two halves that are the same is made once.
+/// Products of all columns with each other, `X'X`; each symmetric half is computed once.
 pub fn squares(columns: &DMatrix<f64>) -> DMatrix<f64> {
     const LANES: usize = 8;
     let dot = |a: &[f64], b: &[f64]| -> f64 {
@@ -31,27 +31,27 @@ pub fn squares(columns: &DMatrix<f64>) -> DMatrix<f64> {
     squares
 }
 
-/// Those of the first columns that a run has: columns of other tracks are zero.
+/// Indices of the first columns that are not zero, as those of other tracks are.
 pub fn acting(products: &DMatrix<f64>, first: usize) -> Vec<usize> {
     (0..first).filter(|k| products[(*k, *k)] != 0.0).collect()
 }
 
-/// Sums of products of one run's columns: base, candidates, residual last; windows of local effects with them.
+/// Products of one run's columns (base, candidates, residual last) and of its windows.
 #[derive(Clone, Debug)]
 pub struct Gram {
     /// Products of the columns, each run's own level taken out.
     pub g: DMatrix<f64>,
-    /// Products of the windows with the columns, one row a window.
+    /// Products of the windows with the columns, one row per window.
     pub windows: DMatrix<f64>,
     /// Products of the windows with themselves.
     pub window_norms: Vec<f64>,
 }
 
 impl Gram {
-    /// From the products of all columns with each other, the first `levels` of which are the run's own level and are
-    /// taken out.
+    /// From the products of all columns; the first `levels` are the run's own level and are
+    /// projected out.
     ///
-    /// `windows` holds, one row a window, products with the same columns (levels included).
+    /// `windows`: products with the same columns (levels included), one row per window.
     pub fn new(full: &DMatrix<f64>, levels: usize, windows: &DMatrix<f64>, norms: &[f64]) -> Self {
         let m = full.ncols();
         let own = full.view((0, 0), (levels, levels)).into_owned();

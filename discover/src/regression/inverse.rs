@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-/// The inverse of a symmetric non-negative matrix, directions without weight omitted.
+/// The inverse of a symmetric non-negative matrix, without its null directions.
 pub fn ridge_inverse(mut matrix: DMatrix<f64>) -> DMatrix<f64> {
     let n = matrix.nrows();
     let scale: Vec<f64> = (0..n)

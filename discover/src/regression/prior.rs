@@ -1,22 +1,22 @@
-//! What is known of fitted parameters before the data are.
+//! Normal priors of fitted parameters.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::regression::inverse::ridge_inverse;
 
-/// Independent normal laws about 0, in units in which the fit is linear; a precision of 0: nothing is known.
+/// Independent normal priors of mean 0, in linear units; a precision of 0 is a flat prior.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prior {
     /// Precision of each parameter.
     pub precision: DVector<f64>,
-    /// Parameters of the model that is differentiated.
+    /// Parameters at which the model is linearised.
     pub at: DVector<f64>,
-    /// How many of the last parameters have products that are free of noise, and a precision above 0.
+    /// Number of last parameters with noise-free products and a precision above 0.
     pub smooth: usize,
 }
 
 impl Prior {
-    /// Nothing known of so many parameters.
+    /// Flat priors.
     pub fn none(count: usize) -> Self {
         Self {
             precision: DVector::zeros(count),
@@ -40,7 +40,8 @@ impl Prior {
         let Some(smooth) = smooth.into_owned().cholesky().filter(|_| self.smooth > 0) else {
             return ridge_inverse(products);
         };
-        // By blocks: with C the products of the others with the smooth ones S, the others' inverse is that of their products less C inv(S) C'.
+        // By blocks: with C the products of the others with the smooth ones S, the others' inverse
+        // is that of their products less C inv(S) C'.
         let (smooth, cross) = (
             smooth.inverse(),
             products.view((0, first), (first, self.smooth)),
@@ -61,7 +62,7 @@ impl Prior {
         inverse
     }
 
-    /// What is added to the scores `J'r` at these parameters: `-P a`.
+    /// Gradient of the log prior at these parameters, to be added to the scores `J'r`: `-P a`.
     pub fn scores(&self, at: &DVector<f64>) -> DVector<f64> {
         -self.precision.component_mul(at)
     }

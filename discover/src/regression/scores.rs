@@ -1,17 +1,19 @@
-//! What each candidate would explain, run by run, after a refit of the base.
+//! Scores of each candidate, run by run, after a refit of the base.
 //!
-//! With J the base's columns, c a candidate's, r the residual (all whitened, and free of each run's own level), and the
-//! sums over runs G = sum_i G_i:
+//! With J the base's columns, c a candidate's, r the residual (all whitened, and free of each run's
+//! own level), and the sums over runs G = sum_i G_i:
 //!
 //! ```text
 //! c' = c - J (J'J)^-1 J'c        r' = r - J (J'J)^-1 J'r        U_i = c'_i . r'_i        I_i = c'_i . c'_i
 //! ```
 //!
-//! sum U / sum I is the candidate's size, (sum U)^2 / sum I what it explains, T = sum U / sqrt(sum U^2) what is tested.
+//! sum U / sum I is the candidate's size, (sum U)^2 / sum I its gain, T = sum U / sqrt(sum U^2) the
+//! test statistic.
 //!
-//! Where J holds random effects with a prior precision P, c' = c - J B with B = (J'J + P)^-1 J'c, and sums are those of
-//! generalised least squares: sum U gains B'P a, a being where the fit has them, sum I gains B'P B, which is also the variance
-//! that the random effects give to sum U, the same in all runs.
+//! If J contains random effects with a prior precision P, c' = c - J B with B = (J'J + P)^-1 J'c,
+//! and sums are those of generalised least squares: sum U gains B'P a, a being the fitted random
+//! effects, and sum I gains B'P B, which is also the variance of sum U by the random effects,
+//! common to all runs.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -27,9 +29,9 @@ pub struct Scores {
     pub information: DMatrix<f64>,
     /// c.c by candidate, before the base is projected out.
     pub raw: Vec<f64>,
-    /// What random effects as they are fitted add to a candidate's sum over runs.
+    /// Contribution of the fitted random effects to a candidate's sum over runs.
     pub shared: Vec<f64>,
-    /// How each random effect moves that sum, per standard deviation: candidates by random effects.
+    /// Derivative of that sum by each random effect, per standard deviation.
     pub common: DMatrix<f64>,
 }
 
@@ -112,12 +114,12 @@ impl Scores {
         self.u.row(candidate).sum() + self.shared[candidate]
     }
 
-    /// Variance of that sum by random effects, the same in all runs.
+    /// Variance of that sum by random effects, common to all runs.
     pub fn shared_variance(&self, candidate: usize) -> f64 {
         self.common.row(candidate).norm_squared()
     }
 
-    /// Share of a candidate that remains after the base is refitted.
+    /// Share of a candidate that remains after a refit of the base.
     pub fn remaining_share(&self, candidate: usize) -> f64 {
         if self.raw[candidate] > 0.0 {
             self.total_information(candidate) / self.raw[candidate]
@@ -141,7 +143,8 @@ pub fn studentised(u: impl Iterator<Item = f64>) -> f64 {
     }
 }
 
-/// Products of two candidates after the base is projected out, summed over runs; regular candidates only.
+/// Products of two candidates after projection on the complement of the base, summed over runs;
+/// regular candidates only.
 pub fn cross_information(grams: &[Gram], prior: &Prior) -> DMatrix<f64> {
     let base = prior.count();
     let m = grams[0].g.ncols();
@@ -172,7 +175,7 @@ mod tests {
         let grams: Vec<Gram> = all
             .iter()
             .map(|x| {
-                // A window that is the first candidate itself must score like it.
+                // A window that equals the first candidate must have its scores.
                 let w = DMatrix::from_fn(1, m, |_, k| x.column(levels + base).dot(&x.column(k)));
                 let norm = x.column(levels + base).norm_squared();
                 Gram::new(&x.tr_mul(x), levels, &w, &[norm])
@@ -210,7 +213,7 @@ mod tests {
         }
     }
 
-    /// Against the covariance written out: V = 1 + N N' over the rows of all runs.
+    /// Compared with the explicit covariance, V = 1 + N N' over the rows of all runs.
     #[test]
     fn with_random_effects_sums_are_those_of_generalised_least_squares() {
         let mut rng = stream(4, 5, 6);
@@ -236,7 +239,7 @@ mod tests {
             .collect();
         let x = DMatrix::from_fn(rows * runs, m, |i, j| free[i / rows][(i % rows, j)]);
         let n = x.column(1);
-        // The residual is that of a model in which the random effect already stands at 0.4.
+        // The residual is that of a model in which the random effect is already 0.4.
         let y = x.column(m - 1) + n * 0.4;
         let v = DMatrix::identity(rows * runs, rows * runs) + n * n.transpose();
         let inverse = v.try_inverse().unwrap();

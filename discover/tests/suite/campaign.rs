@@ -1,4 +1,5 @@
-//! Campaigns of the sample sled and tracks, driven with effects that the published model lacks.
+//! Campaigns of the sample sled and tracks, simulated with effects that the published model does
+//! not contain.
 
 use std::collections::BTreeMap;
 
@@ -27,7 +28,7 @@ pub fn driven(plan: &[Planned], truth: &Model) -> Vec<Run> {
     drive_sample(plan, truth).unwrap()
 }
 
-/// What a search of the published model finds in runs, with the tracks that they were driven on.
+/// The result of a search of the published model in runs, with the tracks of the runs.
 pub fn searched(recorded: &[Run], seed: u64) -> Found {
     let tracks = ["east", "west"].map(sample_track);
     let slopes = |k: usize| -> Vec<(f64, f64)> {

@@ -6,7 +6,7 @@ use kufe_discover::{Options, Report, Rules, Step, Verdict, runs};
 use kufe_sled::sample_data::{drive_sample, sample_plan, sample_track};
 use kufe_sled::{Model, Run};
 
-/// Runs driven with the effects of `hidden` (TOML), searched with the published model that lacks them.
+/// Searches runs with the effects of `hidden` (TOML), which the published model does not contain.
 fn searched(hidden: &str, seed: u64, runs_kept: usize) -> Report {
     search(&driven(hidden, seed, runs_kept), seed)
 }
@@ -37,12 +37,12 @@ fn driven_by(base: &Model, hidden: &str, seed: u64, runs_kept: usize) -> Vec<Run
     drive_sample(&plan, &truth).unwrap()
 }
 
-/// What the published model lacks in these runs.
+/// Searches these runs with the published model.
 fn search(recorded: &[Run], seed: u64) -> Report {
     search_where_the_way_is(1.0, recorded, (&Model::published(), seed))
 }
 
-/// The same, the way that was driven being so many times as long as the surveyed line.
+/// The same with a driven path longer than the surveyed line by this factor.
 fn search_where_the_way_is(longer: f64, recorded: &[Run], (base, seed): (&Model, u64)) -> Report {
     let surveys = BTreeMap::from(["east", "west"].map(|name| {
         let track = sample_track(name);
@@ -81,7 +81,7 @@ fn nothing_is_found_in_runs_without_a_hidden_effect() {
     assert_eq!(report.verdict, Verdict::None, "{}", reported(&report));
 }
 
-/// Runs with `effect`, hidden as the TOML `text`, are searched: it is in the class of the first step.
+/// Searches runs with the hidden `effect`, TOML `text`: it must be in the class of the first step.
 fn is_in_the_class_that_is_named(effect: &str, text: &str) {
     let report = searched(text, 2, 16);
     println!("{effect}: {}", reported(&report));
@@ -105,7 +105,7 @@ fn a_hidden_grip_that_falls_with_speed_is_in_the_class_that_is_named() {
     is_in_the_class_that_is_named("speed-grip", "[effects.speed-grip]\nslope_s_per_m = 0.015");
 }
 
-/// Runs whose speeds read a share too much, without the distance that would tell it.
+/// Runs with a relative error of the speed, without a recorded distance.
 fn driven_at_a_speed_that_reads_high(share: f64) -> Vec<Run> {
     let mut recorded = driven(&format!("[effects.speed-scale]\nfactor = {share}"), 6, 16);
     for run in &mut recorded {
@@ -115,7 +115,7 @@ fn driven_at_a_speed_that_reads_high(share: f64) -> Vec<Run> {
 }
 
 #[test]
-fn a_speed_that_reads_high_is_named_by_the_slopes_of_the_places_it_led_to() {
+fn a_speed_scale_is_identified_by_the_slope_at_the_integrated_distance() {
     let hidden = 0.012;
     let recorded = driven_at_a_speed_that_reads_high(hidden);
     let report = search(&recorded, 6);
@@ -131,9 +131,9 @@ fn a_speed_that_reads_high_is_named_by_the_slopes_of_the_places_it_led_to() {
     );
 }
 
-/// A survey that is 0.15 % shorter than the way says so of the speed.
+/// The survey is 0.15 % shorter than the driven path, which has the effect of a speed scale.
 #[test]
-fn a_speed_that_reads_high_is_known_no_better_than_the_length_of_the_line_that_is_driven() {
+fn the_error_of_a_speed_scale_includes_that_of_the_driven_length() {
     let hidden = 0.012;
     let recorded = driven_at_a_speed_that_reads_high(hidden);
     let report = search_where_the_way_is(1.0015, &recorded, (&Model::published(), 6));
@@ -174,7 +174,7 @@ fn a_speed_whose_reading_jumps_is_named_with_the_speed_above_which_it_does() {
 
 #[test]
 #[ignore = "slow study: .ci/slow"]
-fn a_gyro_late_by_far_more_than_its_tolerance_is_named_with_its_size() {
+fn a_gyro_delay_far_above_its_tolerance_is_named_with_its_size() {
     let hidden = 0.037;
     let report = searched(&format!("[effects.yaw-rate-lag]\ntime_s = {hidden}"), 8, 16);
     assert_eq!(
@@ -203,10 +203,10 @@ fn a_mass_is_in_the_class_that_is_named_and_one_effect_is_enough() {
     );
 }
 
-/// The gyro is so noisy that the measured yaw acceleration is hardly like the true one.
+/// The gyro is so noisy that the measured yaw acceleration hardly resembles the true one.
 #[test]
 #[ignore = "slow study: .ci/slow"]
-fn an_inertia_that_is_doubled_is_reported_as_outside_its_tolerance() {
+fn a_doubled_inertia_is_reported_as_outside_its_tolerance() {
     let mut model = Model::published();
     let noise = model.noise.as_mut().unwrap();
     noise.rate_radps *= 4.0;
@@ -221,7 +221,8 @@ fn an_inertia_that_is_doubled_is_reported_as_outside_its_tolerance() {
     );
 }
 
-/// From the given base the first step of a refit leads to where the rear runner's limit tells nothing.
+/// From the given base, the first step of a refit leads to where the data do not determine the rear
+/// runner's limit.
 #[test]
 #[ignore = "slow study: .ci/slow"]
 fn a_centre_of_gravity_three_decimetres_ahead_is_named() {
@@ -244,18 +245,19 @@ fn a_delay_within_its_tolerance_is_not_named() {
     assert!(!report.within_tolerance.is_empty(), "{}", reported(&report));
     let known = &report.within_tolerance;
     let delay = known.iter().find(|part| part.what == "delay of alpha_rad");
-    // Other delays, each with its tolerance of 2 ms, take a part of it, and by the scatter of eight sessions it may not be significant.
+    // Other delays, each with its tolerance of 2 ms, are correlated with it; with eight sessions it
+    // need not be significant.
     let size = delay.map_or(0.003, |part| part.size);
     assert!((0.0015..0.0045).contains(&size), "{known:?}");
 }
 
 #[test]
-fn too_few_runs_are_told_of_first_and_no_size_would_be_seen() {
+fn too_few_runs_are_the_first_remark_and_no_size_is_detectable() {
     let report = searched("", 5, 8);
     assert_eq!(report.verdict, Verdict::None, "{}", reported(&report));
     let first = &report.remarks[0];
     assert!(
-        first.contains("runs to learn from") && first.contains("9 runs"),
+        first.contains("training runs") && first.contains("9 runs"),
         "{first}"
     );
     assert!(
@@ -267,7 +269,7 @@ fn too_few_runs_are_told_of_first_and_no_size_would_be_seen() {
 }
 
 #[test]
-fn a_model_whose_effect_nothing_feeds_is_refused_by_name() {
+fn an_effect_without_its_columns_is_an_error() {
     let base = Model::published();
     let humid = "\n[effects.humidity]\nslope_per_pct = 0.002\n";
     let mut plan = sample_plan(3);

@@ -1,4 +1,4 @@
-//! What a search finds and what it does not.
+//! Searches of data with known missing effects, and without any.
 
 mod boundary;
 mod campaign;

@@ -1,4 +1,4 @@
-//! An inertial unit that is mounted askew must not spoil friction, nor the model that is written.
+//! A misaligned inertial unit must bias neither friction nor the written model.
 
 use kufe_discover::{Found, ModelKind};
 use kufe_sled::Model;
@@ -25,7 +25,8 @@ fn reported(found: &Found) -> String {
     )
 }
 
-/// Friction lies in its interval, which is no wider than the plausible range, and no replay is worse than by the given model.
+/// The interval of friction covers the truth and is no wider than the plausible range; no replay is
+/// worse than with the given model.
 fn friction_is_right(found: &Found) {
     let mu = Model::published().friction.longitudinal.mu.unwrap();
     let base = found.report.base.iter();

@@ -1,4 +1,5 @@
-//! The runs that a search asks for next split the class, those that it holds to be worth least don't: both are driven and searched again.
+//! The planned runs of largest expected evidence split the class, those of the smallest do not:
+//! both are simulated and searched.
 
 use kufe_discover::{NextRuns, Report, Verdict};
 use kufe_sled::Run;
@@ -8,7 +9,7 @@ use crate::campaign::{driven, plan, searched, truth};
 
 const HIDDEN: &str = "\n[effects.temperature]\nslope_per_k = 0.04\n";
 
-/// Nine sessions whose humidity goes with the temperature of the ice, so that nobody can tell which of the two it is.
+/// Nine sessions whose humidity is collinear with the ice temperature.
 fn tied() -> Vec<Planned> {
     let mut plan = plan(7);
     plan.truncate(27);
@@ -22,8 +23,8 @@ fn tied() -> Vec<Planned> {
     plan
 }
 
-/// The runs asked for, by drivers of the campaign, in a session of their own.
-fn asked(next: &NextRuns, like: &[Planned]) -> Vec<Planned> {
+/// The planned runs, by drivers of the campaign, in a session of their own.
+fn planned_runs(next: &NextRuns, like: &[Planned]) -> Vec<Planned> {
     let same = |planned: &&Planned| planned.track == next.track;
     let mut plan: Vec<Planned> = like.iter().filter(same).take(next.runs).cloned().collect();
     assert_eq!(plan.len(), next.runs, "{next:?}");
@@ -56,7 +57,7 @@ fn class(report: &Report) -> Vec<String> {
 
 #[test]
 #[ignore = "slow study: .ci/slow"]
-fn the_runs_asked_for_split_the_class_and_the_least_asked_for_do_not() {
+fn the_best_planned_runs_split_the_class_and_the_worst_do_not() {
     let truth = truth(HIDDEN);
     let before = tied();
     let recorded = driven(&before, &truth);
@@ -78,7 +79,7 @@ fn the_runs_asked_for_split_the_class_and_the_least_asked_for_do_not() {
         report.next_experiment
     );
     let again = |next: &NextRuns| {
-        let more: Vec<Run> = driven(&asked(next, &before), &truth);
+        let more: Vec<Run> = driven(&planned_runs(next, &before), &truth);
         let all: Vec<Run> = recorded.iter().cloned().chain(more).collect();
         let report = searched(&all, 7).report;
         println!("{}: {}", next.change, report.sentence);

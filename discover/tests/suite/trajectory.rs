@@ -1,4 +1,5 @@
-//! What a search closes of the forces' gap it closes of the way, too: runs that it never saw, validated and driven again by both models.
+//! A search closes the misfit of the trajectory as it closes that of the forces: on held-out runs,
+//! validated and replayed with both models.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +12,8 @@ use kufe_sled::{
 
 use crate::campaign::{driven, plan, searched, truth};
 
-/// Root mean squares over the held-out runs: of what the balances leave, and of how far runs driven again part.
+/// Root mean squares over the held-out runs: of the force residuals, and of the differences of
+/// replays.
 fn gaps(found: &Found, recorded: &[Run], model: &Model) -> BTreeMap<String, f64> {
     let vehicle = Vehicle::with_effects(model).unwrap();
     let mut squares: BTreeMap<String, (f64, f64)> = BTreeMap::new();
@@ -28,10 +30,10 @@ fn gaps(found: &Found, recorded: &[Run], model: &Model) -> BTreeMap<String, f64>
             &PrepareOptions::default(),
         )
         .unwrap();
-        let left = validate(&[prepared], &vehicle)[0].left_rms;
-        add("along [N]", left.along_n);
-        add("side [N]", left.side_n);
-        add("yaw [N m]", left.yaw_nm);
+        let residuals = validate(&[prepared], &vehicle)[0].left_rms;
+        add("along [N]", residuals.along_n);
+        add("side [N]", residuals.side_n);
+        add("yaw [N m]", residuals.yaw_nm);
         let track = sample_track(&run.entry.track);
         let inputs = Inputs::of(run, &vehicle, track.s_m[0]).unwrap();
         let options = SimulateOptions {
@@ -53,7 +55,7 @@ fn gaps(found: &Found, recorded: &[Run], model: &Model) -> BTreeMap<String, f64>
 
 #[test]
 #[ignore = "slow study: .ci/slow"]
-fn force_gap_and_trajectory_gap_shrink_alike_on_runs_that_the_search_never_saw() {
+fn misfits_of_forces_and_trajectory_decrease_alike_on_held_out_runs() {
     for (hidden, force, way) in [
         (
             "\n[effects.drag-area]\ncda_m2 = 0.08\n",
@@ -85,7 +87,8 @@ fn force_gap_and_trajectory_gap_shrink_alike_on_runs_that_the_search_never_saw()
             "{}\nbefore {before:?}\nafter {after:?}\ntruth {floor:?}",
             found.report.sentence
         );
-        // Sensors' noise makes what the truth leaves; of what is beyond it four fifths are closed, of the forces and of the way alike.
+        // Residuals of the truth are sensor noise; four fifths of the excess over it are closed, of
+        // forces and trajectory alike.
         for what in [force, way[0], way[1]] {
             let beyond = |gaps: &BTreeMap<String, f64>| {
                 (gaps[what].powi(2) - floor[what].powi(2)).max(0.0).sqrt()
@@ -94,7 +97,7 @@ fn force_gap_and_trajectory_gap_shrink_alike_on_runs_that_the_search_never_saw()
             println!("{what}: {closed:.3} closed");
             assert!(closed > 0.8, "{what}: {closed}");
         }
-        // The report's own figures of the same runs fall with them.
+        // The report's own figures of the same runs decrease with them.
         let channel = force.split(' ').next().unwrap();
         let mut own = found.report.held_out.channels.iter();
         assert!(own.any(|c| c.channel == channel && c.after < c.before));

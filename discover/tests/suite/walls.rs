@@ -1,4 +1,4 @@
-//! Walls that some runs hit and others miss, harder or softer.
+//! Contacts with walls that differ from run to run.
 
 use std::collections::BTreeMap;
 
@@ -6,11 +6,11 @@ use kufe_discover::{Options, Rules, Verdict, runs};
 use kufe_sled::sample_data::{drive_sample, sample_plan};
 use kufe_sled::{Model, PrepareOptions, Vehicle, WallContact, prepare_all, residuals};
 
-/// Sample runs on one track, with its walls: what is reported of them is held against how they were driven. Every second run of the drivers who
-/// drove more than a few; where another hits walls of his own, one of two runs would not tell what repeats.
+/// Sample runs on one track with its walls, for comparison with the true contacts: every second run
+/// of the drivers with more than a few.
 #[test]
 #[ignore = "slow study: .ci/slow"]
-fn walls_are_one_effect_with_a_force_a_run_and_the_next_model_has_them() {
+fn walls_are_one_effect_with_a_force_per_run_and_in_the_next_model() {
     let base = Model::published();
     let mut plan = sample_plan(2);
     plan.retain(|planned| planned.track == "east" && !planned.run.starts_with('C'));
@@ -19,7 +19,7 @@ fn walls_are_one_effect_with_a_force_a_run_and_the_next_model_has_them() {
     for planned in &mut plan {
         planned.options.rate_hz = 100.0;
         planned.options.step_s = 2.5e-3;
-        // One bumper: the sample's own contacts push anywhere along the sled.
+        // One bumper: the sample's own contacts act anywhere along the sled.
         for contact in &mut planned.options.contacts {
             contact.x_m = 0.3;
         }
@@ -58,7 +58,8 @@ fn walls_are_one_effect_with_a_force_a_run_and_the_next_model_has_them() {
                     own.run, own.force_n, own.error_n
                 )
             });
-        // The low pass of 16 Hz flattens half a wave of 10 m at 28 m/s by a tenth; each force is known to its standard error.
+        // The low pass of 16 Hz reduces half a wave of 10 m at 28 m/s by a tenth; each force has
+        // its standard error.
         let share = own.force_n / true_one.force_n;
         let known = 3.0 * own.error_n / true_one.force_n.abs();
         assert!(
@@ -71,14 +72,15 @@ fn walls_are_one_effect_with_a_force_a_run_and_the_next_model_has_them() {
     let all: usize = driven.values().map(|contacts| contacts.len()).sum();
     assert!(reported * 100 >= 95 * all, "{reported} of {all}");
 
-    // Runs that were held out, by the commands' own balances: their side sets the contacts, their turning judges them.
+    // Held-out runs, by the commands' own balances: contacts are set by the lateral one and tested
+    // by the yaw one.
     let next = Model::from_toml(&found.next_model, "next").unwrap();
     let locked = &report.held_out.runs;
     let held: Vec<_> = recorded
         .into_iter()
         .filter(|run| locked.contains(&run.entry.run))
         .collect();
-    let left = |model: &Model| -> [f64; 2] {
+    let squares = |model: &Model| -> [f64; 2] {
         let vehicle = Vehicle::with_effects(model).unwrap();
         let options = PrepareOptions::default();
         let prepared = prepare_all(&held, &vehicle, None, &options).unwrap();
@@ -91,10 +93,11 @@ fn walls_are_one_effect_with_a_force_a_run_and_the_next_model_has_them() {
         };
         [sum(|l| l.side_n), sum(|l| l.yaw_nm)]
     };
-    let ([side, yaw], [side_next, yaw_next]) = (left(&base), left(&next));
-    // An accelerometer's 0.2 m/s2 through 20 Hz is 50 N, 27 % of the squares with hits of 500 to 1100 N; the rest is what half a wave leaves.
+    let ([side, yaw], [side_next, yaw_next]) = (squares(&base), squares(&next));
+    // An accelerometer's 0.2 m/s2 through 20 Hz is 50 N, 27 % of the squares with hits of 500 to
+    // 1100 N; the rest is the error of the half wave.
     assert!(side_next < 0.35 * side, "{side_next} of {side}");
-    // So is most of the moment, which sets nothing: 150 to 330 N m.
+    // So is most of the moment, which sets no contact: 150 to 330 N m.
     assert!(yaw_next < 0.5 * yaw, "{yaw_next} of {yaw}");
     let lever = &report.steps[0].parameters[0];
     assert!((lever.value - 0.3).abs() < 0.03, "{lever:?}");

@@ -1,4 +1,4 @@
-//! The law that a table of friction coefficients is fitted with before effects are looked for.
+//! Base laws of friction that are fitted before candidates are screened.
 
 use kufe_sled::Model;
 use kufe_sled::friction::Longitudinal;
@@ -18,10 +18,10 @@ pub enum Base {
 }
 
 impl Base {
-    /// The model's.
+    /// The base law of a model.
     ///
     /// # Errors
-    /// [`Error::Sled`] where its keys state no law of experiments.
+    /// [`Error::Sled`] if the model has no friction law for a table of coefficients.
     pub fn of(model: &Model) -> Result<Base, Error> {
         let keys = &model.friction.longitudinal;
         if keys.film()?.is_some() {
@@ -33,7 +33,7 @@ impl Base {
         })
     }
 
-    /// Names of its coefficients, and their units.
+    /// Names and units of the coefficients.
     pub fn names(self) -> &'static [(&'static str, &'static str)] {
         match self {
             Base::Fixed => &[("mu", "")],
@@ -42,12 +42,11 @@ impl Base {
         }
     }
 
-    /// How many coefficients it has.
     pub fn len(self) -> usize {
         self.names().len()
     }
 
-    /// What its coefficients multiply: p^2, p, 1 with p in MPa; 1; or the friction of the film.
+    /// Columns of the design matrix: p^2, p, 1 with p in MPa; 1; or the friction of the film.
     pub fn columns(self, row: &Row) -> Vec<f64> {
         let p = row.pressure / 1e6;
         match self {
@@ -57,7 +56,7 @@ impl Base {
         }
     }
 
-    /// The coefficient `k` as models state it.
+    /// Coefficient `k` in the model's units.
     pub fn stated(self, k: usize, value: f64) -> f64 {
         match (self, k) {
             (Base::Pressure, 1) => -1e3 * value,
@@ -66,7 +65,7 @@ impl Base {
         }
     }
 
-    /// Slope of mu over the pressure [1/MPa], from the coefficients.
+    /// Derivative of mu with respect to pressure [1/MPa].
     pub fn pressure_slope(self, row: &Row, coefficients: &[f64]) -> f64 {
         match self {
             Base::Pressure => 2.0 * coefficients[0] * row.pressure / 1e6 + coefficients[1],

@@ -1,4 +1,4 @@
-//! Where rows and law part: thirds of the rows by pressure and by every further column.
+//! Bins of the residuals by pressure and by every further column.
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -8,10 +8,10 @@ use crate::finding::{Bin, significant};
 
 /// Bins of a column.
 const BINS: usize = 3;
-/// Fewest rows in a bin: a scatter with an error of its own.
+/// Fewest rows in a bin: three give a standard error of their own.
 const BIN_ROWS: usize = 3;
 
-/// Bins of measured less fitted mu that are significant, strongest first; p-values hold over all bins (Bonferroni).
+/// Significant bins of the residual of mu, strongest first; p-values are Bonferroni-corrected.
 pub fn bins(setting: &Setting, rows: &[Row], fit: &Fit, chosen: &[usize]) -> Vec<Bin> {
     let rest: Vec<f64> = rows
         .iter()

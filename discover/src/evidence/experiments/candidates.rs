@@ -1,4 +1,4 @@
-//! What may be missing: effects of the catalogue, effects of one's own, and a straight line in each further column.
+//! Candidates: catalogue effects, custom effects, linear and quadratic laws of further columns.
 
 use std::sync::Arc;
 
@@ -11,39 +11,39 @@ use crate::input::table::Table;
 use crate::null::clusters::members;
 use crate::procedure::candidate::Candidate;
 
-/// Change of mu of a row, from its coefficient without the effect and the size in units of `typical`.
+/// Change of mu of a row, given mu without the effect and the size in units of `typical`.
 type Change = Arc<dyn Fn(&Row, f64, f64) -> f64 + Send + Sync>;
 
 /// How a candidate changes the coefficient of friction.
 #[derive(Clone)]
 pub struct FrictionChange {
     of: Change,
-    /// The table that switches it on, but for its size; `None` where no simulation knows its column.
+    /// The effect's table without its size; `None` if simulations do not have its column.
     pub table: Option<toml::Table>,
-    /// Columns that it is a function of.
+    /// Columns that it depends on.
     pub columns: Vec<String>,
     /// Whether it is constant within each session.
     pub by_session: bool,
 }
 
 impl Candidate<FrictionChange> {
-    /// Change of mu of a row at a size in units of `typical`; `mu` is the coefficient without it.
+    /// Change of mu of a row at a size in units of `typical`; `mu` excludes the candidate.
     pub fn change(&self, row: &Row, mu: f64, size: f64) -> f64 {
         (self.act.of)(row, mu, size)
     }
 
-    /// Derivative of the change with the size, at a size.
+    /// Derivative of the change with respect to the size.
     pub fn slope(&self, row: &Row, mu: f64, size: f64) -> f64 {
         const STEP: f64 = 0.01;
         (self.change(row, mu, size + STEP) - self.change(row, mu, size)) / STEP
     }
 }
 
-/// What can be tested, and names of what cannot with the reason.
-pub type Listed = (Vec<Candidate<FrictionChange>>, Vec<(String, String)>);
+/// Testable candidates, and the names of untestable effects with the reason.
+pub type CandidateList = (Vec<Candidate<FrictionChange>>, Vec<(String, String)>);
 
-/// Lists the candidates; effects that the model has switched on are none.
-pub fn list(rows: &[Row], table: &Table, model: &Effects, base: Base) -> Listed {
+/// Lists the candidates except for the effects that the model contains.
+pub fn list(rows: &[Row], table: &Table, model: &Effects, base: Base) -> CandidateList {
     let mut candidates = Vec::new();
     let mut untestable = Vec::new();
     let varies = |column: &str| {
@@ -159,10 +159,10 @@ fn of_catalogue(effect: &'static Effect) -> Option<Candidate<FrictionChange>> {
     })
 }
 
-/// An effect on the melt film, whose factor on mu is too slow to solve for every fit: it is solved for some sizes of each row, denser
-/// towards 0, and linear in between.
+/// An effect on the melt film. Solving the film in every fit is too slow: its factor on mu is
+/// solved at some sizes of each row, denser towards 0, and interpolated linearly.
 fn of_film(effect: &'static Effect, rows: &[Row]) -> Option<Candidate<FrictionChange>> {
-    /// Sizes in addition to 0. With 64 the interpolated mu is off by less than 1e-3 of itself.
+    /// Sizes in addition to 0. With 64 the relative error of the interpolated mu is below 1e-3.
     const SIZES: usize = 64;
     let candidate = of_catalogue(effect)?;
     let most = candidate.high / candidate.typical;
@@ -173,7 +173,7 @@ fn of_film(effect: &'static Effect, rows: &[Row]) -> Option<Candidate<FrictionCh
     };
     let tables: Vec<Vec<f64>> = rows.par_iter().map(solved).collect();
     let change = move |row: &Row, mu: f64, at: f64| {
-        // A twin of a row has its order.
+        // A simulated row has the order number of its original.
         let table = &tables[row.columns[ORDER] as usize];
         let k = ((at.max(0.0) / most).sqrt() * SIZES as f64) as usize;
         let k = k.min(SIZES - 1);
@@ -185,7 +185,7 @@ fn of_film(effect: &'static Effect, rows: &[Row]) -> Option<Candidate<FrictionCh
     Some(of_film)
 }
 
-/// An effect of one's own that `model.toml` proposes with `value = 0`.
+/// A custom effect that `model.toml` proposes with `value = 0`.
 fn own(name: &str, custom: &Custom, rows: &[Row]) -> Candidate<FrictionChange> {
     let custom = custom.clone();
     let columns = custom.names().iter().map(ToString::to_string).collect();
@@ -207,7 +207,7 @@ fn own(name: &str, custom: &Custom, rows: &[Row]) -> Candidate<FrictionChange> {
         low: custom.low,
         high: custom.high,
         typical,
-        decides: format!("rows in which {} is varied by itself", custom.text),
+        decides: format!("rows in which {} is varied alone", custom.text),
         act: FrictionChange {
             of: Arc::new(move |row, _, size| custom.coefficient(size * typical, &row.conditions)),
             table: Some(table),
@@ -217,7 +217,7 @@ fn own(name: &str, custom: &Custom, rows: &[Row]) -> Candidate<FrictionChange> {
     }
 }
 
-/// Columns that hold numbers and vary, with their values.
+/// Numeric columns that vary, with their values.
 fn further(rows: &[Row]) -> Vec<(&str, Vec<f64>)> {
     let Some(first) = rows.first() else {
         return Vec::new();
@@ -235,11 +235,11 @@ fn further(rows: &[Row]) -> Vec<(&str, Vec<f64>)> {
 #[derive(Clone, Copy, PartialEq)]
 enum Power {
     Linear,
-    /// A parabola that is uncorrelated with the line: a hump, or a slope that changes.
+    /// A parabola that is uncorrelated with the linear term.
     Quadratic,
 }
 
-/// A law over a column: with z its value less the mean in standard deviations, z or `z^2 - s z - 1`, s being the mean of z^3.
+/// A law of a column: z, the standardised column, or `z^2 - s z - 1`, s being the mean of z^3.
 fn of_column(name: &str, values: &[f64], power: Power) -> Option<Candidate<FrictionChange>> {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -253,7 +253,7 @@ fn of_column(name: &str, values: &[f64], power: Power) -> Option<Candidate<Frict
         Power::Quadratic => {
             let cubes = values.iter().map(|x| ((x - mean) / sd).powi(3));
             let skew = cubes.sum::<f64>() / n;
-            // Of fewer than three values a parabola is no law of its own.
+            // With fewer than three distinct values a parabola is not determined.
             let mut distinct = values.to_vec();
             distinct.sort_by(f64::total_cmp);
             distinct.dedup();
@@ -268,7 +268,7 @@ fn of_column(name: &str, values: &[f64], power: Power) -> Option<Candidate<Frict
             )
         }
     };
-    // Simulations know the columns of expressions alone.
+    // Simulations have only the columns of expressions.
     let simulated = kufe_sled::effects::is_column(name);
     let table = simulated.then(|| {
         let mut table = toml::Table::new();
@@ -286,7 +286,7 @@ fn of_column(name: &str, values: &[f64], power: Power) -> Option<Candidate<Frict
         low: -1.0,
         high: 1.0,
         typical: 1e-4,
-        decides: format!("rows in which {name} is varied by itself"),
+        decides: format!("rows in which {name} is varied alone"),
         act: FrictionChange {
             of: Arc::new(move |row, _, size| {
                 let z = (row.columns.get(&column).copied().unwrap_or(mean) - mean) / sd;
@@ -303,7 +303,7 @@ fn of_column(name: &str, values: &[f64], power: Power) -> Option<Candidate<Frict
     })
 }
 
-/// What is constant within every session is judged by permuting sessions.
+/// Candidates that are constant within sessions are tested by permuting sessions.
 fn mark_sessions(rows: &[Row], candidates: &mut [Candidate<FrictionChange>]) {
     let sessions = members(rows.iter().map(|row| row.session.as_str()));
     if sessions.len() == rows.len() {
@@ -325,7 +325,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn film_between_solved_sizes_is_the_solved_one() {
+    fn the_interpolated_film_is_that_of_a_solve() {
         let text = "specimen,p_max_pa,p_max_sd_pa,mu,mu_sd,fz_n,v_mps,ice_c,contact_length_m,contact_width_m,roughness_m\n\
                     a,1e7,0,4e-3,1e-4,950,1.0,-12,0.06,0.9e-3,0.3e-6\n\
                     b,1e7,0,4e-3,1e-4,500,5.0,-5,0.04,0.8e-3,0.5e-6\n\

@@ -1,4 +1,4 @@
-//! Candidates compared by fits that have several of them.
+//! Comparison of candidates by joint fits.
 
 use crate::evidence::experiments::candidates::FrictionChange;
 use crate::evidence::experiments::fit::{Fit, Setting, fit};
@@ -9,32 +9,28 @@ use crate::procedure::candidate::Candidate;
 use crate::procedure::rivals::NamedEffect;
 use crate::procedure::rules::ExperimentRules;
 
-/// A screen and what its candidates are fitted with.
+/// A screen with the data of its joint fits.
 pub struct Comparison<'a> {
-    /// Candidates and base.
     pub setting: &'a Setting,
-    /// Rows to learn from.
     pub training: &'a [Row],
-    /// The screen.
     pub screen: &'a TableScreen,
-    /// What is already chosen.
+    /// Candidates in the model.
     pub chosen: &'a [usize],
-    /// When one is selected.
     pub rules: &'a ExperimentRules,
 }
 
 impl Comparison<'_> {
-    /// The claimable candidate that leaves least, fitted in full; an effect by name goes before a mere column that it
-    /// explains as well.
+    /// The admissible candidate with the smallest residual of a full fit. Named effects take
+    /// precedence over columns that explain as much.
     pub fn strongest(&self) -> Option<usize> {
         let (screen, candidates) = (self.screen, &self.setting.candidates);
-        let claimable: Vec<usize> = (0..candidates.len())
-            .filter(|c| screen.claimable(*c, &candidates[*c]))
+        let is_selectable: Vec<usize> = (0..candidates.len())
+            .filter(|c| screen.is_selectable(*c, &candidates[*c]))
             .collect();
-        let largest = claimable
+        let largest = is_selectable
             .iter()
             .fold(0.0_f64, |m, c| m.max(screen.t[*c].abs()));
-        let chi2: Vec<(usize, f64)> = claimable
+        let chi2: Vec<(usize, f64)> = is_selectable
             .into_iter()
             .filter(|c| screen.t[*c].abs() > self.rules.near_largest * largest)
             .map(|c| (c, self.with(&[c]).chi2))
@@ -61,7 +57,7 @@ impl Comparison<'_> {
     /// The class of a named effect and its rivals.
     pub fn class(&self, named: usize) -> (Vec<String>, Vec<Rival>) {
         let (screen, candidates) = (self.screen, &self.setting.candidates);
-        // A function of a column that the named effect reads is no other cause.
+        // A function of a column that the named effect uses is not a separate cause.
         let read = &candidates[named].act.columns;
         let shares_column =
             |rival: &Candidate<FrictionChange>| rival.act.columns.iter().any(|c| read.contains(c));
@@ -100,7 +96,7 @@ impl Comparison<'_> {
         fit(self.setting, self.training, &[self.chosen, more].concat())
     }
 
-    /// t of `one` in the fit that has `other` too; 0 where the two cannot be distinguished at all.
+    /// t of `one` in a fit that contains `other`; 0 if the two are collinear.
     fn t_given(&self, other: usize, one: usize) -> f64 {
         if self.screen.correlation(other, one).abs() > self.rules.rivals.alike {
             return 0.0;

@@ -1,9 +1,11 @@
 //! Friction experiments as evidence.
 //!
-//! The base is `mu = 1e-3 (b p^2 - c p + d)`, p in MPa, a constant where the model has a fixed mu, or the melt film on each row's
-//! contact times a factor. It is refitted with the variance `mu_sd^2 + (dmu/dp p_sd)^2`. A candidate adds one parameter. Its t in the joint fit is compared with the largest
-//! |t| over all candidates in simulated tables (rows drawn from the fit with both errors, p among them) and under permutations
-//! of the rows' residuals; what is constant within a session is permuted by session.
+//! The base is `mu = 1e-3 (b p^2 - c p + d)`, p in MPa, a constant if the model has a fixed mu, or
+//! the melt film on each row's contact times a factor. It is refitted with the variance `mu_sd^2 +
+//! (dmu/dp p_sd)^2`. A candidate adds one parameter. Its t in the joint fit is compared with the
+//! largest |t| over all candidates in simulated tables (both errors are drawn, that of p included)
+//! and under permutations of the residuals. Columns that are constant within sessions are permuted
+//! by session.
 
 use std::path::Path;
 
@@ -17,7 +19,7 @@ use crate::evidence::experiments::bins::bins;
 use crate::evidence::experiments::candidates::{FrictionChange, list};
 use crate::evidence::experiments::compare::Comparison;
 use crate::evidence::experiments::fit::{Fit, Setting, between_specimens, fit};
-use crate::evidence::experiments::known::Known;
+use crate::evidence::experiments::known::ModelEffects;
 use crate::evidence::experiments::pictures::pictures;
 use crate::evidence::experiments::rows::{Row, read, set_films};
 use crate::evidence::experiments::screen::{TableScreen, screen_table};
@@ -27,49 +29,43 @@ use crate::null::clusters::members;
 use crate::options::{OUTSIDE_CATALOGUE, Options};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{
-    Account, Added, Description, Evidence, Meaning, Opened, Randomised, SUPERFLUOUS, Screen,
-    Selection, Words,
+    Account, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, Randomised, SUPERFLUOUS,
+    Screen, Selection, Words,
 };
-use crate::procedure::lowered::Lowered;
+use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::search::{Found, search_evidence};
-use crate::procedure::shared_effects::Chance;
+use crate::procedure::shared_effects::ScreenEstimate;
 
-/// Rows of friction experiments, and the model that they are judged against.
+/// Rows of friction experiments and the model that they are compared with.
 pub struct Experiments<'a> {
-    /// The model.
     pub model: &'a Model,
-    /// How the search is made.
     pub options: &'a Options,
-    /// What is fitted.
+    /// Candidates, known effects and base law.
     pub setting: Setting,
-    /// Rows to learn from.
     pub training: Vec<Row>,
-    /// Rows that are held out.
     pub held_out: Vec<Row>,
-    /// What cannot be tested, and why.
     pub untestable: Vec<(String, String)>,
-    /// Names of the model's effects that a table of friction coefficients says nothing about.
+    /// Effects of the model that do not act on a coefficient of friction.
     pub others: Vec<String>,
-    /// The strongest candidate that could not be selected.
+    /// The strongest candidate that was not selected.
     pub next_best: Option<usize>,
-    /// What the last screen shows of each effect.
-    pub chances: Vec<Chance>,
+    /// Estimates and p-values of the last screen.
+    pub screen_estimates: Vec<ScreenEstimate>,
 }
 
-/// A fit with the candidates that take part in it.
+/// A fit and the candidates that it contains.
 #[derive(Clone)]
 pub struct TableFit {
-    /// Places of the candidates.
     pub chosen: Vec<usize>,
-    /// The fit.
     pub fit: Fit,
 }
 
 impl<'a> Experiments<'a> {
-    /// Reads an `experiments.csv` and locks a part of its rows away.
+    /// Reads an `experiments.csv` and holds out a part of its rows.
     ///
     /// # Errors
-    /// [`Error::Cell`], [`Error::MissingColumn`], [`Error::Duplicate`], [`Error::TooFew`] below five rows.
+    /// [`Error::Cell`], [`Error::MissingColumn`], [`Error::Duplicate`], [`Error::TooFew`] below
+    /// five rows.
     pub fn read(path: &Path, model: &'a Model, options: &'a Options) -> Result<Self, Error> {
         let table = Table::read(path)?;
         let mut rows = read(&table, model.sled.cda_m2)?;
@@ -83,7 +79,7 @@ impl<'a> Experiments<'a> {
             });
         }
         let effects = Effects::from_tables(&model.effects)?;
-        let (known, others) = Known::new(&effects, &table, base)?;
+        let (known, others) = ModelEffects::new(&effects, &table, base)?;
         if base == Base::Film {
             set_films(&mut rows, &table, known.boundary_shear)?;
         }
@@ -112,11 +108,11 @@ impl<'a> Experiments<'a> {
             untestable,
             others,
             next_best: None,
-            chances: Vec::new(),
+            screen_estimates: Vec::new(),
         })
     }
 
-    /// The fit with these candidates.
+    /// Fits these candidates.
     pub fn fitted(&self, chosen: Vec<usize>) -> TableFit {
         let fit = fit(&self.setting, &self.training, &chosen);
         TableFit { chosen, fit }
@@ -126,7 +122,7 @@ impl<'a> Experiments<'a> {
         self.training.len() + self.held_out.len()
     }
 
-    /// Whether a fit leaves no more than a few times what the rows' own deviations make.
+    /// Whether chi2 per degree of freedom is below the limit of a clean residual.
     fn is_clean(&self, fit: &TableFit) -> bool {
         let freedom =
             self.training.len() as f64 - (self.setting.base.len() + fit.chosen.len()) as f64;
@@ -148,7 +144,6 @@ impl<'a> Experiments<'a> {
         }
     }
 
-    /// The selection of a screen, with its class.
     fn select(&self, screen: &TableScreen, chosen: &[usize]) -> Option<Selection<FrictionChange>> {
         let compare = Comparison {
             setting: &self.setting,
@@ -181,16 +176,16 @@ impl Evidence for Experiments<'_> {
     type Fit = TableFit;
 
     fn fit_base(&mut self, account: &mut Account) -> Result<TableFit, Error> {
-        account.remarks.extend(self.options.looked_for());
+        account.remarks.extend(self.options.restriction_remark());
         if !self.others.is_empty() {
             account.remarks.push(format!(
-                "effects of the model that these data say nothing about: {}",
+                "effects of the model that these data do not depend on: {}",
                 self.others.join(", ")
             ));
         }
         if self.held_out.is_empty() {
             account.remarks.push(format!(
-                "{} rows are too few to lock any away: the misfit is judged on the rows that were fitted",
+                "{} rows are too few to hold any out: the misfit is that of the training rows",
                 self.rows()
             ));
         }
@@ -216,7 +211,7 @@ impl Evidence for Experiments<'_> {
             true => None,
             false => self.select(&screen, &fit.chosen),
         };
-        self.chances = screen.chances(&self.setting.candidates, &fit.chosen);
+        self.screen_estimates = screen.screen_estimates(&self.setting.candidates, &fit.chosen);
         self.next_best = match selection {
             None if !too_few => screen.largest(&fit.chosen),
             _ => None,
@@ -232,12 +227,12 @@ impl Evidence for Experiments<'_> {
         fit: &TableFit,
         selection: &Selection<FrictionChange>,
         _: usize,
-    ) -> Result<Added<TableFit>, Error> {
+    ) -> Result<ExtendedFit<TableFit>, Error> {
         let named = |c: &Candidate<FrictionChange>| c.effect == selection.candidate.effect;
         let place = self.setting.candidates.iter().position(named);
         let chosen: Vec<usize> = fit.chosen.iter().copied().chain(place).collect();
         let next = self.fitted(chosen);
-        Ok(Added {
+        Ok(ExtendedFit {
             gap: [fit.fit.rms, next.fit.rms],
             fit: next,
             written: true,
@@ -256,14 +251,14 @@ impl Evidence for Experiments<'_> {
             let Some(weak) = (0..fit.chosen.len()).find(|k| t(k) < least) else {
                 break;
             };
-            account.leave_out(weak, SUPERFLUOUS);
+            account.remove_step(weak, SUPERFLUOUS);
             fit.chosen.remove(weak);
             fit = self.fitted(fit.chosen);
         }
         if account.steps.is_empty() && !self.is_clean(&fit) {
             account.unexplained = Some(format!(
-                "the model's friction leaves chi2 {:.1} on {} degrees of freedom; a law over pressure (b, c, d) where it has one mu, columns for what \
-                 else differed from row to row, and mu_sd as large as repeated rows scatter would tell",
+                "the model's friction has chi2 = {:.1} on {} degrees of freedom; a law over pressure (b, c, d) where it has one mu, columns for what \
+                 else differed from row to row, or mu_sd equal to the scatter of repeated rows would explain it",
                 fit.fit.chi2,
                 self.freedom()
             ));
@@ -277,7 +272,7 @@ impl Evidence for Experiments<'_> {
         Ok(self.fitted(chosen))
     }
 
-    fn lowered(&self, from: &TableFit, to: &TableFit) -> Result<Option<Lowered>, Error> {
+    fn misfit_decrease(&self, from: &TableFit, to: &TableFit) -> Result<Option<Decrease>, Error> {
         let falls: Vec<f64> = self
             .held_out
             .iter()
@@ -289,7 +284,7 @@ impl Evidence for Experiments<'_> {
                 square(from) - square(to)
             })
             .collect();
-        Ok(Lowered::over(&falls, 0.0))
+        Ok(Decrease::over(&falls, 0.0))
     }
 
     fn open(
@@ -297,11 +292,11 @@ impl Evidence for Experiments<'_> {
         base: &TableFit,
         last: &TableFit,
         account: &mut Account,
-    ) -> Result<Opened, Error> {
+    ) -> Result<HeldOutResults, Error> {
         let closed = self.closed(base, last);
         let rms = |of: &TableFit| of.fit.rms_of(&self.setting, &self.held_out, &of.chosen);
         let (before, after) = (rms(base), rms(last));
-        Ok(Opened {
+        Ok(HeldOutResults {
             held_out: HeldOut {
                 what: "row".to_owned(),
                 runs: self.held_out.iter().map(|r| r.name.clone()).collect(),
@@ -348,12 +343,12 @@ impl Evidence for Experiments<'_> {
             effects: effects.collect(),
             words: Words {
                 nothing: format!(
-                    "Nothing to be found with {} points: the base fit has chi2 {:.1} on {freedom} degrees of freedom, and no effect differs significantly from chance.",
+                    "Nothing to be found with {} points: the base fit has chi2 {:.1} on {freedom} degrees of freedom, and no effect is significant.",
                     self.rows(),
                     first.chi2
                 ),
                 next_after_nothing: format!(
-                    "each specimen measured again in {} more sessions at two pressures, which would halve the smallest sizes that can be found; the {} rows leave {freedom} degrees of freedom",
+                    "each specimen measured again in {} more sessions at two pressures, which would halve the smallest sizes that can be found; the {} rows have {freedom} degrees of freedom",
                     3 * members(self.training.iter().map(|row| row.session.as_str())).len(),
                     self.rows()
                 ),
@@ -370,7 +365,7 @@ impl Evidence for Experiments<'_> {
     }
 }
 
-/// The formula of a law over a column, as the next model has it.
+/// The formula of a law of a column in the next model.
 fn formula(candidate: &Candidate<FrictionChange>) -> Option<String> {
     let table = candidate
         .act
@@ -383,14 +378,15 @@ fn formula(candidate: &Candidate<FrictionChange>) -> Option<String> {
 /// Searches an `experiments.csv`.
 ///
 /// # Errors
-/// [`Error::Cell`], [`Error::MissingColumn`], [`Error::Duplicate`], [`Error::TooFew`] below five rows.
+/// [`Error::Cell`], [`Error::MissingColumn`], [`Error::Duplicate`], [`Error::TooFew`] below five
+/// rows.
 pub fn search(
     path: &Path,
     model: &Model,
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Found, Error> {
-    options.refuse_unheard(Some(model))?;
+    options.check_names(Some(model))?;
     let mut experiments = Experiments::read(path, model, options)?;
     search_evidence(&mut experiments, options, progress)
 }

@@ -1,4 +1,4 @@
-//! Weighted least squares of mu by the base law, with the effects that take part.
+//! Weighted least squares of mu by the base law and selected effects.
 
 use std::collections::BTreeMap;
 
@@ -6,29 +6,28 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::evidence::experiments::base::Base;
 use crate::evidence::experiments::candidates::FrictionChange;
-use crate::evidence::experiments::known::Known;
+use crate::evidence::experiments::known::ModelEffects;
 use crate::evidence::experiments::rows::Row;
 use crate::null::clusters::members;
 use crate::procedure::candidate::Candidate;
 use crate::regression::inverse::ridge_inverse;
 
-/// Rounds of Gauss-Newton.
 const ROUNDS: usize = 8;
 
-/// What is fitted to.
+/// Candidates, known effects and base law.
 pub struct Setting {
-    /// What may take part.
     pub candidates: Vec<Candidate<FrictionChange>>,
-    /// What the model has switched on.
-    pub known: Known,
-    /// The base law.
+    /// Effects of the model.
+    pub known: ModelEffects,
     pub base: Base,
     /// Standard deviation of mu between specimens, in addition to that of the rows.
     pub between: f64,
 }
 
-/// Rows of one specimen share an offset: with sd_i the deviation of row i and s that between specimens, the covariance of its rows is
-/// `diag(sd^2) + s^2 1 1'`. With `a = s / sd`, its inverse root is
+/// Whitening of rows whose specimens have random offsets.
+///
+/// With sd_i the standard deviation of row i and s that between specimens, the covariance of a
+/// specimen's rows is `diag(sd^2) + s^2 1 1'`. With `a = s / sd`, its inverse root is
 ///
 /// ```text
 /// (1 - (1 - 1 / sqrt(1 + |a|^2)) a a' / |a|^2) diag(1 / sd)
@@ -52,7 +51,7 @@ impl Whitening {
         }
     }
 
-    /// Values of all rows, whitened.
+    /// Whitens a value per row.
     pub fn apply(&self, values: &DVector<f64>) -> DVector<f64> {
         let mut white = DVector::from_fn(values.len(), |i, _| values[i] * self.weights[i]);
         for (own, a) in &self.specimens {
@@ -76,33 +75,30 @@ impl Whitening {
     }
 }
 
-/// A fit of base and chosen candidates.
+/// A fit of the base law and selected candidates.
 #[derive(Clone)]
 pub struct Fit {
-    /// Coefficients of the base's columns, then the candidates' in units of `typical`.
+    /// Estimates: coefficients of the base, then sizes of candidates in units of `typical`.
     pub step: DVector<f64>,
-    /// Standard errors of `step`, scaled up where the rows scatter more than stated.
+    /// Standard errors of `step`, scaled by sqrt(chi2 / degrees of freedom) where that exceeds 1.
     pub errors: Vec<f64>,
-    /// Sum of squares in units of the stated deviations.
+    /// Weighted sum of squares of the residuals.
     pub chi2: f64,
-    /// Root mean square of the residual in mu.
+    /// Root mean square of the residual of mu.
     pub rms: f64,
-    /// Whitened residual.
     pub rest: DVector<f64>,
-    /// Whitened columns.
     pub columns: DMatrix<f64>,
-    /// What whitens other columns.
     pub whitening: Whitening,
 }
 
 impl Fit {
-    /// A coefficient of the base as models state it, and its standard error.
+    /// Coefficient `k` of the base in the model's units, and its standard error.
     pub fn base_value(&self, k: usize, base: Base) -> (f64, f64) {
         let error = base.stated(k, self.errors[k]).abs();
         (base.stated(k, self.step[k]), error)
     }
 
-    /// mu of a row by the base alone, and with the known and the chosen effects.
+    /// mu of a row by the base alone, and with the known and selected effects.
     pub fn predict(&self, setting: &Setting, row: &Row, chosen: &[usize]) -> (f64, f64) {
         let own: f64 = setting
             .base
@@ -121,19 +117,19 @@ impl Fit {
         (own, own + setting.known.add(row, mu) + more)
     }
 
-    /// What the `k`-th chosen effect adds to a row's mu.
+    /// Contribution of the `k`-th selected effect to mu of a row.
     pub fn added(&self, setting: &Setting, row: &Row, chosen: &[usize], k: usize) -> f64 {
         let (own, _) = self.predict(setting, row, &[]);
         let size = self.step[setting.base.len() + k];
         setting.candidates[chosen[k]].change(row, own.max(1e-5), size)
     }
 
-    /// Standard deviation of a row's mu: its own, that of its pressure and that of its specimen.
+    /// Standard deviation of mu of a row: measurement, pressure and specimen.
     pub fn deviation(&self, setting: &Setting, row: &Row) -> f64 {
         deviation(row, &self.step, setting.base).hypot(setting.between)
     }
 
-    /// Root mean square of the residual of rows that may be others than the fitted.
+    /// Root mean square of the residual of these rows.
     pub fn rms_of(&self, setting: &Setting, rows: &[Row], chosen: &[usize]) -> f64 {
         let squares = rows
             .iter()
@@ -147,7 +143,7 @@ fn deviation(row: &Row, step: &DVector<f64>, base: Base) -> f64 {
     row.mu_sd.hypot(slope * row.pressure_sd / 1e6)
 }
 
-/// Fits base and chosen candidates together; weights and effects follow the fitted coefficient over a few rounds.
+/// Fits base and selected candidates jointly; weights and effects are updated in each iteration.
 pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
     let (candidates, base) = (&setting.candidates, setting.base);
     let n = rows.len();
@@ -181,7 +177,7 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
                 let size: f64 = step[base.len() + k];
                 let slope = candidates[*c].slope(row, mu.max(1e-5), size);
                 let change = candidates[*c].change(row, mu.max(1e-5), size);
-                // An effect whose bounds meet is fixed at them.
+                // An effect whose bounds coincide is fixed.
                 let free = candidates[*c].low < candidates[*c].high;
                 columns[(i, base.len() + k)] = if free { slope } else { 0.0 };
                 y[i] -= change - if free { slope * size } else { 0.0 };
@@ -197,7 +193,7 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
         let inverse = ridge_inverse(columns.tr_mul(&columns));
         step = &inverse * columns.tr_mul(&y);
         for (k, c) in chosen.iter().enumerate() {
-            // Far outside of their bounds effects are not even defined.
+            // Far outside their bounds some effects are undefined.
             let candidate = &candidates[*c];
             let (low, high) = (
                 candidate.low / candidate.typical,
@@ -221,13 +217,13 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
             whitening,
         });
     }
-    fit.expect("at least one round")
+    fit.expect("at least one iteration")
 }
 
-/// The standard deviation of mu from specimen to specimen of largest restricted likelihood given the base; 0 where fewer than three
-/// specimens were measured or hardly any of them again.
+/// Restricted maximum likelihood estimate of the standard deviation of mu between specimens; 0 if
+/// fewer than three specimens were measured or almost none repeatedly.
 pub fn between_specimens(setting: &Setting, rows: &[Row]) -> f64 {
-    /// Deviations that are tried, in units of the rows' own, and how many.
+    /// Largest deviation tried, in units of the rows' own, and number of trials.
     const LARGEST: f64 = 10.0;
     const TRIED: i32 = 60;
     let mut names: Vec<&str> = rows.iter().map(|row| row.name.as_str()).collect();
@@ -263,7 +259,7 @@ mod tests {
     use crate::input::table::Table;
     use crate::null::random::{normal, stream};
 
-    /// Rows of ten specimens, six each, whose mu scatters by 0.1e-3 and from specimen to specimen by `between`.
+    /// Ten specimens of six rows, with a scatter of 0.1e-3 and `between` specimens.
     fn rows(between: f64) -> Vec<Row> {
         let mut rng = stream(3, 3, 3);
         let mut text = String::from("specimen,p_max_pa,p_max_sd_pa,mu,mu_sd\n");
@@ -289,7 +285,7 @@ mod tests {
         };
         let mut setting = Setting {
             candidates: Vec::new(),
-            known: Known::new(&Effects::default(), &table, Base::Fixed)
+            known: ModelEffects::new(&Effects::default(), &table, Base::Fixed)
                 .unwrap()
                 .0,
             base: Base::Fixed,
@@ -299,9 +295,9 @@ mod tests {
         setting
     }
 
-    /// The mean of ten specimens is known to the root of a tenth of their variance.
+    /// The mean of ten specimens has a tenth of their variance.
     #[test]
-    fn specimens_that_differ_widen_what_is_known_of_their_mean() {
+    fn different_specimens_widen_the_error_of_their_mean() {
         let rows = rows(5e-4);
         let setting = setting(&rows);
         assert!(
@@ -320,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn specimens_that_are_alike_are_not_said_to_differ() {
+    fn equal_specimens_have_no_variance_between_them() {
         let setting = setting(&rows(0.0));
         assert!(setting.between < 0.6e-4, "{}", setting.between);
     }

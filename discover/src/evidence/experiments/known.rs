@@ -1,4 +1,4 @@
-//! What the model's own effects add to a coefficient of friction.
+//! Effects of the given model on the coefficient of friction.
 
 use kufe_sled::effects::{Active, Column, Effect, Effects, Experiments, Kind};
 
@@ -7,24 +7,23 @@ use crate::evidence::experiments::base::Base;
 use crate::evidence::experiments::rows::Row;
 use crate::input::table::Table;
 
-/// What the effects that the model has switched on add to mu.
+/// The model's effects on mu.
 #[derive(Clone)]
-pub struct Known {
+pub struct ModelEffects {
     effects: Vec<Active>,
-    /// Shear stress of boundary contact, which the film of the base law is solved with [Pa].
+    /// Shear stress of boundary contact in the film of the base law [Pa].
     pub boundary_shear: f64,
 }
 
-impl Known {
-    /// The model's effects on the friction coefficient, and the names of its others, which a table of friction
-    /// coefficients says nothing about.
+impl ModelEffects {
+    /// The model's effects on mu, and the names of its other effects.
     ///
     /// # Errors
-    /// [`Error::MissingColumn`] where one needs a column that the table does not have.
+    /// [`Error::MissingColumn`] if the table does not have a column that an effect needs.
     pub fn new(model: &Effects, table: &Table, base: Base) -> Result<(Self, Vec<String>), Error> {
         let not_stated = |effect: &Effect| match effect.info.experiments {
             Experiments::OverFilm => base != Base::Film,
-            // No row states the film of a sled's runners.
+            // The film of the sled's runners is not stated per row.
             _ => effect.info.needs.contains(&Column::Film),
         };
         let (mut effects, mut others) = (Vec::new(), Vec::new());
@@ -59,14 +58,14 @@ impl Known {
                 _ => effects.push(active.clone()),
             }
         }
-        let known = Known {
+        let known = ModelEffects {
             effects,
             boundary_shear,
         };
         Ok((known, others))
     }
 
-    /// What they add to the coefficient `mu` of a row.
+    /// Sum of the effects' changes of the coefficient `mu` of a row.
     pub fn add(&self, row: &Row, mu: f64) -> f64 {
         let with = self.effects.iter().fold(mu, |mu, effect| {
             effect.coefficient(mu, &row.conditions).unwrap_or(mu)

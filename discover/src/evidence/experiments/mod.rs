@@ -1,4 +1,4 @@
-//! Friction experiments: mu over pressure or of the melt film, one row a specimen or condition.
+//! Friction experiments: mu over pressure or of the melt film, one row per specimen or condition.
 
 pub(crate) mod base;
 pub(crate) mod bins;

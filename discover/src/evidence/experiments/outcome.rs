@@ -1,4 +1,4 @@
-//! What a search over experiments ends with: sizes, what is closed, and the next model.
+//! Results of a search over experiments: sizes, explained share and the next model.
 
 use kufe_sled::Model;
 
@@ -11,7 +11,7 @@ use crate::procedure::closed::ClosedGap;
 use crate::procedure::evidence::Account;
 
 impl Experiments<'_> {
-    /// Size of the `k`-th chosen candidate with its interval.
+    /// Size of the `k`-th selected candidate with its interval.
     pub fn size(&self, last: &TableFit, k: usize, quantile: f64) -> Fitted {
         let candidate = &self.setting.candidates[last.chosen[k]];
         let at = self.setting.base.len() + k;
@@ -26,7 +26,7 @@ impl Experiments<'_> {
         }
     }
 
-    /// The base coefficients with their intervals.
+    /// Base coefficients with their intervals.
     pub fn base_parameters(&self, last: &TableFit, quantile: f64) -> Vec<Fitted> {
         let base = self.setting.base;
         let fitted = |(k, (name, unit)): (usize, &(&str, &str))| {
@@ -42,7 +42,8 @@ impl Experiments<'_> {
         base.names().iter().enumerate().map(fitted).collect()
     }
 
-    /// The model with refitted base and the effects found; what no simulation knows is reported in the account.
+    /// The model with the refitted base and the selected effects. Effects on columns that
+    /// simulations do not have are reported in the account instead.
     pub fn next_model(
         &self,
         last: &TableFit,
@@ -73,8 +74,8 @@ impl Experiments<'_> {
         next
     }
 
-    /// How much is closed, on the held-out rows where there are any, of what everything chosen and the next best
-    /// candidate explain on the others.
+    /// Closed share of the explainable misfit, on the held-out rows if there are any. The direction
+    /// is that of all selected effects and the next best candidate, fitted to the other rows.
     pub fn closed(&self, before: &TableFit, after: &TableFit) -> Interval {
         let setting = &self.setting;
         let all: Vec<usize> = after.chosen.iter().copied().chain(self.next_best).collect();

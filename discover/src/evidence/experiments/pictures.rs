@@ -7,7 +7,7 @@ use crate::evidence::experiments::fit::{Fit, Setting};
 use crate::evidence::experiments::rows::Row;
 use crate::finding::{Curve, Picture, Plot, Scatter, Series};
 
-/// The measured coefficients with the law, and each named effect over its strongest column.
+/// Measured coefficients with the law, and each named effect over its strongest column.
 pub fn pictures(
     setting: &Setting,
     rows: &[Row],
@@ -21,11 +21,10 @@ pub fn pictures(
     pictures
 }
 
-/// Rows of the mean that the line is drawn through.
+/// Rows of a moving mean of the curve.
 const ROWS: usize = 5;
 
-/// What an effect adds over the column that it follows most closely, with what the rows say: the residual that remains when the effect alone is
-/// taken out of the fit.
+/// Contribution of an effect over its strongest column, with residuals of the fit without it.
 fn driven(
     setting: &Setting,
     rows: &[Row],
@@ -48,7 +47,7 @@ fn driven(
     Some(Picture {
         title: format!("{effect} over {column}"),
         caption: format!(
-            "Points: the residual of each row when {effect} is taken out of the model, with a standard deviation. Line: what it adds, \
+            "Points: the residual of each row without {effect} in the model, with a standard deviation. Line: what it adds, \
              the mean of {ROWS} rows."
         ),
         plot: Plot::Scatter(Scatter {
@@ -81,7 +80,7 @@ fn law(setting: &Setting, rows: &[Row], first: &Fit) -> Picture {
     let pressure: Vec<f64> = rows.iter().map(|r| 1e-6 * r.pressure).collect();
     let low = pressure.iter().copied().fold(f64::INFINITY, f64::min);
     let high = pressure.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    // A little past the points, as far as a diagram reaches.
+    // Extends the curve a little beyond the points.
     let margin = (0.06 * (high - low)).max(1e-9 * high.abs()).max(1e-12);
     let (low, high) = (low - margin, high + margin);
     let (x, y) = (0..=60)
@@ -117,7 +116,7 @@ fn over_film(rows: &[Row], first: &Fit) -> Picture {
     )
 }
 
-/// The measured friction of the rows over `place`, with a curve.
+/// Measured friction over `place`, with a curve.
 fn measured(
     rows: &[Row],
     title: &str,
@@ -147,7 +146,7 @@ fn measured(
     }
 }
 
-/// The column that an effect's change of mu follows most closely.
+/// The column most strongly related to an effect's change of mu.
 fn strongest_column(rows: &[Row], change: &[f64]) -> Option<(String, Vec<f64>)> {
     let names = rows.first()?.columns.keys();
     names

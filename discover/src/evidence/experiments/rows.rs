@@ -11,12 +11,10 @@ use rayon::prelude::*;
 use crate::error::Error;
 use crate::input::table::Table;
 
-/// One row.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// Specimen or condition.
     pub name: String,
-    /// Session; the row's own where there is no such column.
+    /// Session; the row itself if there is no such column.
     pub session: String,
     /// Peak pressure [Pa].
     pub pressure: f64,
@@ -24,20 +22,19 @@ pub struct Row {
     pub pressure_sd: f64,
     /// Measured coefficient of friction.
     pub mu: f64,
-    /// Its standard deviation.
     pub mu_sd: f64,
-    /// Friction of the melt film on its contact; NaN where that is not the base law.
+    /// Friction of the melt film on its contact; NaN for other base laws.
     pub film: f64,
-    /// What the effects of the catalogue see.
+    /// Conditions as the effects of the catalogue take them.
     pub conditions: OperatingPoint,
-    /// All further columns that hold numbers.
+    /// All further numeric columns.
     pub columns: BTreeMap<String, f64>,
 }
 
-/// Name of the column that counts the rows: what drifts while a table is measured follows it.
+/// Name of the column of row numbers, which represents drift.
 pub const ORDER: &str = "row";
 
-/// Columns that no candidate is made of.
+/// Columns that are not candidates.
 const KNOWN: [&str; 6] = [
     "specimen",
     "session",
@@ -50,8 +47,8 @@ const KNOWN: [&str; 6] = [
 /// Reads the rows; `drag_area` [m2] is the model's.
 ///
 /// # Errors
-/// [`Error::MissingColumn`], [`Error::Cell`] with row and column; [`Error::Duplicate`] for a row that repeats another one
-/// under whatever name.
+/// [`Error::MissingColumn`], [`Error::Cell`] with row and column; [`Error::Duplicate`] for a row
+/// that repeats another one under another name.
 pub fn read(table: &Table, drag_area: f64) -> Result<Vec<Row>, Error> {
     let names = table.texts("specimen")?;
     let pressure = table.numbers("p_max_pa", 0.0, 1e10)?;
@@ -83,7 +80,7 @@ pub fn read(table: &Table, drag_area: f64) -> Result<Vec<Row>, Error> {
         if KNOWN.contains(&name.as_str()) {
             continue;
         }
-        // A column of words is permitted by the file's format and ignored here; a number gone wrong among numbers is not.
+        // Text columns are ignored; an invalid number in a numeric column is an error.
         let numbers = table.texts(name)?;
         if numbers.iter().any(|text| text.parse::<f64>().is_ok()) {
             further.push((name, table.numbers(name, f64::MIN, f64::MAX)?));
@@ -144,10 +141,10 @@ const OF_FILM: [Column; 5] = [
     Column::IceTemperature,
 ];
 
-/// Sets the friction of the film of every row, with boundary contact of the shear stress that the model states [Pa].
+/// Computes the friction of the film of every row with the model's boundary shear stress [Pa].
 ///
 /// # Errors
-/// [`Error::MissingColumn`]; [`Error::File`] with the row where the film cannot be computed.
+/// [`Error::MissingColumn`]; [`Error::File`] with the row if the film cannot be computed.
 pub fn set_films(rows: &mut [Row], table: &Table, boundary_shear: f64) -> Result<(), Error> {
     if let Some(column) = OF_FILM.iter().find(|c| table.place(c.name()).is_none()) {
         return Err(Error::MissingColumn {

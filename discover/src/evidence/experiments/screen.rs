@@ -1,4 +1,4 @@
-//! One screen of all candidates: t of each with the chosen ones, and what chance makes of the largest.
+//! One screen of all candidates: t of each and the null distribution of the largest |t|.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -13,10 +13,10 @@ use crate::null::random::{normal, shuffle, stream};
 use crate::options::Options;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::rules::ExperimentRules;
-use crate::procedure::shared_effects::{Amount, Chance};
+use crate::procedure::shared_effects::{Amount, ScreenEstimate};
 use crate::regression::inverse::ridge_inverse;
 
-/// What a screen shows.
+/// Scores of a screen.
 pub struct TableScreen {
     /// t of each candidate.
     pub t: Vec<f64>,
@@ -36,7 +36,7 @@ pub struct TableScreen {
 }
 
 impl TableScreen {
-    /// The larger of the p-values by permutation and against twins, over all candidates.
+    /// The larger of the max-T p-values by permutation and by simulated tables.
     pub fn p_value(&self, c: usize) -> f64 {
         let t = self.t[c].abs();
         let null = if self.by_session[c] {
@@ -49,26 +49,26 @@ impl TableScreen {
         by_permutation.max(gumbel_tail(&self.simulated, t))
     }
 
-    /// The one with the largest |t| of those that are not chosen.
+    /// The candidate of largest |t| that is not in the model.
     pub fn largest(&self, chosen: &[usize]) -> Option<usize> {
         (0..self.t.len())
             .filter(|c| !chosen.contains(c) && self.t[*c].is_finite())
             .max_by(|a, b| self.t[*a].abs().total_cmp(&self.t[*b].abs()))
     }
 
-    /// Whether it is significant, given the base and within its bounds.
-    pub fn claimable(&self, c: usize, candidate: &Candidate<FrictionChange>) -> bool {
+    /// Whether a candidate is admissible: it can be judged and its size is within bounds.
+    pub fn is_selectable(&self, c: usize, candidate: &Candidate<FrictionChange>) -> bool {
         self.remaining_share[c] > self.rules.least_left
             && self.p_value(c) <= self.rules.alpha
             && candidate.admits(self.size[c] * candidate.typical)
     }
 
-    /// What it shows of every effect by name that is not chosen.
-    pub fn chances(
+    /// Estimate and p-value of every named effect that is not in the model.
+    pub fn screen_estimates(
         &self,
         candidates: &[Candidate<FrictionChange>],
         chosen: &[usize],
-    ) -> Vec<Chance> {
+    ) -> Vec<ScreenEstimate> {
         let named = candidates.iter().enumerate();
         let named = named.filter(|(c, candidate)| {
             let judged = self.remaining_share[*c] > self.rules.least_left && !chosen.contains(c);
@@ -77,8 +77,8 @@ impl TableScreen {
         named
             .map(|(c, candidate)| {
                 let value = self.size[c] * candidate.typical;
-                Chance {
-                    // With the scatter that its t is judged by.
+                ScreenEstimate {
+                    // The standard error includes the scatter that t is computed with.
                     amount: Amount::of(candidate, value, (value / self.t[c]).abs()),
                     p_value: self.p_value(c),
                 }
@@ -87,7 +87,7 @@ impl TableScreen {
             .collect()
     }
 
-    /// Cosine of two candidates given the base.
+    /// Cosine of two candidates after projection on the complement of the base.
     pub fn correlation(&self, a: usize, b: usize) -> f64 {
         let norm = self.free[a].norm() * self.free[b].norm();
         if norm > 0.0 {
@@ -97,7 +97,7 @@ impl TableScreen {
         }
     }
 
-    /// The smallest sizes that would be selected nine times in ten.
+    /// Smallest sizes that would be selected with a probability of 90 %.
     pub fn detectable(&self, candidates: &[Candidate<FrictionChange>]) -> Vec<Detectable> {
         (0..candidates.len())
             .map(|c| {
@@ -126,7 +126,7 @@ impl TableScreen {
     }
 }
 
-/// t of every candidate added to the chosen ones, and the nulls of the largest.
+/// t of every candidate added to the model, and null distributions of the largest |t|.
 pub fn screen_table(
     setting: &Setting,
     rows: &[Row],
@@ -176,7 +176,7 @@ pub fn screen_table(
         false => Vec::new(),
     };
     let specimens = members(rows.iter().map(|row| row.name.as_str()));
-    let mut twins = rows.to_vec();
+    let mut drawn = rows.to_vec();
     let simulated: Vec<f64> = (0..options.twins.max(40))
         .map(|k| {
             let mut rng = stream(options.seed, 0x7A17, k);
@@ -185,12 +185,12 @@ pub fn screen_table(
                 let offset = setting.between * normal(&mut rng);
                 own.iter().for_each(|i| offsets[*i] = offset);
             }
-            for ((twin, row), offset) in twins.iter_mut().zip(rows).zip(offsets) {
+            for ((drawn_row, row), offset) in drawn.iter_mut().zip(rows).zip(offsets) {
                 let (_, mu) = now.predict(setting, row, chosen);
-                twin.mu = mu + offset + row.mu_sd * normal(&mut rng);
-                twin.pressure = row.pressure + row.pressure_sd * normal(&mut rng);
+                drawn_row.mu = mu + offset + row.mu_sd * normal(&mut rng);
+                drawn_row.pressure = row.pressure + row.pressure_sd * normal(&mut rng);
             }
-            let rest = fit(setting, &twins, chosen).rest;
+            let rest = fit(setting, &drawn, chosen).rest;
             let products = units.products(rest.iter().copied());
             units.largest(&products, rest.norm_squared(), |_| true)
         })
@@ -216,17 +216,20 @@ pub fn screen_table(
     }
 }
 
-/// Unit directions of the candidates given the base, and the base's columns: all that t of a residual needs.
+/// Unit directions of the candidates and the base's columns, with which t of a residual is
+/// computed.
 ///
-/// With d a candidate's unit direction, C the base's columns and x a residual of n rows,
+/// With d a candidate's unit direction after projection, C the base's columns and x a residual of n
+/// rows,
 ///
 /// ```text
 /// score = d'x        |x'|^2 = x'x - x'C (C'C)^-1 C'x        t = score / sqrt(max(1, (|x'|^2 - score^2) / freedom))
 /// ```
 ///
-/// so that a residual costs its products with these columns. Errors are scaled up where the rows scatter more than stated, never down.
+/// A residual costs its products with these columns. Errors are scaled up if the rows scatter more
+/// than stated, never down.
 struct Units {
-    /// Candidates, then columns of the base, by row; a candidate that is not judged is 0.
+    /// Candidates, then columns of the base, by row; 0 for a candidate that cannot be judged.
     by_row: DMatrix<f64>,
     candidates: usize,
     inverse: DMatrix<f64>,
@@ -267,8 +270,8 @@ impl Units {
         sums
     }
 
-    /// Sum of squares of a residual once the base is projected out.
-    fn beyond_base(&self, products: &DVector<f64>, squares: f64) -> f64 {
+    /// Sum of squares of a residual after projection on the complement of the base.
+    fn projected_squares(&self, products: &DVector<f64>, squares: f64) -> f64 {
         let base = products.rows(self.candidates, self.inverse.nrows());
         squares - base.dot(&(&self.inverse * base))
     }
@@ -278,7 +281,7 @@ impl Units {
         score / excess.sqrt()
     }
 
-    /// t of every candidate, `squares` being those of a residual that is free of the base.
+    /// t of every candidate; `squares` is the sum of squares of the projected residual.
     fn all(&self, products: &DVector<f64>, squares: f64) -> Vec<f64> {
         let scores = products.rows(0, self.candidates);
         scores.iter().map(|score| self.t(*score, squares)).collect()
@@ -291,15 +294,15 @@ impl Units {
         squares: f64,
         wanted: impl Fn(usize) -> bool,
     ) -> f64 {
-        let squares = self.beyond_base(products, squares);
+        let squares = self.projected_squares(products, squares);
         (0..self.candidates)
             .filter(|c| wanted(*c))
             .map(|c| self.t(products[c], squares).abs())
             .fold(0.0, f64::max)
     }
 
-    /// The largest |t| of what is constant within sessions, where each session takes the mean residual of another one and keeps its own
-    /// scatter: products are sums over sessions.
+    /// The largest |t| of the session-level candidates when each session takes the mean residual of
+    /// another one and keeps its own scatter. Products are sums over sessions.
     fn by_sessions(
         &self,
         by_session: &[bool],

@@ -1,18 +1,18 @@
-//! Friction experiments with other kinds of data of the same campaign.
+//! Friction experiments searched together with other kinds of data.
 
 use crate::error::Error;
 use crate::evidence::experiments::candidates::FrictionChange;
 use crate::evidence::experiments::evidence::{Experiments, TableFit};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Selection;
-use crate::procedure::shared_effects::{Amount, Chance, SharesEffects};
+use crate::procedure::shared_effects::{Amount, ScreenEstimate, SharesEffects};
 
 impl SharesEffects for Experiments<'_> {
-    fn chances(&self) -> &[Chance] {
-        &self.chances
+    fn screen_estimates(&self) -> &[ScreenEstimate] {
+        &self.screen_estimates
     }
 
-    /// What goes by the air is that of the body that glides here, not of the sled on the track.
+    /// Aerodynamic effects are those of the body of the experiment, not of the sled on the track.
     fn is_common(&self, effect: &str) -> bool {
         let candidates = self.setting.candidates.iter();
         let Some(candidate) = candidates.into_iter().find(|c| c.effect == effect) else {
@@ -57,7 +57,7 @@ impl SharesEffects for Experiments<'_> {
     }
 
     fn amounts(&self, fit: &TableFit, step: usize) -> Vec<Amount> {
-        // What is requested with a fit comes last.
+        // The effect added last for this request has the last index.
         let place = step.min(fit.chosen.len().saturating_sub(1));
         let Some(c) = fit.chosen.get(place) else {
             return Vec::new();

@@ -1,4 +1,4 @@
-//! Where maps and simulation part: by load and curvature, along and across the runner, and by pressure.
+//! Bins of the residuals by load and curvature, along and across the runner, and by pressure.
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -7,18 +7,15 @@ use crate::evidence::maps::simulate::Simulations;
 use crate::evidence::maps::sized::SizedEffects;
 use crate::finding::{Bin, significant};
 
-/// Bins of a variable.
 const BINS: usize = 8;
 
-/// Bins of measured less simulated pressure that are significant, strongest first; p-values hold over all bins (Bonferroni).
-///
-/// # Errors
-/// Those of the contact solver.
+/// Significant bins of measured minus simulated pressure, strongest first; p-values are corrected
+/// for all bins (Bonferroni).
 pub fn bins(simulations: &Simulations, active: &SizedEffects) -> Result<Vec<Bin>, Error> {
     let rules = &simulations.rules;
     let as_one = rules.independent_pixels.powi(2);
     let maps = simulations.maps(active, rules.reporting_cells)?;
-    // One value a pixel in contact: load, curvature, place, simulated pressure, residual.
+    // One value per pixel in contact: load, curvature, place, simulated pressure, residual.
     let mut values: Vec<([f64; 5], f64)> = Vec::new();
     for (row, map) in simulations.rows.iter().zip(&maps) {
         let (Some(map), Some(measured)) = (map, &row.map) else {

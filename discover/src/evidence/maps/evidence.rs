@@ -1,15 +1,17 @@
 //! Pressure measurements as evidence: maps and peaks against contact solves.
 //!
-//! Each candidate of [`kufe::case::effects`] changes the problem or the map. Its size is fitted by Gauss-Newton on all
-//! rows (`line`, every point a new solve of each row), and what counts is the sum of squares that really remains:
+//! Each candidate of [`kufe::case::effects`] changes the problem or the map. Its size is fitted by
+//! Gauss-Newton on all rows (`line`, every point a new solve of each row). Candidates are compared
+//! by the sum of squares at their best size:
 //!
 //! ```text
 //! chi2 = sum over pixels (p_measured - p_simulated)^2 / var / (pixels for one independent value)  +  peaks
 //! ```
 //!
-//! var is that of `noise`, and with it in squares what a finer mesh changes at that pixel. A selected effect must lower chi2 by more
-//! than 30 and by a fifth; its class is every effect whose own best fit is worse by less than 9 in units of the best fit's
-//! mean square. A size within three of its errors of 0 is not selected. Sizes are reported from finer meshes (`polish`).
+//! var is that of `noise` plus the squared discretisation error of that pixel. A selected effect
+//! must lower chi2 by more than 30 and by a fifth. Its class contains every effect whose best fit
+//! is worse by less than 9 in units of the best fit's mean square. A size within three standard
+//! errors of 0 is not selected. Sizes are reported from finer meshes (`polish`).
 
 use std::path::Path;
 
@@ -32,14 +34,15 @@ use crate::finding::{ChannelGap, Fitted, HeldOut, Interval, Step};
 use crate::options::Options;
 use crate::procedure::closed::ClosedGap;
 use crate::procedure::evidence::{
-    Account, Added, Description, Evidence, Meaning, Opened, SUPERFLUOUS, Screen, Selection, Words,
+    Account, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, SUPERFLUOUS, Screen,
+    Selection, Words,
 };
-use crate::procedure::lowered::Lowered;
+use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::rules::MapRules;
 use crate::procedure::search::{Found, search_evidence};
 use crate::procedure::shared_effects::SharesEffects;
 
-/// Measured maps and peaks, and the case that they are judged against.
+/// Measured maps and peaks, and the case that they are compared with.
 pub struct Maps<'a> {
     model: &'a Path,
     text: String,
@@ -51,12 +54,12 @@ pub struct Maps<'a> {
     held_out: Simulations<'a>,
     start: Misfit,
     first_steps: Steps,
-    /// What would lower the misfit most given what was found, selected or not.
+    /// The effect that would lower the misfit most given those found, selected or not.
     next: Option<(&'static Effect, f64)>,
     screens: usize,
 }
 
-/// Effects at their sizes and what they leave.
+/// Effects at their sizes and the misfit.
 #[derive(Clone)]
 pub struct MapFit {
     active: SizedEffects,
@@ -64,14 +67,11 @@ pub struct MapFit {
     misfit: Misfit,
 }
 
-/// Pieces into which the residuals are cut where gaps are compared.
+/// Pieces of the residuals over which misfits are compared.
 const PIECES: usize = 16;
 
 impl<'a> Maps<'a> {
-    /// Locks the last map away and solves all rows on two meshes.
-    ///
-    /// # Errors
-    /// Those of the solver.
+    /// Holds out the last map and solves all rows on two meshes.
     pub fn new(
         measured: &'a Measured,
         model: &'a Path,
@@ -107,8 +107,8 @@ impl<'a> Maps<'a> {
         misfit.chi2 > self.rules().unclean * misfit.count
     }
 
-    /// Whether the best line of a screen may be selected.
-    fn stands_out(&self, best: &LineSearch, before: f64, mean_square: f64) -> bool {
+    /// Whether the best candidate of a screen may be selected.
+    fn is_significant(&self, best: &LineSearch, before: f64, mean_square: f64) -> bool {
         let rules = self.rules();
         before - best.chi2() >= rules.least_drop
             && best.chi2() <= (1.0 - rules.least_share) * before
@@ -116,7 +116,7 @@ impl<'a> Maps<'a> {
                 >= self.options.rules.search.agree * best.error() * mean_square.sqrt()
     }
 
-    /// A name in whose company most of what was wrong stays wrong is none: what was tried, in words.
+    /// A named effect is doubtful if most of the misfit above the noise remains.
     fn doubt(&self, last: &Misfit, steps: &[Step]) -> Option<String> {
         let [most, share] = self.rules().doubtful;
         let remaining = (last.chi2 - last.count) / (self.start.chi2 - self.start.count).max(1e-9);
@@ -124,7 +124,7 @@ impl<'a> Maps<'a> {
         let names: Vec<&str> = steps.iter().map(|s| s.effect.as_str()).collect();
         (doubtful && !names.is_empty()).then(|| {
             format!(
-                "{} would lower the misfit, but leaves {:.0} % of what is above the noise: not named",
+                "{} would lower the misfit, but {:.0} % of the excess over the noise remains: not named",
                 names.join(" and "),
                 100.0 * remaining
             )
@@ -140,9 +140,8 @@ impl<'a> Maps<'a> {
         })
     }
 
-    /// Takes out again what the effects found later explain as well: its removal raises chi2 by less than a selected effect must
-    /// lower it.
-    fn leave_out(&self, fit: &mut MapFit, account: &mut Account) -> Result<(), Error> {
+    /// Removes effects without which chi2 rises by less than a selected effect must lower it.
+    fn remove_step(&self, fit: &mut MapFit, account: &mut Account) -> Result<(), Error> {
         let mut k = 0;
         while fit.active.len() > 1 && k < fit.active.len() {
             let (mut active, mut own) = (fit.active.clone(), fit.errors.clone());
@@ -154,7 +153,7 @@ impl<'a> Maps<'a> {
             }
             let raised = without.misfit.chi2 - fit.misfit.chi2;
             if raised < self.rules().least_drop * fit.misfit.mean_square() {
-                account.leave_out(k, SUPERFLUOUS);
+                account.remove_step(k, SUPERFLUOUS);
                 account.steps[0].gap_before = self.start.rms;
                 *fit = without;
                 if let Some(last) = account.steps.last_mut() {
@@ -230,7 +229,7 @@ impl Evidence for Maps<'_> {
     type Fit = MapFit;
 
     fn fit_base(&mut self, account: &mut Account) -> Result<MapFit, Error> {
-        account.remarks.extend(self.options.looked_for());
+        account.remarks.extend(self.options.restriction_remark());
         account.remarks.extend(self.remarks.iter().cloned());
         account.remarks.extend(remarks_on(self.rows));
         Ok(MapFit {
@@ -256,7 +255,7 @@ impl Evidence for Maps<'_> {
         let mut selection = None;
         if let Some(best) = lines.first() {
             let mean_square = (best.chi2() / (before.count - 1.0).max(1.0)).max(1.0);
-            if self.stands_out(best, before.chi2, mean_square) {
+            if self.is_significant(best, before.chi2, mean_square) {
                 selection = Some(select(
                     &lines,
                     before.chi2,
@@ -278,7 +277,7 @@ impl Evidence for Maps<'_> {
         fit: &MapFit,
         selection: &Selection<Self::Act>,
         _: usize,
-    ) -> Result<Added<MapFit>, Error> {
+    ) -> Result<ExtendedFit<MapFit>, Error> {
         (self.progress)(&format!("screen {}: finer meshes", self.screens));
         let before = self.training.searching(&fit.active)?;
         let (mut active, mut errors) = (fit.active.clone(), fit.errors.clone());
@@ -286,7 +285,7 @@ impl Evidence for Maps<'_> {
         errors.push(selection.error);
         let next = self.polished(&active, &errors)?;
         let after = self.training.searching(&next.active)?;
-        Ok(Added {
+        Ok(ExtendedFit {
             gap: [fit.misfit.rms, next.misfit.rms],
             place: Some(place(&self.training, &before, &after)),
             fit: next,
@@ -296,7 +295,7 @@ impl Evidence for Maps<'_> {
 
     fn settle(&mut self, fit: MapFit, account: &mut Account) -> Result<MapFit, Error> {
         let mut fit = fit;
-        self.leave_out(&mut fit, account)?;
+        self.remove_step(&mut fit, account)?;
         if let Some(doubt) = self.doubt(&fit.misfit, &account.steps) {
             account.remarks.push(doubt);
             account.steps.clear();
@@ -305,7 +304,7 @@ impl Evidence for Maps<'_> {
             fit.misfit = self.start.clone();
         }
         if account.steps.is_empty() && self.unclean(&fit.misfit) {
-            account.unexplained = Some("maps of the same runner at more loads and turned by a known angle, and a map of a ball of known radius, which tells the sensor from the runner".to_owned());
+            account.unexplained = Some("maps of the same runner at more loads and turned by a known angle, and a map of a ball of known radius, which separates the sensor from the runner".to_owned());
         }
         Ok(fit)
     }
@@ -317,23 +316,28 @@ impl Evidence for Maps<'_> {
         self.polished(&active, &errors)
     }
 
-    fn lowered(&self, from: &MapFit, to: &MapFit) -> Result<Option<Lowered>, Error> {
+    fn misfit_decrease(&self, from: &MapFit, to: &MapFit) -> Result<Option<Decrease>, Error> {
         if self.held_out.rows.is_empty() {
             return Ok(None);
         }
         let of = |fit: &MapFit| self.held_out.reporting(&fit.active);
         let falls = of(from)?.falls(&of(to)?, PIECES);
-        Ok(Lowered::over(&falls, 0.0))
+        Ok(Decrease::over(&falls, 0.0))
     }
 
-    fn open(&mut self, _: &MapFit, last: &MapFit, account: &mut Account) -> Result<Opened, Error> {
+    fn open(
+        &mut self,
+        _: &MapFit,
+        last: &MapFit,
+        account: &mut Account,
+    ) -> Result<HeldOutResults, Error> {
         let before = self.held_out.reporting(&SizedEffects::new())?;
         let after = self.held_out.reporting(&last.active)?;
         let closed = match account.steps.is_empty() {
             true => Vec::new(),
             false => vec![self.closed(last)?; account.steps.len()],
         };
-        Ok(Opened {
+        Ok(HeldOutResults {
             held_out: HeldOut {
                 what: "measurement".to_owned(),
                 runs: self.held_out.rows.iter().map(|r| r.name.clone()).collect(),
@@ -374,7 +378,7 @@ impl Evidence for Maps<'_> {
                 .collect(),
             words: Words {
                 next_after_nothing:
-                    "maps at several loads, on straight and curved track, show smaller effects"
+                    "maps at several loads, on straight and curved track, reveal smaller effects"
                         .to_owned(),
                 ..Words::default()
             },
@@ -387,7 +391,7 @@ impl Evidence for Maps<'_> {
 
 impl SharesEffects for Maps<'_> {}
 
-/// Searches a `pressures.csv`; `model` is the case file that is to be improved.
+/// Searches a `pressures.csv`; `model` is the case file to improve.
 ///
 /// # Errors
 /// [`Error::Cell`], [`Error::MissingColumn`], [`Error::File`], those of the case and of the solver.
@@ -397,7 +401,7 @@ pub fn search(
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Found, Error> {
-    options.refuse_unheard(None)?;
+    options.check_names(None)?;
     let measured = Measured::read(path, model, &options.rules.maps)?;
     let mut maps = Maps::new(&measured, model, options, progress)?;
     search_evidence(&mut maps, options, progress)

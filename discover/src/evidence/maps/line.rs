@@ -1,41 +1,40 @@
-//! The best size of one effect with those that are switched on: Gauss-Newton with secants.
+//! Line search for the size of one effect: Gauss-Newton with secants.
 //!
-//! Every point costs one solve of all rows and serves twice, as a misfit and for the next derivative. The first step is as
-//! large as moves the maps by a few per cent, whatever the runner's measures.
+//! Every point costs one solve of all rows and serves twice, as a misfit and for the next
+//! derivative. The first step changes the maps by a few per cent, whatever the runner's dimensions.
 
 use kufe::case::effects::Effect;
 
 use crate::evidence::maps::simulate::{Misfit, Simulations};
 use crate::evidence::maps::sized::SizedEffects;
 
-/// Change of the maps that a first step should make, relative, and where it is taken as it is.
+/// Relative change of the maps by a first step.
 const CHANGE: f64 = 0.04;
 const CHANGES: std::ops::RangeInclusive<f64> = 0.008..=0.12;
-/// Trials without a gain after which a line ends.
+/// Trials without a gain after which a search ends.
 const FAILURES: usize = 3;
 
 struct Point {
-    /// Place on the line: the size, for a blur its square (the maps follow it linearly).
+    /// Coordinate of the search: the size, or its square for a blur, in which the maps are linear.
     u: f64,
     misfit: Misfit,
 }
 
-/// The misfit along the sizes of one effect.
+/// A line search over the size of one effect.
 pub struct LineSearch {
-    /// The effect.
     pub effect: &'static Effect,
     points: Vec<Point>,
     best: usize,
     low: f64,
     high: f64,
     failures: usize,
-    /// Whether nothing more is to be gained.
+    /// Whether the search has converged.
     pub settled: bool,
 }
 
 impl LineSearch {
-    /// The first two points; `None` where the effect does nothing or cannot be solved. `step` is the one that an earlier
-    /// line of this effect found to be a good one.
+    /// Evaluates the first two points; `None` if the effect changes nothing or cannot be solved.
+    /// `step` is the first step of an earlier search of this effect.
     pub fn start(
         simulations: &Simulations,
         active: &SizedEffects,
@@ -85,8 +84,8 @@ impl LineSearch {
         Some(line)
     }
 
-    /// Goes on from the first step to four times as far each time, until that has made things worse twice: for effects
-    /// whose first step says little of where they lead.
+    /// Continues with steps four times as long each until two have failed: for effects whose first
+    /// derivative predicts little.
     pub fn march(&mut self, simulations: &Simulations, active: &SizedEffects) {
         let from = self.points[0].u;
         let mut step = self.points[1].u - from;
@@ -106,7 +105,7 @@ impl LineSearch {
         }
     }
 
-    /// The step between the first two points, for a later line of the same effect.
+    /// Distance of the first two points, for a later search of the same effect.
     pub fn first_step(&self) -> f64 {
         (self.points[1].u - self.points[0].u).abs()
     }
@@ -116,13 +115,13 @@ impl LineSearch {
         self.effect.search.back(self.points[self.best].u)
     }
 
-    /// Sum of squares there.
+    /// Sum of squares at the best size.
     pub fn chi2(&self) -> f64 {
         self.points[self.best].misfit.chi2
     }
 
-    /// Sum of squares that the next step promises.
-    pub fn promise(&self) -> f64 {
+    /// Sum of squares predicted for the next step.
+    pub fn predicted_chi2(&self) -> f64 {
         let Some((jj, jr)) = self.slopes() else {
             return self.chi2();
         };
@@ -131,25 +130,24 @@ impl LineSearch {
         (self.chi2() + 2.0 * by * jr + by * by * jj).min(self.chi2())
     }
 
-    /// Standard error of the size.
     pub fn error(&self) -> f64 {
         let Some((jj, _)) = self.slopes() else {
             return f64::INFINITY;
         };
         let error = 1.0 / jj.sqrt();
         let here = self.points[self.best].u;
-        // From the place on the line to the size, over the error itself where the line begins.
+        // From the search coordinate to the size; at the start of the line from the error itself.
         0.5 * (self.effect.search.back(here + error)
             - self.effect.search.back((here - error).max(self.low)))
     }
 
-    /// Change of the weighted residuals by the first step: what the effect resembles before anything is known.
+    /// Change of the weighted residuals by the first step.
     pub fn signature(&self) -> Vec<f64> {
         let [a, b] = [0, 1].map(|k| &self.points[k].misfit.rest);
         a.iter().zip(b).map(|(a, b)| b - a).collect()
     }
 
-    /// Size at which the maps have changed by `errors` standard errors of the place on the line, from its beginning.
+    /// Size at `errors` standard errors of the search coordinate from the start of the line.
     pub fn size_at(&self, errors: f64) -> f64 {
         let squares: f64 = self.signature().iter().map(|d| d * d).sum();
         let [from, to] = [0, 1].map(|k| self.points[k].u);
@@ -158,7 +156,7 @@ impl LineSearch {
             .back(from + errors * (to - from).abs() / squares.sqrt().max(1e-300))
     }
 
-    /// One more point.
+    /// Evaluates one more point.
     pub fn advance(&mut self, simulations: &Simulations, active: &SizedEffects) {
         let Some((jj, jr)) = self.slopes() else {
             self.settled = true;
@@ -185,13 +183,13 @@ impl LineSearch {
             .iter()
             .any(|p| (p.u - to).abs() < 0.01 * by.abs())
         {
-            // That place is known and no better: half way there.
+            // That point is known and no better: halves the step.
             to = here + 0.5 * (to - here);
         }
         let before = self.chi2();
         match self.eval(simulations, active, to) {
             None => {
-                // Nothing can be solved there: no further than half the way.
+                // That point cannot be solved: bounds the search at half the step.
                 let wall = here + 0.5 * (to - here);
                 if to > here {
                     self.high = wall;
@@ -213,7 +211,7 @@ impl LineSearch {
         self.settled |= self.failures >= FAILURES;
     }
 
-    /// The step from `here` that brings sum, centre and spread of the maps together; `None` without maps.
+    /// The step from `here` that matches sum, centre and spread of the maps; `None` without maps.
     fn by_moments(&self, here: f64) -> Option<f64> {
         let [a, b] = [0, 1].map(|k| &self.points[k]);
         let du = b.u - a.u;
@@ -256,7 +254,7 @@ impl LineSearch {
         (jj > 0.0).then_some((jj, jr))
     }
 
-    /// How much the second point's maps differ from the first's, relative.
+    /// Relative difference of the maps at the first two points.
     fn change(&self) -> f64 {
         let [a, b] = [0, 1].map(|k| &self.points[k].misfit);
         let squares: f64 = a
@@ -269,7 +267,7 @@ impl LineSearch {
     }
 }
 
-/// The size up to which an effect does nothing, whichever row is evaluated.
+/// The size up to which an effect changes no row.
 fn beginning(simulations: &Simulations, effect: &'static Effect) -> f64 {
     let Some(begins) = effect.search.begins else {
         return 0.0;

@@ -1,12 +1,12 @@
-//! The case with what was found switched on.
+//! The case with the effects found.
 
 use kufe::case::effects::Effect;
 
-/// The case's text with `[effects]` of these sizes; what it had already is retained, sizes of the same effect add up as the
-/// effects themselves do.
+/// The case's text with these effects added to its `[effects]`; sizes of the same effect are
+/// composed.
 ///
 /// # Errors
-/// What the TOML parser says.
+/// The message of the TOML parser.
 pub fn next_case(text: &str, active: &[(&'static Effect, f64)]) -> Result<String, String> {
     if active.is_empty() {
         return Ok(text.to_owned());
@@ -75,7 +75,7 @@ mod tests {
             effect.sense(effect.search.together(first, second), &mut both);
             let off = one.pressure.iter().zip(&both.pressure);
             let worst = off.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
-            // Sampled Gaussians: their tails above four deviations are cut.
+            // The tails of sampled Gaussians are cut at four deviations.
             assert!(worst < 1e-4, "{name}: {worst}");
             map = one;
         }

@@ -1,4 +1,4 @@
-//! Measured and simulated maps side by side, and peaks of rows without a map, for the report.
+//! Pictures of measured and simulated maps, and of the peaks of rows without a map.
 
 use crate::error::Error;
 use crate::evidence::maps::simulate::Simulations;
@@ -8,21 +8,15 @@ use crate::finding::{Maps, Peak, Picture, Plot};
 /// Most rows of a picture of peaks.
 const MOST_PEAKS: usize = 60;
 
-/// Peaks of the rows without a map; for the learned map with the largest difference, and the first held-out one: measured pressure, and what is simulated
-/// before and after.
-///
-/// # Errors
-/// Those of the contact solver.
+/// Measured and simulated pressure before and after: the training map of largest difference, the
+/// first held-out map, and the peaks of rows without a map.
 pub fn pictures(
     simulations: &Simulations,
     locked: &Simulations,
     active: &SizedEffects,
 ) -> Result<Vec<Picture>, Error> {
     let mut pictures: Vec<Picture> = peaks(simulations, locked, active)?.into_iter().collect();
-    for (simulations, kind) in [
-        (simulations, "a map that it learned from"),
-        (locked, "a held-out map"),
-    ] {
+    for (simulations, kind) in [(simulations, "a training map"), (locked, "a held-out map")] {
         let before = simulations.maps(&SizedEffects::new(), simulations.rules.reporting_cells)?;
         let after = simulations.maps(active, simulations.rules.reporting_cells)?;
         let chi2 = simulations.reporting(&SizedEffects::new())?.by_row;
@@ -50,7 +44,7 @@ pub fn pictures(
     Ok(pictures)
 }
 
-/// The peaks of rows that hold no map, row by row; `None` where all hold one.
+/// Peaks of the rows without a map; `None` if all rows have one.
 fn peaks(
     simulations: &Simulations,
     locked: &Simulations,

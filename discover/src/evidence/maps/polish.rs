@@ -1,4 +1,4 @@
-//! The sizes that are reported: one Gauss-Newton step for all effects together, on finer meshes than the search's.
+//! Final sizes: one Gauss-Newton step of all effects together, on finer meshes than the search's.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,31 +6,25 @@ use crate::error::Error;
 use crate::evidence::maps::simulate::{Misfit, Simulations};
 use crate::evidence::maps::sized::SizedEffects;
 
-/// Effects at their final sizes.
-pub struct Polished {
-    /// Effects and sizes.
+pub struct FinalSizes {
     pub active: SizedEffects,
     /// Standard errors of the sizes, for noise as stated.
     pub errors: Vec<f64>,
-    /// What remains.
     pub misfit: Misfit,
 }
 
-/// `errors` are those of the search, one an effect.
-///
-/// # Errors
-/// Those of the contact solver at the sizes given.
+/// `errors` are those of the search, one per effect.
 pub fn polish(
     simulations: &Simulations,
     active: &SizedEffects,
     errors: &[f64],
-) -> Result<Polished, Error> {
+) -> Result<FinalSizes, Error> {
     let here = simulations.reporting(active)?;
     let count = active.len();
     let mut derivative = DMatrix::zeros(here.rest.len(), count);
     for k in 0..count {
         let info = active[k].0.parameter();
-        // Well above the solves' own scatter, well below the size.
+        // Well above the scatter of the solves, well below the size.
         let step = (6.0 * errors[k]).clamp(0.01 * active[k].1.abs(), 0.1 * active[k].1.abs());
         let step = if active[k].1 + step > info.high {
             -step
@@ -40,7 +34,7 @@ pub fn polish(
         let mut moved = active.clone();
         moved[k].1 += step;
         let Ok(there) = simulations.reporting(&moved) else {
-            return Ok(Polished {
+            return Ok(FinalSizes {
                 active: active.clone(),
                 errors: errors.to_vec(),
                 misfit: here,
@@ -52,7 +46,7 @@ pub fn polish(
     }
     let normal = derivative.tr_mul(&derivative);
     let Some(inverse) = normal.try_inverse() else {
-        return Ok(Polished {
+        return Ok(FinalSizes {
             active: active.clone(),
             errors: errors.to_vec(),
             misfit: here,
@@ -72,7 +66,7 @@ pub fn polish(
         Ok(better) if better.chi2 < here.chi2 => (moved, better),
         _ => (active.clone(), here),
     };
-    Ok(Polished {
+    Ok(FinalSizes {
         active,
         errors: own,
         misfit,

@@ -1,16 +1,17 @@
 //! A solved pressure on the pixels of a measured map.
 //!
-//! The square of a contact pressure is smooth up to the rim and through it (it is a paraboloid in Hertz's contact), the
-//! pressure is not: the square, continued beyond the rim ([`squared_pressure`]), is interpolated between nodes, and its root is
-//! averaged over a pixel. Farther out the square is NaN, which is no pressure.
+//! The square of a contact pressure is smooth across the rim (in Hertz's contact it is a
+//! paraboloid), the pressure is not. The square, continued beyond the rim ([`squared_pressure`]),
+//! is interpolated between nodes, and its root is averaged over a pixel. Farther out the square is
+//! NaN and the pressure 0.
 
 use kufe::case::effects::Map;
 use kufe_contact::{SurfaceField, squared_pressure};
 
-/// Points a pixel along each direction.
+/// Points per pixel in each direction.
 const POINTS: [f64; 3] = [-1.0 / 3.0, 0.0, 1.0 / 3.0];
 
-/// The solution's pressure, nowhere above the `bound` of what the ice bears [Pa], on the pixels of `like` [Pa].
+/// The pressure, limited to the strength of the ice `bound` [Pa], on the pixels of `like` [Pa].
 pub fn sample(surface: &SurfaceField, bound: f64, like: &Map) -> Map {
     let square = squared_pressure(surface, bound);
     let nx = surface.x.len();
@@ -56,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_hertz_ellipse_on_few_nodes_is_met_up_to_its_rim() {
+    fn a_hertz_ellipse_on_few_nodes_is_sampled_up_to_its_rim() {
         // Seven cells over the half axis, the rim between two nodes.
         let nodes = |half: f64| -> Vec<f64> {
             (-10..=10)
@@ -101,7 +102,8 @@ mod tests {
                 worst = worst.max((map.pressure[j * 60 + i] - mean).abs());
             }
         }
-        // Bilinear in p^2 with cells of 1/7.3: (1/7.3)^2/4 of p0^2, at the rim its root's share of a pixel.
+        // Bilinear in p^2 with cells of 1/7.3: an error of (1/7.3)^2/4 of p0^2; at the rim its
+        // root's share of a pixel.
         assert!(worst < 0.05, "{worst}");
     }
 }

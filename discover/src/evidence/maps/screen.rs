@@ -1,4 +1,4 @@
-//! One screen of all effects: which of them, at its best size, leaves least.
+//! One screen of all effects: the misfit of each at its best size.
 
 use std::collections::BTreeMap;
 
@@ -11,18 +11,19 @@ use crate::finding::Detectable;
 use crate::options::Options;
 use crate::procedure::rules::Rules;
 
-/// Lines that are followed at a time.
+/// Line searches that are continued at a time.
 const FOLLOWED: usize = 4;
-/// Rounds in which they are.
+/// Rounds of continued searches.
 const ROUNDS: usize = 10;
 
 /// First steps by effect's name, stored from screen to screen.
 pub type Steps = BTreeMap<&'static str, f64>;
 
-/// Follows every effect that is not switched on to its best size, the promising ones first.
+/// Searches the best size of every effect that is not in the model, in the order of the predicted
+/// misfit.
 ///
-/// Bounds on the pressure and worn sections are far from linear: what their first step promises means little, and they
-/// are followed for some rounds whatever it is.
+/// Bounds on the pressure and worn sections are strongly nonlinear: the prediction of their first
+/// step is unreliable, and they are continued for some rounds in any case.
 pub fn screen_maps(
     simulations: &Simulations,
     active: &SizedEffects,
@@ -53,13 +54,13 @@ pub fn screen_maps(
         }
     }
     for round in 0..ROUNDS {
-        lines.sort_by(|a, b| a.promise().total_cmp(&b.promise()));
+        lines.sort_by(|a, b| a.predicted_chi2().total_cmp(&b.predicted_chi2()));
         let mut moved = false;
         for (place, line) in lines.iter_mut().enumerate() {
             let near = place < FOLLOWED || round < 2;
-            let promising = chi2 - line.promise() >= options.rules.maps.least_drop && near;
-            let bent = is_bent(line.effect) && round < 3;
-            if line.settled || !(promising || bent) {
+            let promising = chi2 - line.predicted_chi2() >= options.rules.maps.least_drop && near;
+            let nonlinear = is_nonlinear(line.effect) && round < 3;
+            if line.settled || !(promising || nonlinear) {
                 continue;
             }
             progress(line.effect.info().name);
@@ -74,7 +75,7 @@ pub fn screen_maps(
     lines
 }
 
-fn is_bent(effect: &'static Effect) -> bool {
+fn is_nonlinear(effect: &'static Effect) -> bool {
     matches!(effect.search.growth, Growth::Bent | Growth::Far)
 }
 
@@ -85,7 +86,7 @@ pub fn correlation(a: &LineSearch, b: &LineSearch) -> f64 {
     dot(&a, &b) / (dot(&a, &a) * dot(&b, &b)).sqrt().max(1e-300)
 }
 
-/// What would have been seen: the sizes at which chi2 drops by enough, nine times in ten.
+/// Detectable sizes: those at which chi2 drops by enough with a probability of 90 %.
 pub fn detectable(lines: &[LineSearch], rules: &Rules) -> Vec<Detectable> {
     lines
         .iter()

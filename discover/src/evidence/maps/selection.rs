@@ -1,4 +1,4 @@
-//! The selection of a screen: the effect that leaves least, with its class.
+//! Selection of the effect with the smallest misfit, with its class.
 
 use kufe::case::effects::Effect;
 
@@ -41,7 +41,7 @@ pub fn select(
     let drop = (before - best.chi2()) / mean_square;
     let named = NamedEffect {
         effect: info.name,
-        // What it would take to do without it, always upwards.
+        // The effect's t is the root of the drop of chi2.
         t: drop.sqrt(),
         gain: before - best.chi2(),
         units: 1,
@@ -62,7 +62,7 @@ pub fn select(
         error: best.error(),
         class,
         rivals,
-        // Of one of all effects tried, each with its size free.
+        // All effects were tried with free sizes: no randomisation was made.
         randomised: Randomised::default(),
         p_value: (lines.len() as f64 * (-0.5 * drop).exp()).clamp(1e-12, 1.0),
         place: String::new(),
@@ -72,7 +72,7 @@ pub fn select(
     }
 }
 
-/// The rows that gain, with the one that gains most.
+/// The rows whose misfit falls, with the one where it falls most.
 pub fn place(simulations: &Simulations, before: &Misfit, after: &Misfit) -> String {
     let gains = before.by_row.iter().zip(&after.by_row).map(|(a, b)| a - b);
     let most = gains.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));

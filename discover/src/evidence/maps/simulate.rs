@@ -1,4 +1,4 @@
-//! Measurements simulated: contact solves, seen on the measured maps' pixels through the sensor.
+//! Simulated measurements: contact solves seen by the sensor at the pixels of the measured maps.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -14,34 +14,33 @@ use crate::evidence::maps::sample::sample;
 use crate::evidence::maps::sized::SizedEffects;
 use crate::procedure::rules::MapRules;
 
-/// What a solve gives of a row before the sensor: a map on its pixels with the smallest cell of the mesh [pixels], or the peak alone.
+/// Solution of a row before the sensor: a map on its pixels with the smallest cell of the mesh
+/// [pixels], or the peak alone.
 enum Simulated {
     Map(Map, [usize; 2]),
     Peak(f64),
 }
 
-/// Cells, and names and sizes of the effects that change the problem itself.
+/// Key of a solve: cells, and names and sizes of the effects that change the problem.
 type Key = (usize, Vec<(&'static str, u64)>);
 
-/// Rows that are solved once for each set of effects; those of the sensor need no solve of their own.
+/// Rows with cached solves, one per set of effects; effects of the sensor need none of their own.
 pub struct Simulations<'a> {
-    /// The rows.
     pub rows: Vec<&'a Row>,
-    /// The constants of judgement.
     pub rules: MapRules,
-    /// Standard deviation of each value: the sensor's, and what a finer mesh changes there, by row [Pa].
+    /// Standard deviation of each value by row, of sensor and discretisation [Pa].
     deviation: Vec<Vec<f64>>,
     solved: RefCell<BTreeMap<Key, Arc<Vec<Simulated>>>>,
 }
 
-/// Simulation against measurement.
+/// Misfit of simulation and measurement.
 #[derive(Clone)]
 pub struct Misfit {
-    /// Sum of squares in units of the noise.
+    /// Weighted sum of squares.
     pub chi2: f64,
-    /// Its share of each row.
+    /// chi2 of each row.
     pub by_row: Vec<f64>,
-    /// Independent values.
+    /// Number of independent values.
     pub count: f64,
     /// Root mean square over pixels in contact [Pa].
     pub rms: f64,
@@ -49,18 +48,18 @@ pub struct Misfit {
     pub rest: Vec<f64>,
     /// Norm of the weighted simulated values.
     pub size: f64,
-    /// Differences of the maps' moments, row after row: they follow an effect even where the maps do not overlap.
+    /// Differences of the maps' moments by row, which are informative even without overlap.
     pub moments: Vec<f64>,
 }
 
 impl Misfit {
-    /// Mean square in units of the noise; at least 1, as the noise may be stated too large.
+    /// Mean square in units of the noise; at least 1, as the stated noise may be too large.
     pub fn mean_square(&self) -> f64 {
         (self.chi2 / (self.count - 1.0).max(1.0)).max(1.0)
     }
 
-    /// By how much the sum of squares of another misfit of the same rows is lower, piece by piece: neighbouring pixels go
-    /// together, so that maps tell as much as their pieces differ.
+    /// Decrease of the sum of squares from this misfit to another of the same rows, by piece.
+    /// Neighbouring pixels are correlated, so that the scatter is taken over pieces.
     pub fn falls(&self, other: &Self, pieces: usize) -> Vec<f64> {
         let size = self.rest.len().div_ceil(pieces).max(1);
         let pieces = self.rest.chunks(size).zip(other.rest.chunks(size));
@@ -71,14 +70,13 @@ impl Misfit {
 }
 
 impl<'a> Simulations<'a> {
-    /// Solves each row on two meshes, whose difference counts as an error of every later comparison.
+    /// Solves each row on two meshes; their difference is the discretisation error of every later
+    /// comparison.
     ///
-    /// Errors fall at least as the first power of the cell near the rim. With n cells on the coarse mesh and m on the fine one, the
-    /// fine solution is then off by `|difference| / (m / n - 1)`, and of the differences the largest within a cell counts: where a rim
-    /// lies between two nodes it may agree at a pixel by chance.
-    ///
-    /// # Errors
-    /// Those of the contact solver.
+    /// Errors fall at least as the first power of the cell near the rim. With n cells on the coarse
+    /// mesh and m on the fine one, the error of the fine solution is `|difference| / (m / n - 1)`.
+    /// The largest difference within a cell counts, since the two may agree at a pixel by chance
+    /// where a rim lies between two nodes.
     pub fn new(rows: Vec<&'a Row>, rules: &MapRules) -> Result<Self, Error> {
         let mut simulations = Simulations {
             rows,
@@ -110,17 +108,11 @@ impl<'a> Simulations<'a> {
     }
 
     /// Simulates every row with the effects, on the meshes of the search.
-    ///
-    /// # Errors
-    /// Those of the contact solver.
     pub fn searching(&self, active: &SizedEffects) -> Result<Misfit, Error> {
         self.misfit(active, self.rules.searching_cells)
     }
 
     /// The same on the finer meshes from which sizes are reported.
-    ///
-    /// # Errors
-    /// Those of the contact solver.
     pub fn reporting(&self, active: &SizedEffects) -> Result<Misfit, Error> {
         self.misfit(active, self.rules.reporting_cells)
     }
@@ -149,10 +141,7 @@ impl<'a> Simulations<'a> {
         Ok(out)
     }
 
-    /// The maps of a row as simulated, for pictures and bins; `None` where no map was measured.
-    ///
-    /// # Errors
-    /// Those of the contact solver.
+    /// Simulated maps of the rows; `None` for rows without a measured map.
     pub fn maps(&self, active: &SizedEffects, cells: usize) -> Result<Vec<Option<Map>>, Error> {
         let seen = self.simulated(active, cells)?;
         Ok(seen
@@ -165,10 +154,7 @@ impl<'a> Simulations<'a> {
             .collect())
     }
 
-    /// The peaks of rows without a map as the sensor shows them [Pa]; `None` where a map was measured.
-    ///
-    /// # Errors
-    /// Those of the contact solver.
+    /// Simulated peaks of rows without a map, as read by the sensor [Pa]; `None` for the others.
     pub fn peaks(&self, active: &SizedEffects, cells: usize) -> Result<Vec<Option<f64>>, Error> {
         let seen = self.simulated(active, cells)?;
         let pairs = seen.iter().zip(&self.rows);
@@ -229,7 +215,7 @@ fn simulate(row: &Row, active: &SizedEffects, cells: usize) -> Result<Simulated,
     })
 }
 
-/// The largest value within so many pixels along x and y of each.
+/// Running maximum within a rectangle of pixels around each pixel.
 fn largest_within(values: &[f64], [nx, ny]: [usize; 2], [along, across]: [usize; 2]) -> Vec<f64> {
     let near = |k: usize, reach: usize, n: usize| k.saturating_sub(reach)..(k + reach + 1).min(n);
     let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
@@ -241,7 +227,7 @@ fn largest_within(values: &[f64], [nx, ny]: [usize; 2], [along, across]: [usize;
         .collect()
 }
 
-/// The map as the sensor shows it.
+/// The map as read by the sensor.
 fn sensed(row: &Row, map: &Map, active: &SizedEffects) -> Map {
     let mut map = map.clone();
     for (effect, size) in row.sensor.iter().chain(active) {
@@ -250,14 +236,14 @@ fn sensed(row: &Row, map: &Map, active: &SizedEffects) -> Map {
     map
 }
 
-/// The peak as the sensor shows it.
+/// The peak as read by the sensor.
 fn sensed_peak(row: &Row, p_max: f64, active: &SizedEffects) -> f64 {
     let gain = |(e, v): &(&'static Effect, f64)| e.peak_factor(*v);
     let all = row.sensor.iter().chain(active);
     p_max * all.map(gain).product::<f64>()
 }
 
-/// Adds a row's weighted residuals, its independent values and its squares [Pa2]; the number of its values comes back.
+/// Adds a row's weighted residuals, independent values and squares [Pa2]; returns its count.
 fn compare(
     row: &Row,
     seen: &Simulated,
@@ -287,7 +273,7 @@ fn compare(
         (own.spread[0] / like.spread[0]).ln(),
         (own.spread[1] / like.spread[1]).ln(),
     ]);
-    // A patch of pixels counts as one value, no larger than a 64th of the map.
+    // A patch of pixels, at most a 64th of the map, counts as one value.
     let patch = rules
         .independent_pixels
         .powi(2)
@@ -315,7 +301,7 @@ struct Moments {
     spread: [f64; 2],
 }
 
-/// Of the pixels above a tenth of the largest; the spread is at least a pixel.
+/// Moments of the pixels above a tenth of the largest; the spread is at least a pixel.
 fn moments(map: &Map) -> Moments {
     let least = 0.1 * map.pressure.iter().copied().fold(0.0, f64::max);
     let (mut sum, mut first, mut second) = (0.0, [0.0; 2], [0.0; 2]);
@@ -349,10 +335,10 @@ mod tests {
     use super::*;
     use crate::evidence::maps::measured::noise::deviations;
 
-    /// A map of Hertz's closed form without any noise, at these forces [N].
+    /// A map of Hertz's closed form without noise, at these forces [N].
     #[test]
-    fn an_exact_map_differs_by_no_more_than_the_solver_errs()
-    -> Result<(), Box<dyn std::error::Error>> {
+    fn an_exact_map_differs_by_at_most_the_solver_error() -> Result<(), Box<dyn std::error::Error>>
+    {
         let (radius_x, radius_y, e, nu) = (30.0, 0.005, 9.0e9, 0.33);
         let rules = MapRules::default();
         for fz in [800.0, 2000.0] {
@@ -361,7 +347,7 @@ mod tests {
             let (nx, ny) = (64, 48);
             let (dx, dy) = (3.0 * a / nx as f64, 3.0 * b / ny as f64);
             let (x0, y0) = (-1.5 * a + 0.5 * dx, -1.5 * b + 0.5 * dy);
-            // The sensor's pixel is the mean over its area.
+            // A pixel of the sensor is the mean over its area.
             let fine = |k: usize| (k as f64 + 0.5) / 8.0 - 0.5;
             let at = |x: f64, y: f64| {
                 exact.p_max * (1.0 - (x / a).powi(2) - (y / b).powi(2)).max(0.0).sqrt()

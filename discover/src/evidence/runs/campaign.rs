@@ -1,12 +1,12 @@
-//! Recorded runs, a part of them held out, and the model that they are judged against.
+//! Recorded runs, a part of them held out, and the model that they are compared with.
 
 use kufe_sled::Model;
 
 use crate::error::Error;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::Candidates;
-use crate::evidence::runs::contacts::found::Found;
-use crate::evidence::runs::fit::estimate::{Estimate, Estimated, FittedRows, estimate};
+use crate::evidence::runs::contacts::found::FoundContacts;
+use crate::evidence::runs::fit::estimate::{Estimate, FinalEstimates, FittedRows, estimate};
 use crate::evidence::runs::fit::gauss_newton::{conditional_residuals, fit, residuals};
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::Design;
@@ -15,86 +15,74 @@ use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
 use crate::evidence::runs::recordings::prepare::Data;
-use crate::evidence::runs::screen::track::on_track::Surveyed;
+use crate::evidence::runs::screen::track::on_track::SurveyedTrack;
 use crate::options::Options;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Selection};
 use crate::procedure::rules::RunRules;
-use crate::procedure::shared_effects::Chance;
+use crate::procedure::shared_effects::ScreenEstimate;
 
-/// Effects that change what sensors read: names and parameters.
+/// Effects on sensors: names and parameters.
 pub type SensorEffects = Vec<(String, Vec<f64>)>;
 
 /// A campaign of runs.
 pub struct Campaign<'a> {
-    /// The runs as they are read.
     pub data: &'a Data,
-    /// The model.
     pub model: &'a Model,
-    /// How the search is made.
     pub options: &'a Options,
-    /// Runs to learn from.
     pub training: Vec<Frame>,
-    /// Runs to learn from with what they say beneath contacts; empty where there are none.
+    /// Training runs with the samples during contacts; empty if there are no contacts.
     pub whole: Vec<Frame>,
     /// Contacts that the last screen selected.
-    pub selected_contacts: Option<Found>,
-    /// The track channel, and the effects on sensors with which it is so.
-    pub survey: Option<(SensorEffects, Option<Surveyed>)>,
-    /// The effect of the catalogue that a law was selected instead of, by first-order scores.
+    pub selected_contacts: Option<FoundContacts>,
+    /// The cached track channel, and the effects on sensors that it was computed with.
+    pub survey: Option<(SensorEffects, Option<SurveyedTrack>)>,
+    /// The effect of the catalogue that a law was preferred to by first-order scores.
     pub runner_up: Option<Selection<Amplitude>>,
-    /// Runs that are held out.
     pub held_out: Vec<Frame>,
-    /// Channels that take part.
     pub used: [bool; CHANNELS],
-    /// What may be missing.
     pub candidates: Candidates,
-    /// Base parameters that the data can move.
+    /// Base parameters that the data can determine.
     pub free: Vec<usize>,
-    /// The model before anything is fitted.
+    /// The model before any fit.
     pub given: ResidualModel,
-    /// What a reader should know of tables that do not span every sample.
+    /// Remarks on tables that do not span every sample.
     pub outside: Vec<String>,
-    /// What the forces alone say of each candidate's size, with its standard error.
+    /// Size and standard error of each candidate by the forces alone.
     pub by_forces: Vec<(Candidate<Amplitude>, f64, f64)>,
-    /// What the last screen shows of the effects that other kinds of data may know, too.
-    pub chances: Vec<Chance>,
+    /// Estimates and p-values of the last screen, for other kinds of data.
+    pub screen_estimates: Vec<ScreenEstimate>,
 }
 
-/// A dependence on a column that no simulation knows.
+/// A dependence on a column that simulations do not have.
 #[derive(Clone)]
-pub struct Unwritten {
-    /// Its step.
+pub struct UnwrittenEffect {
     pub step: usize,
-    /// How it acts.
     pub candidate: Candidate<Amplitude>,
     /// Its size, to first order.
     pub size: f64,
-    /// Standard error of the size.
     pub error: f64,
 }
 
-/// The model with its effects, fitted.
+/// A fitted model with its effects.
 #[derive(Clone)]
 pub struct RunFit {
-    /// The model.
     pub residual_model: ResidualModel,
-    /// Its rows' whitening.
     pub whitener: Whitener,
-    /// The step of each effect that was added.
+    /// The step of each added effect.
     pub owners: Vec<usize>,
-    /// What is reported, not written.
-    pub unwritten: Option<Unwritten>,
-    /// What remains of noisy inputs taken off, at the end: base multipliers, amplitudes, installation.
+    /// A dependence that is reported but not written.
+    pub unwritten: Option<UnwrittenEffect>,
+    /// Final corrected estimates: base multipliers, amplitudes, installation errors.
     pub estimates: Vec<Estimate>,
-    /// The model that held-out runs are compared with, as they were recorded.
+    /// The model that is compared on the held-out runs as recorded.
     pub settled: ResidualModel,
-    /// The model of the sled itself rather than of what its sensors recorded, where their errors are estimated.
+    /// The model of the sled itself, without installation errors, where these are estimated.
     pub written: Option<ResidualModel>,
 }
 
 impl RunFit {
-    /// A model as it is fitted, nothing reported and nothing estimated yet.
+    /// A fit before estimates are made.
     pub fn new(residual_model: ResidualModel, whitener: Whitener, owners: Vec<usize>) -> Self {
         Self {
             settled: residual_model.clone(),
@@ -107,32 +95,28 @@ impl RunFit {
         }
     }
 
-    /// Number of effects that the model had from the start.
+    /// Number of effects of the given model.
     pub fn already(&self) -> usize {
         self.residual_model.effects.active.len() - self.owners.len()
     }
 }
 
-/// A model and what is made for a screen of it.
+/// A model and the quantities of its screen.
 pub struct Current<'a> {
-    /// The model so far.
     pub residual_model: &'a ResidualModel,
-    /// Its rows' whitening.
     pub whitener: &'a Whitener,
-    /// Base parameters that the data can move.
+    /// Base parameters that the data can determine.
     pub free: &'a [usize],
-    /// Simulates runs with it.
     pub simulator: &'a RunSimulator,
 }
 
-/// Pairs of twins behind each Newton step where an installation may be off: what they leave in doubt, 7 % of what is taken off, is less
-/// than the noise itself is known by.
+/// Pairs of simulated runs of each Newton step if there are installation errors. Their Monte Carlo
+/// error, 7 % of the correction, is less than the uncertainty of the noise itself.
 pub const BESIDE_INSTALLATION: [u64; 2] = [1, 2];
-/// Pairs of twins with which an installation is found.
+/// Pairs of simulated runs for estimates of installation errors.
 pub const INSTALLATION_PAIRS: u64 = 2;
 
 impl<'a> Current<'a> {
-    /// Of a model with its rows' whitening.
     pub fn new(
         residual_model: &'a ResidualModel,
         whitener: &'a Whitener,
@@ -147,7 +131,7 @@ impl<'a> Current<'a> {
         }
     }
 
-    /// Its rows' derivatives for candidates that act everywhere.
+    /// Derivatives of its rows for candidates that act everywhere.
     pub fn design(&self, candidates: &'a [Candidate<Amplitude>]) -> Design<'a> {
         Design {
             residual_model: self.residual_model,
@@ -161,7 +145,7 @@ impl<'a> Current<'a> {
 }
 
 impl Campaign<'_> {
-    /// Simulates training runs with a model.
+    /// A simulator of the training runs with a model.
     pub fn simulator(&self, residual_model: &ResidualModel) -> RunSimulator {
         RunSimulator::new(
             &self.training,
@@ -172,12 +156,11 @@ impl Campaign<'_> {
         )
     }
 
-    /// The whitening of what a model leaves of the training runs given its discrepancy.
+    /// Whitening of a model's residuals on the training runs, given its discrepancy.
     pub fn whitener(&self, model: &ResidualModel) -> Whitener {
         Whitener::estimate(&conditional_residuals(model, &self.training), self.used)
     }
 
-    /// The rules of runs.
     pub fn rules(&self) -> &RunRules {
         &self.options.rules.runs
     }
@@ -187,7 +170,7 @@ impl Campaign<'_> {
         2.0_f64.powi(1 - i32::try_from(self.training.len()).unwrap_or(i32::MAX))
     }
 
-    /// What the training runs are too few for, in a sentence; `None` where they can carry every kind of effect.
+    /// A remark on effects for which the training runs are too few; `None` if they suffice for all.
     pub fn too_few(&self) -> Option<String> {
         let (rules, least) = (self.rules(), self.least_p());
         let alpha = rules.alpha;
@@ -200,12 +183,12 @@ impl Campaign<'_> {
         };
         let needed = (1.0 - limit.log2()).ceil();
         Some(format!(
-            "with {} runs to learn from no p-value by sign-flips can be below {least:.1e}; {what} must reach {limit}, so that only what exceeds the tolerances by itself can be selected: {needed} runs are needed in addition to the held-out ones",
+            "with {} training runs no p-value by sign-flips can be below {least:.1e}; {what} must reach {limit}, so that only what exceeds the tolerances by itself can be selected: {needed} runs are needed in addition to the held-out ones",
             self.training.len()
         ))
     }
 
-    /// After a first name the next ones are limited to half of the chance of an error.
+    /// Share of the significance level that remains after the first selected effect.
     pub fn share(&self, account: &Account) -> f64 {
         match account.steps.is_empty() {
             true => 1.0,
@@ -213,10 +196,10 @@ impl Campaign<'_> {
         }
     }
 
-    /// Fits base and effects, and with them what the installation is off by and the discrepancy.
+    /// Fits base and effects with installation errors and discrepancy.
     ///
     /// # Errors
-    /// [`Error::BaseFit`] where a residual is not finite.
+    /// [`Error::BaseFit`] if a residual is not finite.
     pub fn fitted(
         &self,
         residual_model: &ResidualModel,
@@ -227,18 +210,18 @@ impl Campaign<'_> {
         if residual_model.installation.directions.is_empty() && random == 0 {
             return Ok(plain);
         }
-        // By corrected scores: least squares would shrink what scales the residual's own noise.
-        let at = &plain.residual_model.hold(false);
+        // By corrected scores: least squares is biased where an effect scales noisy terms.
+        let at = &plain.residual_model.with_fixed(false);
         let off = self
             .newton(at, &plain.whitener, &[INSTALLATION_PAIRS], true)
             .model;
         self.with_installation(plain, &off)
     }
 
-    /// A fit given what its installation is found to be off by; without that where it makes the rows worse by more than it costs: a step
-    /// along what the data hardly tell has gone too far.
+    /// A fit given estimated installation errors, or `plain` if these raise the penalised misfit: a
+    /// step along poorly determined directions was then too long.
     pub fn with_installation(&self, plain: RunFit, off: &ResidualModel) -> Result<RunFit, Error> {
-        // Of a base that runs away the installation is none of this sled's.
+        // If a base parameter reaches its bounds, the estimated installation errors are not valid.
         if !self.free.iter().all(|b| off.within(*b)) {
             return Ok(plain);
         }
@@ -249,17 +232,15 @@ impl Campaign<'_> {
         Ok(if worse > cost { plain } else { found })
     }
 
-    /// Fits base and effects alone, with an installation as it is. Base parameters that run to a bound, as they do where what is
-    /// missing bends the base, stay as they are given: from a bound no later refit finds back.
-    ///
-    /// # Errors
-    /// As [`fitted`](Self::fitted).
+    /// Fits base and effects with fixed installation errors. Base parameters that reach a bound, as
+    /// they do if a missing effect biases the base, are reset to their given values: later refits
+    /// do not return from a bound.
     pub fn least_squares(
         &self,
         residual_model: &ResidualModel,
         owners: Vec<usize>,
     ) -> Result<RunFit, Error> {
-        let fixed = residual_model.hold(true);
+        let fixed = residual_model.with_fixed(true);
         let fitted =
             |model: &ResidualModel, free: &[usize]| fit(model, &self.training, free, self.used);
         let mut found = fitted(&fixed, &self.free)?;
@@ -275,9 +256,9 @@ impl Campaign<'_> {
         Ok(RunFit::new(found.model, found.whitener, owners))
     }
 
-    /// Estimates of a fit.
-    pub fn estimates(&self, residual_model: &ResidualModel, whitener: &Whitener) -> Estimated {
-        // An installation makes many columns, and its errors are known by no more than their tolerance.
+    pub fn estimates(&self, residual_model: &ResidualModel, whitener: &Whitener) -> FinalEstimates {
+        // Installation errors add many columns; a single pair suffices since the tolerances
+        // dominate their uncertainty.
         let pairs: &[u64] = match residual_model.installation.fitted() {
             0 => &[1, 4, 16],
             _ => &BESIDE_INSTALLATION,
@@ -285,19 +266,19 @@ impl Campaign<'_> {
         self.newton(residual_model, whitener, pairs, self.settles())
     }
 
-    /// Whether the noise's bias is known well enough to be taken off.
+    /// Whether the noise is known well enough to correct its bias.
     pub fn settles(&self) -> bool {
         self.data.noise_from != NoiseFrom::Differences
     }
 
-    /// Newton steps on corrected scores, by so many pairs of twins each.
+    /// Newton steps on corrected scores, each with so many pairs of simulated runs.
     pub fn newton(
         &self,
         residual_model: &ResidualModel,
         whitener: &Whitener,
         pairs: &[u64],
         settle: bool,
-    ) -> Estimated {
+    ) -> FinalEstimates {
         let trust = match self.data.noise_from {
             NoiseFrom::Model => self.rules().stated_noise_error,
             _ => self.rules().estimated_noise_error,
@@ -313,7 +294,7 @@ impl Campaign<'_> {
         estimate(&rows, pairs, trust, settle)
     }
 
-    /// Candidates that are not already part of the model.
+    /// Candidates that the model does not contain.
     pub fn fresh(
         &self,
         residual_model: &ResidualModel,

@@ -1,4 +1,4 @@
-//! Which channels of the residual can be judged.
+//! Residual channels in use.
 
 use kufe_sled::effects::Column;
 use kufe_sled::friction::Longitudinal;
@@ -10,7 +10,7 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::prepare::Data;
 use crate::options::Options;
 
-/// The channels along, aside, about the vertical and of the track that take part.
+/// Whether the longitudinal, lateral, yaw and track channels are used.
 pub fn channels_in_use(data: &Data, model: &Model, options: &Options) -> [bool; CHANNELS] {
     let recorded = data.available.contains(&Column::LongitudinalAcceleration);
     let along = recorded && !is_silent(model) && options.longitudinal;
@@ -18,7 +18,7 @@ pub fn channels_in_use(data: &Data, model: &Model, options: &Options) -> [bool; 
     [along, options.lateral, options.lateral, along && surveyed]
 }
 
-/// What the reader should know of the longitudinal channel.
+/// Remarks on the longitudinal channel.
 pub fn remarks_on_channels(model: &Model, along: bool) -> Vec<String> {
     let mut remarks = Vec::new();
     if is_silent(model) {
@@ -33,13 +33,13 @@ pub fn remarks_on_channels(model: &Model, along: bool) -> Vec<String> {
     remarks
 }
 
-/// Whether the model has nothing to say along the sled.
+/// Whether the model has no longitudinal forces.
 fn is_silent(model: &Model) -> bool {
     let longitudinal = model.friction.longitudinal.model();
     model.sled.cda_m2 == 0.0 && matches!(longitudinal, Ok(Longitudinal::Fixed(mu)) if mu <= 1e-9)
 }
 
-/// What a reader should know of tables that do not span every sample.
+/// Remarks on tables that do not span every sample.
 pub fn outside(given: &ResidualModel, frames: &[Frame]) -> Vec<String> {
     if given.vehicle.tables().iter().all(Option::is_none) {
         return Vec::new();

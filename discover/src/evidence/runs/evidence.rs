@@ -7,7 +7,7 @@ use kufe_sled::{Model, Vehicle, refuse_effects};
 use rayon::prelude::*;
 
 use crate::error::Error;
-use crate::evidence::runs::campaign::{Campaign, Current, RunFit, Unwritten, gap_of};
+use crate::evidence::runs::campaign::{Campaign, Current, RunFit, UnwrittenEffect, gap_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::list;
 use crate::evidence::runs::channels::{channels_in_use, outside, remarks_on_channels};
@@ -15,7 +15,7 @@ use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::fit::gauss_newton::free_base;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::residual_model::{BASE, CHANNEL_NAMES, ResidualModel};
-use crate::evidence::runs::outcome::bins::stand_out;
+use crate::evidence::runs::outcome::bins::significant_bins;
 use crate::evidence::runs::outcome::by_run::by_run;
 use crate::evidence::runs::outcome::conclude::shared_faults;
 use crate::evidence::runs::outcome::gap::channels;
@@ -26,14 +26,14 @@ use crate::evidence::runs::recordings::prepare::Data;
 use crate::finding::HeldOut;
 use crate::options::Options;
 use crate::procedure::evidence::{
-    Account, Added, Choice, Description, Evidence, Meaning, Opened, Screen, Selected, Selection,
-    Words,
+    Account, Choice, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, Screen,
+    SelectedFit, Selection, Words,
 };
-use crate::procedure::lowered::Lowered;
+use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::search::{Found, search_evidence};
 
 impl<'a> Campaign<'a> {
-    /// Locks a part of the runs away, and says which channels can be judged.
+    /// Holds out a part of the runs and determines the channels in use.
     ///
     /// # Errors
     /// [`Error::TooFew`] for fewer than two runs or segments to train on, [`Error::Effect`].
@@ -41,19 +41,19 @@ impl<'a> Campaign<'a> {
         let mut own = Effects::from_tables(&model.effects)?;
         let contacts = Contacts::given(&mut own.active);
         let trial = own.clone();
-        // An effect of one's own without a value is a candidate, not a part of the model.
+        // A custom effect of value 0 is a candidate, not a part of the model.
         own.active
             .retain(|e| !(matches!(e.kind, Kind::Custom(_)) && e.values[0] == 0.0));
         for frame in &data.frames {
             refuse_effects(
                 &own,
-                &frame.stated_nowhere(),
+                &frame.unstated_conditions(),
                 &format!("run {}", frame.name),
             )?;
         }
         let given = ResidualModel::new(Vehicle::new(model)?, [1.0; BASE], own);
         for frame in &data.frames {
-            let stated = !frame.stated_nowhere().contains(&"ice_c");
+            let stated = !frame.unstated_conditions().contains(&"ice_c");
             given
                 .vehicle
                 .refuse_unstated_ice(stated, &format!("run {}", frame.name))?;
@@ -61,14 +61,14 @@ impl<'a> Campaign<'a> {
         let locked = &data.locked;
         let sensors = RunSimulator::of_sensors(data.noise, (options.seed, &options.rules.runs));
         let noisy = |i: &usize| Frame {
-            noisy: Some(Arc::new(sensors.upon(&data.frames[*i], *i))),
+            noisy: Some(Arc::new(sensors.with_noise(&data.frames[*i], *i))),
             ..data.frames[*i].clone()
         };
         let pick = |which: &[usize]| -> Vec<Frame> { which.par_iter().map(noisy).collect() };
         let (training, held_out) = (pick(&locked.training), pick(&locked.held_out));
         if training.len() < 2 {
             return Err(Error::TooFew {
-                what: "runs to learn from, in addition to the held-out ones".to_owned(),
+                what: "training runs, in addition to the held-out ones".to_owned(),
                 found: training.len(),
                 needed: 2,
             });
@@ -87,7 +87,7 @@ impl<'a> Campaign<'a> {
             given,
             outside,
             by_forces: Vec::new(),
-            chances: Vec::new(),
+            screen_estimates: Vec::new(),
             whole: Vec::new(),
             selected_contacts: None,
             survey: None,
@@ -105,7 +105,7 @@ impl Evidence for Campaign<'_> {
     type Fit = RunFit;
 
     fn fit_base(&mut self, account: &mut Account) -> Result<RunFit, Error> {
-        account.remarks.extend(self.options.looked_for());
+        account.remarks.extend(self.options.restriction_remark());
         account.remarks.extend(self.too_few());
         let remarks = self.data.remarks.iter().chain(&self.outside);
         account.remarks.extend(remarks.cloned());
@@ -116,12 +116,12 @@ impl Evidence for Campaign<'_> {
         let pushed = self.mark_pushes(&base.residual_model);
         if !pushed.is_empty() {
             account.remarks.push(format!(
-                "something pushed runs aside at places that others pass, a wall perhaps; what they say there is omitted: {}",
+                "single runs were pushed aside at places that others pass, possibly by a wall; their samples there are omitted: {}",
                 pushed.join(", ")
             ));
         }
         let base = self.fitted_anew(&self.given, Vec::new())?;
-        self.given.beyond_noise = base.residual_model.beyond_noise;
+        self.given.model_error = base.residual_model.model_error;
         if self.data.noise_from == NoiseFrom::Differences {
             let n = self.data.noise.sd();
             let [low, high] = self.rules().estimated_noise_trust;
@@ -130,7 +130,7 @@ impl Evidence for Campaign<'_> {
                 low => low.to_string(),
             };
             account.remarks.push(format!(
-                "no [noise] in the model: estimated from the signals: accelerometer {:.3} m/s2, rates {:.5} rad/s, speed {:.4} m/s, slip {:.6} rad, steering {:.6} rad, roll split {:.6} rad; selected effects must hold from {low} to {high} times their bias",
+                "no [noise] in the model: estimated from the signals: accelerometer {:.3} m/s2, rates {:.5} rad/s, speed {:.4} m/s, slip {:.6} rad, steering {:.6} rad, roll split {:.6} rad; selected effects must be significant from {low} to {high} times their bias",
                 n.accel_mps2, n.rate_radps, n.speed_mps, n.slip_rad, n.steer_rad, n.roll_split_rad
             ));
         }
@@ -139,7 +139,7 @@ impl Evidence for Campaign<'_> {
 
     fn screen(&mut self, fit: &RunFit, account: &mut Account) -> Result<Screen<Amplitude>, Error> {
         self.runner_up = None;
-        let residual_model = &fit.residual_model.hold(false);
+        let residual_model = &fit.residual_model.with_fixed(false);
         let whitener = self.whitener(residual_model);
         let simulator = self.simulator(residual_model);
         let free = self.free.clone();
@@ -156,9 +156,9 @@ impl Evidence for Campaign<'_> {
         }
         let mut screen = self.within_runs(&at, track.as_ref(), account);
         if screen.selection.is_none() {
-            let (selection, chances) = self.between_runs(&at, account);
+            let (selection, screen_estimates) = self.between_runs(&at, account);
             screen.selection = selection;
-            self.chances.extend(chances);
+            self.screen_estimates.extend(screen_estimates);
         }
         if let (None, Some(track)) = (&screen.selection, &track) {
             screen.selection = self.on_the_track(residual_model, track, account);
@@ -171,7 +171,7 @@ impl Evidence for Campaign<'_> {
         fit: &RunFit,
         selection: &Selection<Amplitude>,
         step: usize,
-    ) -> Result<Added<RunFit>, Error> {
+    ) -> Result<ExtendedFit<RunFit>, Error> {
         if let Some(found) = self.selected_contacts.take() {
             return self.added_contacts(fit, found, step);
         }
@@ -183,13 +183,13 @@ impl Evidence for Campaign<'_> {
         let before = gap(residual_model);
         if selection.candidate.act.carrier.is_some() {
             let mut next = fit.clone();
-            next.unwritten = Some(Unwritten {
+            next.unwritten = Some(UnwrittenEffect {
                 step,
                 candidate: selection.candidate.clone(),
                 size: selection.size,
                 error: selection.error,
             });
-            return Ok(Added {
+            return Ok(ExtendedFit {
                 fit: next,
                 written: false,
                 gap: [before, before],
@@ -207,10 +207,10 @@ impl Evidence for Campaign<'_> {
             next.frozen.push(active.name);
         }
         let owners = fit.owners.iter().copied().chain([step]).collect();
-        // A large effect has bent the base and hidden what the installation is off by: both are found anew.
+        // A large effect biases the base and conceals installation errors: both are estimated anew.
         let next = self.fitted_anew(&next, owners)?;
         let stretch = selection.candidate.act.track.is_some();
-        Ok(Added {
+        Ok(ExtendedFit {
             gap: [before, gap(&next.residual_model)],
             place: stretch.then(|| selection.place.clone()),
             fit: next,
@@ -221,11 +221,11 @@ impl Evidence for Campaign<'_> {
     fn exchange(
         &mut self,
         before: &RunFit,
-        (selection, added): Selected<Amplitude, RunFit>,
+        (selection, added): SelectedFit<Amplitude, RunFit>,
         step: usize,
         account: &Account,
-    ) -> Result<Selected<Amplitude, RunFit>, Error> {
-        // The track channel, the levels of runs and sessions, and the contacts have screens of their own.
+    ) -> Result<SelectedFit<Amplitude, RunFit>, Error> {
+        // The track channel, levels of runs and sessions, and contacts have their own screens.
         let within = selection.candidate.act.level == Level::Sample
             && selection.parameters.is_empty()
             && added.written;
@@ -236,15 +236,15 @@ impl Evidence for Campaign<'_> {
     }
 
     fn settle(&mut self, fit: RunFit, account: &mut Account) -> Result<RunFit, Error> {
-        self.with_what_lasts(fit, account)
+        self.with_significant_steps(fit, account)
     }
 
     fn without(&mut self, fit: &RunFit, step: usize) -> Result<RunFit, Error> {
         self.without_step(fit, step)
     }
 
-    fn lowered(&self, from: &RunFit, to: &RunFit) -> Result<Option<Lowered>, Error> {
-        Ok(self.lowered_by(from, to))
+    fn misfit_decrease(&self, from: &RunFit, to: &RunFit) -> Result<Option<Decrease>, Error> {
+        Ok(self.decrease_between_fits(from, to))
     }
 
     fn open(
@@ -252,7 +252,7 @@ impl Evidence for Campaign<'_> {
         base: &RunFit,
         last: &RunFit,
         account: &mut Account,
-    ) -> Result<Opened, Error> {
+    ) -> Result<HeldOutResults, Error> {
         let simulator = self.simulator(&last.settled);
         let channels = channels(
             &self.given,
@@ -270,7 +270,7 @@ impl Evidence for Campaign<'_> {
             .iter()
             .find(|c| c.channel == shown)
             .or(channels.first());
-        Ok(Opened {
+        Ok(HeldOutResults {
             held_out: HeldOut {
                 what: match self.data.segmented {
                     true => "segment".to_owned(),
@@ -305,7 +305,7 @@ impl Evidence for Campaign<'_> {
         let simulator = self.simulator(&last.settled);
         let rules = &self.options.rules.runs;
         let bins = |fit: &RunFit| {
-            stand_out(
+            significant_bins(
                 &fit.residual_model,
                 &fit.whitener,
                 &self.training,
@@ -352,13 +352,13 @@ impl Evidence for Campaign<'_> {
             base: self.base_parameters(last),
             bins: bins(base),
             clean: bins_after.iter().all(|b| b.p_value > rules.bin_unclean),
-            // Noise that is not white, or not what it is said to be, makes bins significant, too.
+            // With coloured or misstated noise bins are significant, too.
             located: account.steps.is_empty()
                 && !matches!(
                     self.data.noise_from,
                     NoiseFrom::Doubted | NoiseFrom::Spectra
                 )
-                && self.stands_out(last, &bins_after),
+                && self.has_significant_bins(last, &bins_after),
             bins_after,
             by_run: by_run(
                 &base.residual_model,
@@ -390,17 +390,18 @@ impl Evidence for Campaign<'_> {
     }
 }
 
-/// Searches runs for what the model does not contain.
+/// Searches runs for missing effects.
 ///
 /// # Errors
-/// [`Error::TooFew`] for fewer than two runs or segments to train on, [`Error::BaseFit`], [`Error::Effect`].
+/// [`Error::TooFew`] for fewer than two runs or segments to train on, [`Error::BaseFit`],
+/// [`Error::Effect`].
 pub fn search(
     data: &Data,
     model: &Model,
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Found, Error> {
-    options.refuse_unheard(Some(model))?;
+    options.check_names(Some(model))?;
     let mut campaign = Campaign::new(data, model, options)?;
     let mut found = search_evidence(&mut campaign, options, progress)?;
     found.report.gaps.clone_from(&data.gaps);

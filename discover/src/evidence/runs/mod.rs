@@ -1,4 +1,4 @@
-//! Runs: what is measured on a track, against the one-track model.
+//! Runs on a track, compared with the one-track model.
 
 pub(crate) mod campaign;
 pub(crate) mod candidates;

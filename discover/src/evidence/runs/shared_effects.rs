@@ -1,4 +1,4 @@
-//! Runs with other kinds of data of the same campaign.
+//! Runs searched together with other kinds of data.
 
 use kufe_sled::effects::Kind;
 
@@ -10,11 +10,11 @@ use crate::evidence::runs::screen::levels::LevelScore;
 use crate::evidence::runs::screen::residual_screen::CandidateScore;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Selection;
-use crate::procedure::shared_effects::{Amount, Chance, SharesEffects};
+use crate::procedure::shared_effects::{Amount, ScreenEstimate, SharesEffects};
 
 impl SharesEffects for Campaign<'_> {
-    fn chances(&self) -> &[Chance] {
-        &self.chances
+    fn screen_estimates(&self) -> &[ScreenEstimate] {
+        &self.screen_estimates
     }
 
     fn is_untestable(&self, effect: &str) -> bool {
@@ -31,7 +31,7 @@ impl SharesEffects for Campaign<'_> {
             .into_iter()
             .flatten()
             .find(|c| c.effect == amount.effect && c.key == amount.key)?;
-        // What this kind's own screen selected is requested again.
+        // Contacts of this kind's own screen are selected again.
         self.selected_contacts = None;
         let size = match amount.value.clamp(candidate.low, candidate.high) {
             0.0 => 0.1 * candidate.typical,
@@ -56,7 +56,10 @@ impl SharesEffects for Campaign<'_> {
     fn amounts(&self, fit: &RunFit, step: usize) -> Vec<Amount> {
         let (after, already) = (&fit.residual_model, fit.already());
         let estimates = match fit.estimates.is_empty() {
-            true => self.estimates(&after.hold(false), &fit.whitener).estimates,
+            true => {
+                self.estimates(&after.with_fixed(false), &fit.whitener)
+                    .estimates
+            }
             false => fit.estimates.clone(),
         };
         let own = estimates.get(self.free.len()..).unwrap_or_default();
@@ -109,24 +112,24 @@ impl SharesEffects for Campaign<'_> {
     }
 }
 
-/// What a screen within runs shows of the effects that can be judged.
-pub fn within(candidates: &[Candidate<Amplitude>], seen: &[CandidateScore]) -> Vec<Chance> {
+/// Estimates and p-values of a screen within runs.
+pub fn within(candidates: &[Candidate<Amplitude>], seen: &[CandidateScore]) -> Vec<ScreenEstimate> {
     let named = candidates.iter().zip(seen);
     named
         .filter(|(c, seen)| seen.usable && !c.is_column() && c.admits(seen.size))
-        .map(|(c, seen)| Chance {
+        .map(|(c, seen)| ScreenEstimate {
             amount: Amount::of(c, seen.size, seen.error),
             p_value: seen.p_value,
         })
         .collect()
 }
 
-/// What a screen between sessions and runs shows.
-pub fn between(candidates: &[Candidate<Amplitude>], seen: &[LevelScore]) -> Vec<Chance> {
+/// Estimates and p-values of a screen between sessions and runs.
+pub fn between(candidates: &[Candidate<Amplitude>], seen: &[LevelScore]) -> Vec<ScreenEstimate> {
     let named = candidates.iter().zip(seen);
     named
         .filter(|(c, seen)| seen.error.is_finite() && c.admits(seen.size))
-        .map(|(c, seen)| Chance {
+        .map(|(c, seen)| ScreenEstimate {
             amount: Amount::of(c, seen.size, seen.error),
             p_value: seen.p_value,
         })

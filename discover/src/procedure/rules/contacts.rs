@@ -1,4 +1,4 @@
-//! Constants of contacts that vary from run to run.
+//! Thresholds of contacts that vary from run to run.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,24 +6,27 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ContactRules {
-    /// Robust deviations of the side balance from the middle of a track's runs above which a run differs. Chosen.
+    /// Robust deviations of the side balance from the median above which a run differs. Chosen.
     pub differs: f64,
-    /// Robust deviations by which all runs together differ more at a place than along the track. Chosen.
+    /// Robust deviations of all runs together at a place, relative to the track. Chosen.
     pub together: f64,
-    /// The same at which its stretch ends. Chosen.
+    /// The same at which its interval ends. Chosen.
     pub ends: f64,
-    /// Largest share of what is driven on a track beneath contacts: where more differs the model is wrong, not a wall. Chosen.
+    /// Largest share of a track during contacts: above it the model is wrong. Chosen.
     pub most: f64,
-    /// p-value of a selected effect. Chosen: what is selected must be retained by runs that did not learn it.
+    /// p-value of a selected effect. Chosen: it must also be confirmed on held-out runs.
     pub alpha: f64,
-    /// p-value of how much runs differ at a place above which pushes of single runs meet there by chance, whatever they are. Chosen.
+    /// p-value of the differences of runs at a place above which they are attributed to chance
+    /// pushes of single runs. Chosen.
     pub met_by_chance: f64,
-    /// Shares of the way to a runner's place between which a lever is a wall's: a force further out is the runner's own. Chosen.
+    /// Range of a wall contact's lever, relative to the distance of a runner: a force further out
+    /// is the runner's own. Chosen.
     pub inside: f64,
-    /// Times what any single effect that is significant explains that contacts, with three numbers each, must explain. Chosen.
+    /// Gain of contacts, which have three numbers each, over that of any single effect. Chosen.
     pub over: f64,
-    /// Deviations that a row of the side balance counts for at most where contacts are judged by their promise. Of pushes, at places that were
-    /// learned and at others, both models leave all there: seventy deviations would multiply what else they differ by. Chosen.
+    /// Clipping of a row of the side balance in comparisons of contacts, in standard deviations.
+    /// Other pushes remain in the residuals of both models: seventy deviations would multiply any
+    /// other difference. Chosen.
     pub most_of_a_row: f64,
 }
 

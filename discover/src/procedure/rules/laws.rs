@@ -1,4 +1,4 @@
-//! Constants of laws outside the catalogue.
+//! Thresholds of laws outside the catalogue.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,17 +6,17 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LawRules {
-    /// What each number of a formula must raise the rows' log-likelihood by, and a law, fitted in full, against the effect that it was
-    /// selected instead of. Derived: Schwarz's half of the logarithm of some thousands of rows.
+    /// Increase of the log-likelihood per number of a formula, and of a fully fitted law over the
+    /// effect that it replaces. Derived: Schwarz's half of the logarithm of some thousands of rows.
     pub number: f64,
-    /// Standard errors, with everything else free, that a number of a law must be. Derived: the normal law at the largest p-value of a column
-    /// outside the catalogue.
+    /// Standard errors, with all parameters free, that a number of a law must exceed. Derived: the
+    /// normal quantile of the largest p-value of a column outside the catalogue.
     pub number_t: f64,
-    /// Standard errors over runs within which a simpler formula does as well as a better one. Chosen.
+    /// Standard errors over runs within which a simpler formula is as good as a better one. Chosen.
     pub as_good: f64,
-    /// The same within which another column is of a law's class. Derived: two, as for rivals.
+    /// The same within which another column belongs to a law's class. Derived: two, as for rivals.
     pub alike: f64,
-    /// Smooth laws, the best first, whose columns' formulas are tried. Chosen.
+    /// Number of smooth laws, the best first, for which formulas are tried. Chosen.
     pub tried: usize,
 }
 

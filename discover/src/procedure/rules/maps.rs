@@ -1,4 +1,4 @@
-//! Constants of searches in pressure maps.
+//! Thresholds of searches in pressure maps.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,25 +8,26 @@ use crate::procedure::rivals::RivalRule;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MapRules {
-    /// Drop of chi2 below which nothing is selected. Chosen: chance has e^-15 for each effect tried.
+    /// Drop of chi2 below which nothing is selected. Chosen: a chance of e^-15 per effect.
     pub least_drop: f64,
     /// Share of chi2 by which a selected effect must lower it. Chosen.
     pub least_share: f64,
-    /// Rivals of a selected effect: t is the root of what their chi2 is worse by, in units of the best fit's mean square.
+    /// Rivals: t is the root of their excess of chi2, in units of the best fit's mean square.
     pub rivals: RivalRule,
     /// Mean square in units of the noise above which a residual is not clean. Chosen.
     pub unclean: f64,
-    /// Mean square, and share of what is above the noise, above both of which a name is in doubt. Chosen.
+    /// Mean square, and remaining share of the excess over the noise, above both of which a named
+    /// effect is doubtful. Chosen.
     pub doubtful: [f64; 2],
     /// Cells over half the patch while searching. Chosen.
     pub searching_cells: usize,
     /// Cells of the solves from which sizes are reported. Chosen.
     pub reporting_cells: usize,
-    /// Pixels along each direction of a map, and their square in a bin, that count as one independent value. Chosen.
+    /// Pixels in each direction that count as one independent value. Chosen.
     pub independent_pixels: f64,
     /// Share of a pixel by which its place is uncertain. Chosen.
     pub pixel_place: f64,
-    /// Share of the peak that the solves themselves may be off. Chosen.
+    /// Relative error of the peak by the solves. Chosen.
     pub solves: f64,
 }
 

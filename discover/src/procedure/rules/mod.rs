@@ -1,4 +1,4 @@
-//! The thresholds of a search, with what each does and whether it is derived or chosen.
+//! Thresholds of a search, with their meaning and whether they are derived or chosen.
 //!
 //! *Derived* thresholds follow from statistics or from the kind of data. *Chosen* ones could have
 //! other values: `blind constants` scores searches at half and at twice each of them. Numerical
@@ -21,7 +21,7 @@ use crate::procedure::rivals::RivalRule;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Rules {
-    /// What holds for every kind of data.
+    /// Common to all kinds of data.
     pub search: SearchRules,
     /// Which data are held out.
     pub lock: LockRules,
@@ -33,36 +33,42 @@ pub struct Rules {
     pub maps: MapRules,
 }
 
-/// What holds for every kind of data.
+/// Thresholds that are common to all kinds of data.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SearchRules {
-    /// Most effects that are named; twice as many screens are made, since several amplitudes or places of one effect belong to one effect. Chosen:
-    /// what comes fifth is explained by its betters' errors as well.
+    /// Most effects that are named; twice as many screens are made, since several amplitudes or
+    /// places of one effect belong to one effect. Chosen: a fifth effect is usually explained by
+    /// errors of the others.
     pub most_effects: usize,
     /// |t| given all others below which a selected effect has become superfluous. Chosen.
     pub superfluous_t: f64,
-    /// Standard errors by which the gap on held-out data must fall for a step, and for the whole answer, to be named. Chosen:
-    /// it is tested once more of what was significant already.
+    /// Standard errors by which the misfit on held-out data must fall for a step, and for the whole
+    /// model, to be named. Chosen: it is a second test of significant effects.
     pub beyond_scatter: f64,
-    /// Standard errors by which it must fall in the channels that tell of a step for the others to count only where they rise above their
-    /// scatter, and by which a law must explain more than a named effect of the catalogue to replace it. Chosen: of 34 steps that were refused without it four pass, three of which are there; at half the same four, at twice one that is not.
+    /// Standard errors of the decrease in the weighted channels for the others to count only if
+    /// they rise above their scatter, and of the gain of a law that replaces a named effect.
+    /// Chosen: of 34 steps that were refused without it four pass, three of them correctly; at half
+    /// the same four, at twice one that is incorrect.
     pub clear: f64,
-    /// Share of a channel's mean square that may repeat from run to run in an adequate model. Chosen: a twentieth of the root mean square.
+    /// Share of a channel's mean square that may repeat from run to run in an adequate model.
+    /// Chosen: a twentieth of the root mean square.
     pub adequate: f64,
-    /// Factor between a base parameter and its given value above which it is implausible. Chosen: coefficients of steel on ice that
-    /// are published for bobsleds differ by less.
+    /// Factor between a base parameter and its given value above which it is implausible. Chosen:
+    /// published coefficients of steel on ice for bobsleds differ by less.
     pub plausible: f64,
-    /// Share of the gap that repeats from run to run, on held-out data and with nothing named, that a step must close to be worth saying, and by
-    /// which a root mean square on them may grow against the model as given. Chosen: less is seen by no one who drives.
+    /// Smallest share of the repeatable misfit on held-out data that a step must close, and largest
+    /// growth of a root mean square on them against the model as given. Chosen: no driver notices
+    /// less.
     pub material: f64,
-    /// Share of the sum of squares that the installation's tolerances amount to which a step must close, too. Chosen: a hundredth in size.
+    /// Smallest share of the tolerated misfit that a step must close. Chosen: a hundredth in size.
     pub trace: f64,
-    /// Standard errors of their difference within which sizes of several kinds of data, or of track channel and forces, are one, and by which a size
-    /// must differ from 0 in pressure maps. Derived: three of their joint error.
+    /// Standard errors of their difference within which sizes of several kinds of data, or of track
+    /// channel and forces, agree, and by which a size must differ from 0 in pressure maps. Derived:
+    /// three.
     pub agree: f64,
-    /// Standard deviations by which a size must exceed its critical value to be selected nine times in ten. Derived: the
-    /// normal law's 90 % quantile.
+    /// Standard errors by which a size must exceed its critical value to be selected with a
+    /// probability of 90 %. Derived: the normal law's 90 % quantile.
     pub nine_in_ten: f64,
     /// Standard deviations of a 95 % interval. Derived: the normal law's 97.5 % quantile.
     pub interval: f64,
@@ -90,47 +96,50 @@ impl Default for SearchRules {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RunRules {
-    /// Largest p-value of a selected effect within runs, all along or in a window of distance. Chosen with the three below, so that together they leave a null a chance of
-    /// about 0.02 of being selected: what a model does not contain usually exceeds these by far, and chance does not.
+    /// Largest p-value of a selected effect within runs, everywhere or in a window of distance.
+    /// Chosen with the three below for a total false positive rate of about 0.02: missing effects
+    /// are usually far more significant.
     pub alpha: f64,
-    /// The same between the sessions, and between the runs of a session, tested twice: friction and grip; and of a bin below which a place is
-    /// reported although no effect is named. Chosen.
+    /// The same between the sessions, and between the runs of a session, tested for friction and
+    /// for grip; and of a bin whose place is reported although no effect is named. Chosen.
     pub alpha_levels: f64,
-    /// The same for a column outside the catalogue, and where sessions differ although nothing can be named. Chosen.
+    /// The same for a column outside the catalogue, and for unexplained sessions. Chosen.
     pub alpha_column: f64,
     /// The same in the track channel. Chosen.
     pub alpha_track: f64,
     /// Share of these p-values that remains after the first selected effect. Chosen.
     pub alpha_again: f64,
-    /// Factors of what the sensors' noise adds between which a selected effect must hold, the noise being stated. Chosen.
+    /// Trusted range of stated sensor noise, as factors of the noise correction. Chosen.
     pub noise_trust: [f64; 2],
-    /// The same where the noise is taken from the recordings' spectra. Measured: of 48 columns of speed, slip, steering and yaw rate beneath
-    /// coloured and filtered noise, what is there is 0.7 to 1.4 times of what is found in 46.
+    /// The same for noise estimated from the recordings' spectra. Measured: of 48 columns of speed,
+    /// slip, steering and yaw rate with coloured and filtered noise, the true noise is 0.7 to 1.4
+    /// times the estimate in 46.
     pub spectral_noise_trust: [f64; 2],
-    /// The same where it is taken for white, from differences of the recordings. Chosen.
+    /// The same for white noise estimated from differences of the recordings. Chosen.
     pub estimated_noise_trust: [f64; 2],
-    /// Share of its critical T that a selected effect must retain at both ends of the trusted noise. Chosen.
+    /// Share of its critical T that a selected effect must reach over the trusted range. Chosen.
     pub holds: f64,
-    /// The same for a window: runs repeat the same manoeuvre at the same place, and a small error of the model with it.
-    /// Chosen.
+    /// The same for a window: runs repeat the same manoeuvre at the same place, and with it a small
+    /// error of the model. Chosen.
     pub window_holds: f64,
-    /// Share of a direction that a refit of the base must leave for it to be judged. Chosen.
+    /// Smallest share of a judged column that remains after a refit of the base. Chosen.
     pub least_left: f64,
-    /// The same where what the installation may be off by is refitted, too. Chosen.
+    /// The same if installation errors are refitted, too. Chosen.
     pub least_left_installed: f64,
-    /// Share of a direction's products that must not be noise. Chosen.
+    /// Smallest share of a column's products that is not noise. Chosen.
     pub least_signal: f64,
-    /// Share of the strongest selected effect's gain from which a window competes with it. Chosen.
+    /// Share of the strongest selected effect's gain above which a window competes with it. Chosen.
     pub window_competes: f64,
     /// Distance between the knots of the discrepancy over place \[m\]. Chosen: half a bend.
     pub discrepancy_m: f64,
     /// Contacts with walls, each run's own.
     pub contacts: ContactRules,
-    /// Standard deviations of its tolerance above which a tilt of the accelerometer comes before the forces. Derived: of 25 parts within their
-    /// tolerances one exceeds it in 1.6 of 1000 campaigns.
+    /// Standard deviations of its tolerance above which a tilt of the accelerometer is selected
+    /// before effects on forces. Derived: of 25 parts within their tolerances one exceeds it in 1.6
+    /// of 1000 campaigns.
     pub belief: f64,
-    /// t that a catalogue effect must lose, and a column outside the catalogue keep, for the column to be named instead.
-    /// Chosen.
+    /// t that a catalogue effect must lose, and a column outside the catalogue keep, for the column
+    /// to be named instead. Chosen.
     pub column_wins: [f64; 2],
     /// Laws outside the catalogue.
     pub laws: LawRules,
@@ -140,58 +149,63 @@ pub struct RunRules {
     pub level_rivals: RivalRule,
     /// Rivals of a selected effect in the track channel.
     pub track_rivals: RivalRule,
-    /// The track channel is used where its runs agree within this many times what the sensors' noise scatters. Chosen.
+    /// Scatter of the track channel's runs, over that of sensor noise, up to which it is used.
+    /// Chosen.
     pub track_agrees: f64,
-    /// Standard deviation of the surveyed slope where none is stated \[rad\]. Chosen: 0.002 of a levelling over 5 m to
-    /// 1 cm, and 0.0035 of drivers whose mean line is a decimetre off the surveyed one where the bank grows by 0.035 rad/m. With 0.002 one campaign
-    /// without an effect was called not identifiable.
+    /// Standard deviation of the surveyed slope if none is stated \[rad\]. Chosen: 0.002 of a
+    /// levelling over 5 m to 1 cm, and 0.0035 of a mean driven line a decimetre beside the surveyed
+    /// one where the bank grows by 0.035 rad/m. With 0.002 one campaign without an effect was
+    /// called not identifiable.
     pub slope_sd_rad: f64,
-    /// Share by which a driven line may be longer or shorter than the surveyed one, a standard deviation that intervals of the speed's scale and
-    /// offset take in. Derived: weaving by 2 to 4 degrees makes a way half the square of that longer, 0.06 to 0.24 %, and a decimetre farther out in
-    /// bends that add up to 20 rad, on 1500 m, makes it 0.13 % longer or shorter. Of 42 such intervals 30 covered the truth without it, 36 with
+    /// Relative standard deviation of the length of a driven line, included in intervals of the
+    /// speed's scale and offset. Derived: weaving by 2 to 4 degrees lengthens a way by half the
+    /// square of that, 0.06 to 0.24 %; a decimetre farther out in bends that add up to 20 rad, on
+    /// 1500 m, changes it by 0.13 %. Of 42 such intervals 30 covered the truth without it, 36 with
     /// half, 41 with it, 42 with twice (blind cases with seeds 131001 to 137001).
     pub line_share: f64,
-    /// Relative standard error of what stated noise is known by, which a parameter's interval takes in. Chosen.
+    /// Relative standard error of stated noise, included in a parameter's interval. Chosen.
     pub stated_noise_error: f64,
     /// The same for noise estimated from the recordings. Chosen.
     pub estimated_noise_error: f64,
-    /// How far the two edges of a stretch may be off together, a standard deviation \[m\]. Chosen.
+    /// Standard deviation of the two edges of a window together \[m\]. Chosen.
     pub edges_m: f64,
     /// p-value of a bin below which a residual is not clean. Chosen.
     pub bin_unclean: f64,
-    /// Width of the narrowest window that is searched for effects at a place \[m\]; others are twice as wide, up to 16 times; over
-    /// such a length runs are compared with one another. Chosen: a wall hit.
+    /// Width of the narrowest window \[m\]; others are up to 16 times as wide. Also the length over
+    /// which runs are compared with one another. Chosen: a wall hit.
     pub window_m: f64,
     /// Width of the track channel's bins \[m\]. Chosen.
     pub track_bin_m: f64,
-    /// Time on either side of a moment at which the speed's reading may jump \[s\]. Chosen: as long as accelerometer and survey are off alike;
-    /// at half of it seven of seven cases are found as with it, at twice six, with a jump that is not there.
+    /// Time on either side of a jump of the speed's reading \[s\]. Chosen: errors of accelerometer
+    /// and survey are constant for that long; at half of it the same seven of seven cases are
+    /// found, at twice six and a false one.
     pub jump_reach_s: f64,
-    /// Shortest piece of a run with which the sensors' noise is simulated \[s\]. Chosen: longer ones take longer.
+    /// Shortest piece of a run in simulations of noise \[s\]. Chosen: longer ones cost more.
     pub noise_piece_s: f64,
-    /// Share of a direction's own size that others must leave for it to count as explainable. Chosen.
+    /// Share of an explainable direction that is not collinear with others. Chosen.
     pub explains_alone: f64,
-    /// Standard errors over runs by which a direction must be significant to count as explainable. Chosen.
+    /// Standard errors over runs of an explainable direction. Chosen.
     pub explains_beyond: f64,
-    /// How recorded signals become rows.
+    /// Signal processing.
     pub recordings: RecordingRules,
 }
 
-/// How recorded signals become rows.
+/// Signal processing: from recorded signals to rows.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RecordingRules {
-    /// Corner of the low pass of every signal, before the balances are taken \[Hz\]. Chosen: a driver steers below 5 Hz.
+    /// Corner of the low pass of every signal \[Hz\]. Chosen: a driver steers below 5 Hz.
     pub signal_cutoff_hz: f64,
-    /// Samples a second that are retained \[1/s\]. Derived: three times the corner.
+    /// Retained samples per second \[1/s\]. Derived: three times the corner.
     pub signal_rate_hz: f64,
     /// Corner of the low pass of the balances \[Hz\]. Chosen.
     pub row_cutoff_hz: f64,
-    /// Rows a second \[1/s\]. Derived: two and a half times the corner.
+    /// Rows per second \[1/s\]. Derived: two and a half times the corner.
     pub row_rate_hz: f64,
-    /// Noise from sample to sample over the stated one outside which what is stated is doubted. Chosen.
+    /// Range of the noise of differences over the stated one without doubt. Chosen.
     pub noise_as_stated: [f64; 2],
-    /// Power of an axis over that of the quietest axis of its instrument, above the motion, above which it is taken for motion. Chosen.
+    /// Power of an axis above the motion, over that of the quietest axis of its instrument, above
+    /// which it is taken for motion. Chosen.
     pub quietest_axis: f64,
 }
 
@@ -268,15 +282,16 @@ impl Default for RunRules {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ExperimentRules {
-    /// Largest p-value of a selected effect, by permutation and against simulated tables alike. Chosen.
+    /// Largest p-value of a selected effect, by permutation and by simulated tables alike. Chosen.
     pub alpha: f64,
-    /// Share of a direction that a refit of the base must leave for it to be judged. Chosen.
+    /// Smallest share of a judged column that remains after a refit of the base. Chosen.
     pub least_left: f64,
-    /// Share of the largest |t| from which a candidate is fitted in full. Chosen.
+    /// Share of the largest |t| above which a candidate is fitted in full. Chosen.
     pub near_largest: f64,
-    /// Rivals of a selected effect, and t that a named effect must retain given a mere column.
+    /// Rivals of a selected effect, and t that a named effect must keep given a column.
     pub rivals: RivalRule,
-    /// What is added to the normal quantile of intervals, over the degrees of freedom. Derived: Student's t to first order.
+    /// Addition to the normal quantile of intervals, over the degrees of freedom. Derived:
+    /// Student's t to first order.
     pub interval_few: f64,
     /// Mean square in units of the noise above which the residual is not clean. Chosen.
     pub unclean: f64,
@@ -301,7 +316,7 @@ impl Default for ExperimentRules {
 }
 
 impl Rules {
-    /// Rules from TOML text; what it leaves out stays as it is by default.
+    /// Rules from TOML text; missing keys have their defaults.
     ///
     /// # Errors
     /// Those of the TOML reader: unknown keys and wrong types.

@@ -8,18 +8,16 @@ use crate::error::Error;
 use crate::evidence::maps::measured::rows::{LONGEST_CASE, Row, read};
 use crate::procedure::rules::MapRules;
 
-/// What a search is given: the case's text, and its rows as they are read.
+/// Input of a search.
 pub struct Measured {
-    /// The case's text.
     pub text: String,
-    /// The rows.
     pub rows: Vec<Row>,
-    /// What the reader should know of them.
+    /// Remarks on the rows.
     pub remarks: Vec<String>,
 }
 
 impl Measured {
-    /// Reads a `pressures.csv`; `model` is the case file that is to be improved.
+    /// Reads a `pressures.csv`; `model` is the case file to improve.
     ///
     /// # Errors
     /// [`Error::Cell`], [`Error::MissingColumn`], [`Error::File`], those of the case.
@@ -36,7 +34,7 @@ impl Measured {
     }
 }
 
-/// What is wrong with the case's file.
+/// An error in the case file.
 pub fn file_error(model: &Path, what: &dyn std::fmt::Display) -> Error {
     Error::File {
         file: model.display().to_string(),

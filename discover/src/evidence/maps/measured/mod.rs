@@ -1,4 +1,4 @@
-//! Pressure measurements as they are read, with the errors of their pixels.
+//! Pressure measurements with the errors of their pixels.
 
 pub(crate) mod file;
 pub(crate) mod noise;

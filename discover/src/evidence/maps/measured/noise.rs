@@ -1,12 +1,12 @@
-//! How far a pixel of a measured map may be off.
+//! Variance of a pixel of a measured map.
 //!
 //! ```text
 //! var = s0^2 + (k p)^2 + (d |grad p|)^2 + (f p_max)^2
 //! ```
 //!
-//! s0 [Pa] from the rim of the map, where nothing presses; k from the mixed second differences of neighbouring pixels, which
-//! leave nothing of what is smooth (the idea of J. Immerkaer, Comput. Vis. Image Underst. 64 (1996) 300-302); d = 1/3 pixel
-//! for a pixel's place; f = 0.3 per cent for the solves.
+//! s0 [Pa] from the rim of the map outside of the contact; k from the mixed second differences of
+//! neighbouring pixels, which vanish for smooth maps (after J. Immerkaer, Comput. Vis. Image
+//! Underst. 64 (1996) 300-302); d = 1/3 pixel for a pixel's place; f = 0.3 per cent for the solves.
 
 use kufe::case::effects::Map;
 
@@ -79,7 +79,8 @@ fn far_noise(map: &Map) -> f64 {
     (sum / f64::max(count, 1.0)).sqrt()
 }
 
-/// Noise relative to the pressure, where that is above three tenths of the largest; 0 for maps too small to tell.
+/// Relative noise, estimated where the pressure is above three tenths of the largest; 0 for maps
+/// too small for an estimate.
 fn relative_noise(map: &Map) -> f64 {
     let raw = Grid {
         map,
@@ -107,7 +108,7 @@ fn relative_noise(map: &Map) -> f64 {
         return 0.0;
     }
     ratios.sort_by(f64::total_cmp);
-    // The differences' weights have squares that add up to 1.5^2; 0.6745 is the median of |normal|.
+    // The squared weights of the differences add up to 1.5^2; 0.6745 is the median of |normal|.
     ratios[ratios.len() / 2] / 0.6745 / 1.5
 }
 
@@ -118,7 +119,7 @@ mod tests {
     use crate::null::random::stream;
 
     #[test]
-    fn noise_is_told_from_the_shape_of_the_pressure() {
+    fn noise_is_separated_from_the_shape_of_the_pressure() {
         let mut rng = stream(3, 1, 0);
         let (nx, ny) = (64, 48);
         let mut map = Map {

@@ -1,10 +1,10 @@
-//! What measurements of pressure can say, and what not.
+//! Limits of what pressure measurements can identify.
 
 use kufe::case::effects::CATALOGUE;
 
 use crate::evidence::maps::measured::rows::Row;
 
-/// Effects that these rows say next to nothing of, and why.
+/// Effects that these rows can hardly identify, with the reason.
 pub fn untestable(rows: &[Row]) -> Vec<(String, String)> {
     if rows.iter().any(|r| r.map.is_some()) {
         return Vec::new();
@@ -21,7 +21,7 @@ pub fn untestable(rows: &[Row]) -> Vec<(String, String)> {
         .collect()
 }
 
-/// What the reader should know of the rows.
+/// Remarks on the rows.
 pub fn remarks_on(rows: &[Row]) -> Vec<String> {
     let mut remarks = vec![
         "errors of a pixel: the sensor's noise as the map itself shows it, a third of a pixel in its place, 0.3 % of the peak, and what a finer mesh changes; 16 neighbouring pixels count as one value".to_owned(),
@@ -31,7 +31,7 @@ pub fn remarks_on(rows: &[Row]) -> Vec<String> {
     }
     if rows.len() < 3 {
         remarks.push(format!(
-            "{} rows are too few to lock one away: the misfit is judged on the rows that were fitted",
+            "{} rows are too few to hold one out: the misfit is that of the training rows",
             rows.len()
         ));
     }

@@ -1,4 +1,4 @@
-//! Measurements of pressure as they are read: one contact problem a row, with its peak and, where there is one, its map.
+//! Rows of pressure measurements: a contact problem, its peak and optionally its map.
 
 use std::path::{Path, PathBuf};
 
@@ -13,35 +13,33 @@ use crate::input::exr_map::read_map;
 use crate::input::table::Table;
 use crate::procedure::rules::MapRules;
 
-/// Longest text of a case [bytes]: those of people have some kilobytes.
+/// Longest text of a case [bytes]: usual ones have some kilobytes.
 pub(super) const LONGEST_CASE: u64 = 1 << 24;
 
-/// One measurement.
 pub struct Row {
-    /// Name for reports.
     pub name: String,
-    /// What is solved.
     pub problem: Problem,
-    /// Largest pressure [Pa].
+    /// Measured peak pressure [Pa].
     pub p_max: f64,
     /// Its standard deviation [Pa].
     pub p_max_sd: f64,
-    /// The measured map.
     pub map: Option<Map>,
     /// Normal force [N].
     pub fz: f64,
     /// Standard deviation of each pixel [Pa]; empty without a map.
     pub noise: Vec<f64>,
-    /// The sensor as the case knows it already.
+    /// Effects of the sensor that the case contains.
     pub sensor: SizedEffects,
 }
 
-/// Reads the table and the cases and maps that it names; rows with the case `model` take `model_case`.
+/// Reads the table and the cases and maps that it names; rows with the case `model` take
+/// `model_case`.
+///
+/// Returns the rows and remarks on unused columns.
 ///
 /// # Errors
-/// [`Error::Cell`], [`Error::MissingColumn`], [`Error::File`]; [`Error::Duplicate`] where two rows hold the same map or are copies.
-///
-/// What the reader of a report should know comes second: columns that are not used.
+/// [`Error::Cell`], [`Error::MissingColumn`], [`Error::File`]; [`Error::Duplicate`] if two rows
+/// have the same map or are copies.
 pub fn read(
     path: &Path,
     (model, model_case): (&Path, &Case),
@@ -155,7 +153,7 @@ pub fn read(
     Ok((rows, remarks))
 }
 
-/// The effects of a case that belong to the sensor, with their sizes.
+/// Sensor effects of a case, with their sizes.
 fn sensor(case: &Case) -> SizedEffects {
     CATALOGUE
         .iter()

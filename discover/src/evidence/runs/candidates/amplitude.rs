@@ -1,4 +1,4 @@
-//! How an amplitude of an effect acts on a sled.
+//! An amplitude of an effect on a sled.
 
 use kufe_sled::effects::{Active, Custom, Judged, Kind, Level};
 
@@ -8,23 +8,22 @@ use crate::procedure::candidate::Candidate;
 /// One amplitude of one effect of a sled, with its settings.
 #[derive(Clone)]
 pub struct Amplitude {
-    /// What the effect does.
     pub kind: Kind,
-    /// Place of the amplitude among the effect's parameters.
+    /// Index of the amplitude among the effect's parameters.
     pub parameter: usize,
-    /// Whether it differs from sample to sample, run to run, session to session or place to place.
+    /// Whether it varies within runs, between runs, between sessions or over place.
     pub level: Level,
-    /// Settings, with the amplitudes at 0.
+    /// Settings, with amplitudes of 0.
     pub values: Vec<f64>,
-    /// The only track it acts on.
+    /// The only track on which it acts.
     pub track: Option<String>,
-    /// A recorded column outside the model, that the expression names.
+    /// A recorded column outside the model in the expression.
     pub carrier: Option<String>,
 }
 
 impl Candidate<Amplitude> {
-    /// A law over these columns that no effect of the catalogue has, with the amplitude's unit, what it typically is and how large at most;
-    /// `carrier` is the one that the model has no name for.
+    /// A custom law of these columns, with the amplitude's unit, typical value and largest value;
+    /// `carrier` is a column outside the model.
     pub fn law(
         columns: &[&str],
         custom: Custom,
@@ -39,10 +38,7 @@ impl Candidate<Amplitude> {
             low: -limit,
             high: limit,
             typical,
-            decides: format!(
-                "runs in which {} is varied by itself",
-                columns.join(" times ")
-            ),
+            decides: format!("runs in which {} is varied alone", columns.join(" times ")),
             act: Amplitude {
                 kind: Kind::Custom(custom.bounded(unit, -limit, limit)),
                 parameter: 0,
@@ -54,7 +50,7 @@ impl Candidate<Amplitude> {
         }
     }
 
-    /// Whether another is the same amplitude of the same effect, with the same settings, in the same place.
+    /// Whether two amplitudes have the same effect, settings and place.
     pub fn is(&self, other: &Self) -> bool {
         let (own, its) = (&self.act, &other.act);
         let same = match (&own.kind, &its.kind) {
@@ -76,7 +72,7 @@ impl Candidate<Amplitude> {
         }
     }
 
-    /// The same in a window of distance on one track.
+    /// The same within a window of distance on one track.
     pub fn within(&self, track: &str, from: f64, to: f64) -> Self {
         let mut local = self.clone();
         local.act.track = Some(track.to_owned());
@@ -88,7 +84,7 @@ impl Candidate<Amplitude> {
         local
     }
 
-    /// The stretch of distance on which it acts, where it has one \[m\].
+    /// The interval of distance on which it acts \[m\], if any.
     pub fn window(&self) -> Option<(f64, f64)> {
         let Kind::Catalogue(effect) = &self.act.kind else {
             return None;
@@ -97,7 +93,7 @@ impl Candidate<Amplitude> {
         Some((self.act.values[begin], self.act.values[end]))
     }
 
-    /// Whether it is judged place by place along the track's profile.
+    /// Whether it is a track profile, which is judged by place.
     pub fn is_profile(&self) -> bool {
         matches!(&self.act.kind, Kind::Catalogue(effect) if effect.info.judged == Judged::ByProfile)
     }

@@ -1,4 +1,4 @@
-//! The effects that could be missing, as far as the data can speak of them.
+//! Candidates that the data can test.
 
 use kufe_sled::effects::{
     CATALOGUE, Custom, Effect, Effects, Judged, Kind, Level, Reading, Sensor,
@@ -16,15 +16,14 @@ pub struct Candidates {
     pub regular: Vec<Candidate<Amplitude>>,
     /// Within runs, in a window of distance that is searched for.
     pub local: Vec<Candidate<Amplitude>>,
-    /// From session to session or run to run.
+    /// Between sessions or runs.
     pub levels: Vec<Candidate<Amplitude>>,
     /// In the track channel: slope and its rivals.
     pub track: Vec<Candidate<Amplitude>>,
-    /// Effects that these data cannot speak of, and why.
     pub untestable: Vec<(String, String)>,
 }
 
-/// The catalogue and the person's own effects against what was recorded.
+/// Lists the effects of the catalogue and custom effects that the recorded columns allow.
 pub fn list(data: &Data, own: &Effects, along: bool, options: &Options) -> Candidates {
     let mut out = Candidates {
         regular: Vec::new(),
@@ -113,8 +112,8 @@ pub fn list(data: &Data, own: &Effects, along: bool, options: &Options) -> Candi
     out
 }
 
-/// Whether an amplitude is a fault of the speed or of the accelerometer ahead, which the track channel holds against the slope. The
-/// scale of the latter goes with what the sled feels there, which is little.
+/// Whether the track channel can confuse an error of the speed or of the longitudinal accelerometer
+/// with the slope. The accelerometer's scale is excluded, as its signal there is small.
 fn against_slope(effect: &Effect, parameter: usize) -> bool {
     let mut faults = effect.on_sensors.iter();
     faults.any(|fault| {
@@ -126,7 +125,7 @@ fn against_slope(effect: &Effect, parameter: usize) -> bool {
     })
 }
 
-/// The candidate with every value of a setting that is to be tried.
+/// The candidate with every value of a setting that is tried.
 fn shapes(candidate: Candidate<Amplitude>, effect: &Effect) -> Vec<Candidate<Amplitude>> {
     let mut settings = effect.info.parameters.iter().enumerate();
     let Some((place, setting)) = settings.find(|(_, p)| !p.tried.is_empty()) else {

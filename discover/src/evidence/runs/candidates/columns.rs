@@ -1,4 +1,4 @@
-//! Dependences on a column that no effect of the catalogue has.
+//! Dependences on columns outside the catalogue.
 
 use std::collections::BTreeMap;
 
@@ -9,9 +9,10 @@ use crate::evidence::runs::recordings::frame::further_columns;
 use crate::evidence::runs::recordings::prepare::Data;
 use crate::procedure::candidate::Candidate;
 
-/// Dependences on single columns outside the catalogue: a slope and a bend of the friction and of the grip, and a side force.
+/// Dependences on single columns outside the catalogue: linear and quadratic terms of friction and
+/// grip, and a side force.
 ///
-/// Columns that the model has no name for are handed in as carriers: they are judged, but no simulation could follow them.
+/// Columns outside the model are carriers: they are tested, but simulations cannot use them.
 pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>> {
     let known = [
         ("v_mps", Column::Speed),
@@ -49,7 +50,7 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>>
             forms.push((Channel::Friction, format!("{z}^2"), 1e-4, ""));
         }
         if centre.abs() < scale {
-            // Signs change: the column's size is a form of its own.
+            // For a column of both signs the absolute value is a separate form.
             forms.push((Channel::Grip, size.clone(), 0.02, ""));
             if along {
                 forms.push((Channel::Friction, size, 1e-4, ""));

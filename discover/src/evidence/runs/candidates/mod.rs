@@ -1,4 +1,4 @@
-//! What could be missing from the model of a sled.
+//! Candidate effects on a sled.
 
 pub(crate) mod amplitude;
 pub(crate) mod catalogue;

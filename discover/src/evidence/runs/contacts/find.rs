@@ -1,13 +1,15 @@
-//! Places of a track at which runs differ: where the side balance of some runs leaves the middle of all.
+//! Places of a track at which runs differ, by their lateral residuals.
 //!
-//! What all runs do alike, errors of survey and model, is no contact: the median over the runs of a track is taken off first. With d what
-//! remains of the side balance in cells of two metres, and sums Z over ten metres, a run differs where
+//! Errors of survey and model are common to all runs, contacts are not: the median over the runs of
+//! a track is subtracted first. With d the remaining lateral residual in cells of two metres, and
+//! sums Z over ten metres, a run differs where
 //!
 //! ```text
 //! |Z| > 8 (1.4826 median |Z|)        8: ContactRules::differs
 //! ```
 //!
-//! and so do runs of which none is significant alone but whose squares together exceed those of other places.
+//! So do runs of which none is significant alone but whose mean square together exceeds that of
+//! other places.
 
 use kufe_sled::scatter;
 use rayon::prelude::*;
@@ -20,30 +22,29 @@ use crate::procedure::rules::ContactRules;
 const CELL_M: f64 = 2.0;
 /// Cells of a sum.
 const SUM: usize = 5;
-/// Deviations that a single run counts for at most: what pushes one alone is no place. Chosen.
+/// Clipping of a single run's deviation, so that one run does not make a place. Chosen.
 const MOST_OF_A_RUN: f64 = 6.0;
-/// Shifts of all runs that a stretch is compared with.
+/// Random shifts of all runs for the null distribution.
 const TRIALS: u64 = 3999;
-/// Fewest runs of a track that have a middle: the median of three is one run's.
+/// Fewest runs of a track with a median: the median of three is one run's.
 const FEWEST_RUNS: usize = 4;
-/// Most cells of a track: above 100 km a distance is a mistake.
+/// Most cells of a track: a distance above 100 km is a mistake.
 const MOST_CELLS: usize = 50_000;
 
-/// A stretch of a track \[m\] on which some runs differ.
+/// An interval of a track \[m\] on which some runs differ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stretch {
-    /// Track.
     pub track: String,
-    /// From and to \[m\].
+    /// Start \[m\].
     pub from_m: f64,
-    /// To \[m\].
+    /// End \[m\].
     pub to_m: f64,
-    /// p-value of how much runs differ there, against the same runs each shifted along the track on its own; 1 where not requested.
+    /// p-value against the same runs, each shifted along the track; 1 if not requested.
     pub p_value: f64,
 }
 
-/// The stretches of all tracks, `side_n` being what the side balance leaves of each run at every retained sample; without a `seed` no shifts are
-/// drawn for p-values.
+/// The intervals of all tracks at which runs differ. `side_n` is the lateral residual of each run
+/// at every retained sample; without a `seed` no p-values are computed.
 pub fn stretches(
     frames: &[Frame],
     side_n: &[Vec<f64>],
@@ -75,7 +76,7 @@ fn on_track(
     let low = places().fold(f64::INFINITY, f64::min);
     let high = places().fold(f64::NEG_INFINITY, f64::max);
     let cells = ((high - low) / CELL_M).ceil();
-    // Of no number there are no cells.
+    // Also excludes NaN.
     let cells = cells as usize;
     if runs.len() < FEWEST_RUNS || !(SUM + 1..=MOST_CELLS).contains(&cells) {
         return Vec::new();
@@ -112,7 +113,7 @@ fn on_track(
         for group in row.chunk_by(|a, b| within(a) == within(b)) {
             let end = start + group.len();
             if group.iter().any(|z| z.abs() > rules.differs * unit) {
-                // A sum represents its middle cells.
+                // Marks the cells in the middle of a sum.
                 differs[start + 1..(end + SUM - 2).min(cells)].fill(true);
             }
             start = end;
@@ -136,7 +137,7 @@ fn on_track(
     for group in differs.chunk_by(|a, b| a == b) {
         let end = start + group.len();
         if group[0] {
-            // Sums of which a cell of the stretch is the first.
+            // Sums that start at a cell of the interval.
             let most = roots[start.min(count - 1)..end.min(count)]
                 .iter()
                 .copied()
@@ -154,7 +155,7 @@ fn on_track(
     found
 }
 
-/// Squares of sums in units of their scatter, none of more than six deviations.
+/// Squares of sums in units of their scatter, clipped at six deviations.
 fn squares(sums: &[Vec<f64>], unit: f64) -> Vec<Vec<f64>> {
     let square = |z: &f64| match z.is_finite() {
         true => (z / unit).abs().min(MOST_OF_A_RUN).powi(2),
@@ -164,17 +165,19 @@ fn squares(sums: &[Vec<f64>], unit: f64) -> Vec<Vec<f64>> {
     sums.iter().map(of_run).collect()
 }
 
-/// How much runs differ at each of these sums, apart from the one that differs most, which may have been pushed alone: with q the mean of
-/// the squares of the others, `q^(1/3)`, which is nearly normal; NaN where few runs came.
+/// Difference of runs at each sum, without the run that differs most, which may be an outlier: with
+/// q the mean of the squares of the others, `q^(1/3)`, which is nearly normal; NaN where few runs
+/// have samples.
 ///
-/// Source: E. B. Wilson and M. M. Hilferty, The distribution of chi-square, Proc. Natl. Acad. Sci. 17 (1931) 684.
+/// Source: E. B. Wilson and M. M. Hilferty, The distribution of chi-square, Proc. Natl. Acad. Sci.
+/// 17 (1931) 684.
 fn together(squares: &[Vec<f64>]) -> Vec<f64> {
     let unmoved = vec![0; squares.len()];
     let root = |w: usize| mean_of_others(squares, &unmoved, w).cbrt();
     (0..squares[0].len()).map(root).collect()
 }
 
-/// The mean of squares at a sum but for the largest, each run shifted by so much; NaN where few runs came.
+/// Mean of the squares at a sum without the largest, with shifted runs; NaN if few runs remain.
 fn mean_of_others(squares: &[Vec<f64>], shifts: &[usize], w: usize) -> f64 {
     let (mut n, mut sum, mut most) = (0.0, 0.0, 0.0_f64);
     for (row, by) in squares.iter().zip(shifts) {
@@ -184,14 +187,13 @@ fn mean_of_others(squares: &[Vec<f64>], shifts: &[usize], w: usize) -> f64 {
             (n, sum, most) = (n + 1.0, sum + q, most.max(q));
         }
     }
-    // Where few runs came there is no telling.
     match 2.0 * n > squares.len() as f64 && n > 1.0 {
         true => (sum - most) / (n - 1.0),
         false => f64::NAN,
     }
 }
 
-/// By how many robust deviations these lie above their median.
+/// Robust deviations above the median.
 fn above_middle(roots: &[f64]) -> Vec<f64> {
     let mut sorted: Vec<f64> = roots.iter().copied().filter(|u| u.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
@@ -201,8 +203,8 @@ fn above_middle(roots: &[f64]) -> Vec<f64> {
     away.iter().map(|away| away / deviation).collect()
 }
 
-/// The largest of [`together`] where every run is shifted along its way on its own, what leaves it at one end coming in at the other:
-/// what runs do by chance at one place, wild pushes of single ones among it. Sorted.
+/// Null distribution of the largest value of [`together`], sorted: every run is shifted cyclically
+/// along the track on its own.
 fn by_chance(squares: &[Vec<f64>], seed: u64) -> Vec<f64> {
     let count = squares[0].len();
     let largest = |trial: u64| {
@@ -216,7 +218,7 @@ fn by_chance(squares: &[Vec<f64>], seed: u64) -> Vec<f64> {
     largest
 }
 
-/// Where these are above `least`, from and to, as far as they are above seven tenths of it.
+/// Intervals where the values exceed `least`, extended as far as they exceed 70 % of it.
 fn exceeding(away: &[f64], least: f64) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     let mut start = 0;
@@ -230,7 +232,7 @@ fn exceeding(away: &[f64], least: f64) -> Vec<(usize, usize)> {
     found
 }
 
-/// Means over cells; NaN where no sample takes part.
+/// Means over cells; NaN for cells without a sample.
 fn means(frame: &Frame, y: &[f64], low: f64, cells: usize) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); cells];
     for i in frame.samples() {
@@ -238,7 +240,7 @@ fn means(frame: &Frame, y: &[f64], low: f64, cells: usize) -> Vec<f64> {
         sums[cell] = (sums[cell].0 + y[i], sums[cell].1 + 1.0);
     }
     let mut means: Vec<f64> = sums.iter().map(|(sum, n)| sum / n).collect();
-    // A fast sled may leave a cell without a sample.
+    // A fast sled may have no sample in a cell.
     for cell in 1..cells {
         if means[cell].is_nan() && sums[cell - 1].1 > 0.0 {
             means[cell] = means[cell - 1];
@@ -252,7 +254,7 @@ mod tests {
     use super::*;
     use crate::null::random::{normal, stream};
 
-    /// Sums of noise of ten runs, those at `pushed` with pushes of two deviations to either side.
+    /// Noise of ten runs, with random sums of two deviations within `pushed`.
     fn sums(draw: u64, pushed: std::ops::Range<usize>) -> Vec<Vec<f64>> {
         let mut rng = stream(3, 0x3A11, draw);
         let row = |_| {
@@ -265,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn places_at_which_no_run_stands_out_alone_are_found_by_all_and_noise_is_none() {
+    fn places_are_found_by_all_runs_together_and_noise_has_none() {
         let rules = ContactRules::default();
         let roots = |sums: &[Vec<f64>]| together(&squares(sums, 1.0));
         let chance = |draw: u64, pushed: std::ops::Range<usize>| {
@@ -275,7 +277,7 @@ mod tests {
             by_chance.iter().filter(|u| **u >= most).count() as f64 / by_chance.len() as f64
         };
         let by_chance = (0..40).filter(|draw| chance(*draw, 0..0) < 0.05);
-        assert!(by_chance.count() <= 5, "as often as is said");
+        assert!(by_chance.count() <= 5, "the stated rate of false positives");
         let hit = (0..200).filter(|draw| {
             let away = above_middle(&roots(&sums(*draw, 100..105)));
             let there = exceeding(&away, rules.together);

@@ -3,15 +3,14 @@
 use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// Contacts that are found, before anything is fitted with them.
+/// Contacts found by a screen, before a fit.
 #[derive(Clone)]
-pub struct Found {
-    /// The contacts.
+pub struct FoundContacts {
     pub contacts: Contacts,
-    /// All training runs with their own.
+    /// All training runs with their own contacts.
     pub frames: Vec<Frame>,
-    /// p-value by the yaw balance.
+    /// p-value by the yaw residual.
     pub p_value: f64,
-    /// What they explain of the side balance, in units of its variance.
+    /// Reduction of the lateral sum of squares, in units of its variance.
     pub gain: f64,
 }

@@ -1,5 +1,7 @@
-//! What the grip of a session leaves of its runs, taken off them: it differs from day to day, and pushes all runs of a day alike in the
-//! same curve, as walls push runs that hit them.
+//! Removes the variation of grip between sessions from the residuals.
+//!
+//! Grip differs from day to day and acts alike on all runs of a session in the same curve, as walls
+//! act on the runs that hit them.
 
 use kufe_sled::scatter;
 
@@ -8,20 +10,21 @@ use crate::evidence::runs::model::residual_model::{BASE, ChannelRows, ResidualMo
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::levels::group;
 
-/// Side and yaw balance.
+/// Lateral and yaw balance.
 const BALANCES: [usize; 2] = [1, 2];
-/// Scatters above which a sample tells of something else than grip. Chosen: noise alone is above in one of 16,000.
+/// Standard deviations above which a sample is excluded. Chosen: noise alone: one of 16,000.
 const MOST: f64 = 4.0;
-/// Change of the factor, to either side, by which its derivative is taken.
+/// Step of the factor in central differences.
 const CHANGE: f64 = 0.01;
 
-/// Takes off what the balances leave of each run what a change of grip, one for each session, explains of them: with j their derivative
-/// for a factor on all side forces, by least squares over the samples of the session that lie within four scatters,
+/// Subtracts from the residuals of each run what a change of grip per session explains. With j the
+/// derivative of the residual with respect to a factor on all side forces, by least squares over
+/// the samples of the session within four standard deviations,
 ///
 /// ```text
 /// residual - j (j . residual) / (j . j)
 /// ```
-pub fn apart_from_grip(model: &ResidualModel, frames: &[Frame], residual: &mut [ChannelRows]) {
+pub fn subtract_grip(model: &ResidualModel, frames: &[Frame], residual: &mut [ChannelRows]) {
     let [more, less] = [1.0 + CHANGE, 1.0 - CHANGE].map(|factor| {
         let mut moved = model.clone();
         let grip = moved.base[1..BASE].iter_mut();
@@ -72,7 +75,7 @@ mod tests {
     use crate::procedure::rules::Rules;
 
     #[test]
-    fn grip_that_a_session_lacks_is_taken_off_and_a_push_is_not() {
+    fn a_change_of_grip_is_subtracted_and_a_push_is_not() {
         let base = Model::published();
         let mut plan = sample_plan(4);
         plan.truncate(3);
@@ -90,7 +93,6 @@ mod tests {
             ResidualModel::new(vehicle, base_multipliers, Effects::default())
         };
         let as_driven = residuals_without(&of_base([1.0; BASE]), frames);
-        // What is there with the sensors' noise.
         let apart = |residual: &[ChannelRows], c: usize| -> f64 {
             let both = residual.iter().zip(&as_driven);
             let all = both.flat_map(|(a, b)| a[c].iter().zip(&b[c]).map(|(a, b)| (a - b).powi(2)));
@@ -110,8 +112,8 @@ mod tests {
         for (y, by) in pushed[0][1].iter_mut().zip(&push) {
             *y += by;
         }
-        apart_from_grip(&slippery, frames, &mut residual);
-        apart_from_grip(&slippery, frames, &mut pushed);
+        subtract_grip(&slippery, frames, &mut residual);
+        subtract_grip(&slippery, frames, &mut pushed);
         for (c, before) in [1, 2].into_iter().zip(before) {
             let after = apart(&residual, c);
             assert!(after < 0.35 * before, "{c}: {after} of {before}");

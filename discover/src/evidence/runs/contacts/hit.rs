@@ -1,4 +1,4 @@
-//! Which of the stretches on which runs differ are places that several runs hit.
+//! Places that several runs hit, among those at which runs differ.
 
 use std::collections::BTreeSet;
 
@@ -13,27 +13,27 @@ use crate::evidence::runs::contacts::own::set_own_of;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::rules::ContactRules;
 
-/// How far outside its known hits a place is searched for \[m\]. Chosen: lines differ by metres.
+/// Margin around known hits in the search of a place \[m\]. Chosen: lines differ by metres.
 const SHIFT_M: f64 = 3.0;
 
 /// Places that several runs hit.
-pub struct Hit {
-    /// The places, as stretches with the force of a middle hit.
+pub struct HitPlaces {
+    /// The places, each with the median force of its hits.
     pub places: Vec<Active>,
     /// The runs with their own contacts there.
     pub frames: Vec<Frame>,
-    /// p-value of the one of them at which runs differ most.
+    /// p-value of the place at which runs differ most.
     pub p_value: f64,
 }
 
-/// The places that several of these runs hit, `side_n` being what the side balance leaves of each at every retained sample.
+/// The places that several of these runs hit; `side_n`: lateral residuals at retained samples.
 pub fn hit(
     effect: &'static Effect,
     runs: &[Frame],
     side_n: &[Vec<f64>],
     rules: &ContactRules,
     seed: u64,
-) -> Option<Hit> {
+) -> Option<HitPlaces> {
     let (mut places, mut p_values) = (Vec::new(), Vec::new());
     for s in stretches(runs, side_n, rules, Some(seed)) {
         let values = [0.0, s.from_m, s.to_m, 0.0, 0.0, 1.0, 0.0];
@@ -41,8 +41,8 @@ pub fn hit(
         p_values.push(s.p_value);
     }
     let mut frames = runs.to_vec();
-    // First to either side, a place for every spot; then to the side that its wall is on; then the remaining ones: what a single run
-    // hits is no place.
+    // First round: either side, one place per spot. Then each place with its side; then the
+    // remaining ones, without places that a single run hits.
     for round in 0..3 {
         let both = frames.par_iter_mut().zip(side_n);
         both.for_each(|(frame, side_n)| set_own_of(frame, side_n, &places));
@@ -66,14 +66,14 @@ pub fn hit(
     }
     let tracks: BTreeSet<&str> = runs.iter().map(|f| f.track.as_str()).collect();
     let least = p_values.into_iter().reduce(f64::min)?;
-    Some(Hit {
+    Some(HitPlaces {
         places,
         frames,
         p_value: (least * tracks.len() as f64).min(1.0),
     })
 }
 
-/// The place of these contacts within a stretch.
+/// The place of these contacts within an interval.
 fn at_spot(stretch: &Active, contacts: &[WallContact]) -> Active {
     let mut place = stretch.clone();
     let from_m = contacts.iter().map(|c| c.s_m);
@@ -90,8 +90,7 @@ fn are_apart(place: &Active, other: &Active) -> bool {
         || other.values[2] < place.values[1]
 }
 
-/// Contacts by the side that they push to and the spots at which they overlap, first those of most. What is far weaker than two of them is
-/// noise compared with them.
+/// Groups contacts by side and overlap, largest first. One far weaker than two others is noise.
 fn spots(mut contacts: Vec<WallContact>) -> Vec<Vec<WallContact>> {
     let mut sizes: Vec<f64> = contacts.iter().map(|c| c.force_n.abs()).collect();
     sizes.sort_by(|a, b| b.total_cmp(a));
@@ -118,7 +117,7 @@ fn spots_aside(mut contacts: Vec<WallContact>) -> Vec<Vec<WallContact>> {
     }
 }
 
-/// The middle of forces to one side, the smaller of two: a single push far harder than others is no middle.
+/// The lower median of the forces, which a single outlier does not change.
 fn middle(contacts: &[WallContact]) -> f64 {
     let mut forces: Vec<f64> = contacts.iter().map(|c| c.force_n).collect();
     forces.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
@@ -140,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wild_push_is_no_middle() {
+    fn an_outlier_does_not_change_the_median() {
         let pushes = |forces: &[f64]| -> Vec<WallContact> {
             forces.iter().map(|f| push(100.0, *f)).collect()
         };
@@ -150,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn pushes_at_other_spots_to_the_other_side_or_far_weaker_are_no_hits_of_a_place() {
+    fn pushes_elsewhere_to_the_other_side_or_far_weaker_are_not_hits() {
         let mut pushes = [140.0, 177.0, 180.0, 174.0, 200.0]
             .map(|s_m| push(s_m, 40.0))
             .to_vec();

@@ -1,4 +1,4 @@
-//! What the balances that did not set a contact say of it: where it pushes, how it brakes, and whether it is there at all.
+//! Estimates of contacts by the balances that did not set them: lever, friction and significance.
 
 use kufe_sled::WallContact;
 use kufe_sled::effects::Active;
@@ -10,28 +10,29 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::finding::Interval;
 use crate::null::random::{below, stream};
 
-/// Standard errors from which on a contact is strong: what noise its half wave has followed is a thirtieth of it.
+/// Standard errors above which a contact is strong: its selection bias is then a thirtieth.
 const STRONG: f64 = 10.0;
 /// Fewest strong contacts that are used alone.
 const FEWEST_STRONG: usize = 4;
-/// Places elsewhere that a place is compared with.
+/// Reference places along the track.
 const ELSEWHERE: usize = 60;
-/// Share of these at either end that no mean is taken of: runs are pushed there, too.
+/// Share of the reference places trimmed at either end, where runs may have contacts.
 const TRIMMED: f64 = 0.2;
 
-/// What a run has of the half wave of a place, less the middle of its track's runs: of the side balance and of another one.
-type Has = [f64; 2];
+/// Half-wave amplitudes in the lateral residual and another one, minus the median over runs.
+type Amplitudes = [f64; 2];
 
-/// What runs have of half waves apart from what they have elsewhere, sums over runs: squares of the side balance and its products with another.
+/// Sums of squares and products of half-wave amplitudes over runs, with those of noise.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Excess {
     /// By run: squares and products at the places.
     runs: Vec<[f64; 2]>,
-    /// What noise has of both, all runs together.
+    /// The sums at reference places, all runs together.
     noise: [f64; 2],
 }
 
-/// The excess of all places; the balance along the sled is counted against the side that each pushes to, so that all brake alike.
+/// The excess of all places. The longitudinal balance is signed by the side of the contact, so that
+/// friction always brakes.
 pub fn excess(
     frames: &[Frame],
     residual: &[ChannelRows],
@@ -58,10 +59,10 @@ pub fn excess(
         let there: Vec<usize> = (0..frames.len())
             .filter(|i| place.acts_on(&frames[*i].track) && met(&frames[*i]))
             .collect();
-        let at = |by_m: f64| -> Option<Vec<Has>> {
-            let of_run = |i: &usize| has(&frames[*i], &residual[*i], balance, &wave, by_m);
-            let all: Option<Vec<Has>> = there.iter().map(of_run).collect();
-            let all = all.map(beyond_middle)?;
+        let at = |by_m: f64| -> Option<Vec<Amplitudes>> {
+            let of_run = |i: &usize| amplitudes(&frames[*i], &residual[*i], balance, &wave, by_m);
+            let all: Option<Vec<Amplitudes>> = there.iter().map(of_run).collect();
+            let all = all.map(subtract_median)?;
             Some(all.into_iter().map(|[x, y]| [x, turned * y]).collect())
         };
         let Some(here) = at(0.0) else { continue };
@@ -93,7 +94,7 @@ pub fn excess(
     excess
 }
 
-/// The half wave in the middle of those that a place's hits have.
+/// The mean half wave of the hits of a place.
 fn mean_wave(frames: &[Frame], k: usize) -> Option<WallContact> {
     let own = frames.iter().flat_map(|f| &f.contacts);
     let hits: Vec<WallContact> = own
@@ -110,14 +111,14 @@ fn mean_wave(frames: &[Frame], k: usize) -> Option<WallContact> {
     })
 }
 
-/// `None` where the run has no sample there.
-fn has(
+/// `None` if the run has no sample there.
+fn amplitudes(
     frame: &Frame,
     residual: &ChannelRows,
     balance: usize,
     wave: &WallContact,
     by_m: f64,
-) -> Option<Has> {
+) -> Option<Amplitudes> {
     let from = wave.s_m + by_m;
     let first = frame.s.partition_point(|s| *s < from);
     let rows = frame
@@ -135,12 +136,12 @@ fn has(
     (ww > 0.0).then(|| [wx / ww.sqrt(), wy / ww.sqrt()])
 }
 
-fn beyond_middle(mut all: Vec<Has>) -> Vec<Has> {
+fn subtract_median(mut all: Vec<Amplitudes>) -> Vec<Amplitudes> {
     for which in 0..2 {
-        let mut sorted: Vec<f64> = all.iter().map(|has| has[which]).collect();
+        let mut sorted: Vec<f64> = all.iter().map(|run| run[which]).collect();
         sorted.sort_by(f64::total_cmp);
         let middle = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-        all.iter_mut().for_each(|has| has[which] -= middle);
+        all.iter_mut().for_each(|run| run[which] -= middle);
     }
     all
 }
@@ -152,14 +153,16 @@ fn trimmed(mut values: Vec<f64>) -> f64 {
     middle_values.iter().sum::<f64>() / middle_values.len().max(1) as f64
 }
 
-/// The ratio of another balance to the side balance in what runs have at places above noise, the middle of all runs and what they have of
-/// the same half waves elsewhere taken off, so that neither noise that both share nor what a choice of hits has followed is in it:
+/// Ratio of another residual to the lateral one at contacts.
+///
+/// The median of all runs and the same sums at reference places are subtracted, so that neither
+/// noise that both share nor the selection of hits biases it:
 ///
 /// ```text
-/// (sum x y - that elsewhere) / (sum x^2 - that elsewhere)        over the runs of each place's track
+/// (sum x y - reference) / (sum x^2 - reference)        over the runs of each place's track
 /// ```
 ///
-/// Its interval is that of the jackknife over runs.
+/// The interval is that of the jackknife over runs.
 pub fn ratio(excess: &Excess, interval: f64) -> Interval {
     let n = excess.runs.len() as f64;
     let total = excess
@@ -183,7 +186,7 @@ pub fn ratio(excess: &Excess, interval: f64) -> Interval {
     }
 }
 
-/// The ratio by strong contacts alone, each with its own half wave; `None` where they are few.
+/// The ratio by strong contacts alone, each with its own half wave; `None` if they are few.
 ///
 /// ```text
 /// sum F w y / sum F^2 w^2        its interval from the scatter of contacts
@@ -194,7 +197,7 @@ pub fn ratio_of_strong(
     balance: usize,
     interval: f64,
 ) -> Option<Interval> {
-    let mut contacts: Vec<Has> = Vec::new();
+    let mut contacts: Vec<Amplitudes> = Vec::new();
     for (frame, residual) in frames.iter().zip(residual) {
         let own = frame.contacts.iter();
         for own in own.filter(|own| own.contact.force_n.abs() > STRONG * own.error_n) {
@@ -230,11 +233,13 @@ pub fn ratio_of_strong(
     })
 }
 
-/// How much of the side balance's noise a balance shares, along the runs and apart from contacts. Noise of a slip angle is in both, pushes and
-/// turns like a wall at a lever of its own; which lever goes with how slow it is, so that it is evaluated at the length of contacts:
+/// Regression coefficient of a residual on the lateral one, away from contacts.
+///
+/// Noise of a slip angle enters both, like a contact with a lever of its own. As this lever depends
+/// on frequency, it is evaluated at the length of contacts:
 ///
 /// ```text
-/// sum Y X / sum X^2,   X = sum w x,  Y = sum w y  over half waves w side by side
+/// sum Y X / sum X^2,   X = sum w x,  Y = sum w y  over consecutive half waves w
 /// ```
 pub fn shared_with_side(frames: &[Frame], residual: &[ChannelRows], balance: usize) -> f64 {
     let own = || frames.iter().flat_map(|f| &f.contacts);
@@ -266,8 +271,8 @@ pub fn shared_with_side(frames: &[Frame], residual: &[ChannelRows], balance: usi
     if squares > 0.0 { both / squares } else { 0.0 }
 }
 
-/// The yaw balance without what noise of the side balance has in it.
-pub fn apart_from_side(residual: &[ChannelRows], shared_m: f64) -> Vec<Vec<f64>> {
+/// The yaw residual without the noise that it shares with the lateral one.
+pub fn subtract_side_noise(residual: &[ChannelRows], shared_m: f64) -> Vec<Vec<f64>> {
     let apart = |l: &ChannelRows| {
         let both = l[2].iter().zip(&l[1]);
         both.map(|(y, x)| y - shared_m * x).collect()
@@ -275,8 +280,9 @@ pub fn apart_from_side(residual: &[ChannelRows], shared_m: f64) -> Vec<Vec<f64>>
     residual.iter().map(apart).collect()
 }
 
-/// p-value of what the yaw balance ([`apart_from_side`]) shows beneath the contacts, all with one lever, against the same half waves of the same run put elsewhere
-/// on its way, where it has no contact: with the half wave w of a contact, F its force and y the balance, of
+/// p-value of the yaw residual ([`subtract_side_noise`]) at the contacts, with one lever for all,
+/// against the same half waves moved elsewhere in the same run where it has no contact. With the
+/// half wave w of a contact, F its force and y the residual, of
 ///
 /// ```text
 /// (sum F w y)^2 / sum F^2 w^2
@@ -321,7 +327,7 @@ pub fn seen_by_yaw(frames: &[Frame], yaw: &[Vec<f64>], trials: u64, seed: u64) -
         for (frame, yaw) in each() {
             for k in 0..frame.contacts.len() {
                 let c = frame.contacts[k].contact;
-                // A few draws find a stretch that is free; the last one is taken as it is.
+                // A few draws find a free interval; the last one is used in any case.
                 let mut by_m = 0.0;
                 for _ in 0..20 {
                     by_m = frame.s[below(&mut rng, frame.len())] - c.s_m;
@@ -348,7 +354,7 @@ mod tests {
     use super::*;
     use crate::null::random::{normal, stream};
 
-    /// Twelve runs of which every other one hits, with a lever of 0.3 m, with noise of which the yaw balance shares a lever of -0.3 m.
+    /// Twelve runs; every other one hits with a lever of 0.3 m. The yaw noise has -0.3 m.
     fn drawn(draw: u64) -> Excess {
         let mut rng = stream(4, 0x1E7E, draw);
         let mut of_run = |k: usize| {
@@ -365,11 +371,11 @@ mod tests {
     }
 
     #[test]
-    fn a_lever_is_that_of_the_hits_and_not_of_the_noise_beside_them() {
+    fn noise_does_not_bias_the_lever_of_hits() {
         let each: Vec<Interval> = (0..400).map(|draw| ratio(&drawn(draw), 1.96)).collect();
         let middle = each.iter().map(|i| i.value).sum::<f64>() / 400.0;
         assert!((middle - 0.3).abs() < 0.02, "{middle}");
-        let holds = each.iter().filter(|i| i.low < 0.3 && 0.3 < i.high);
-        assert!(holds.count() >= 350);
+        let covered = each.iter().filter(|i| i.low < 0.3 && 0.3 < i.high);
+        assert!(covered.count() >= 350);
     }
 }

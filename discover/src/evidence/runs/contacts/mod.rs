@@ -1,17 +1,17 @@
-//! Contacts with walls that differ from run to run: hit or missed, harder or softer.
+//! Contacts with walls that differ from run to run.
 
 pub(crate) mod find;
 pub(crate) mod found;
 pub(crate) mod grip;
 pub(crate) mod hit;
 pub(crate) mod levers;
+pub(crate) mod likelihood;
 pub(crate) mod model;
 pub(crate) mod of_run;
 pub(crate) mod own;
-pub(crate) mod promise;
 mod pushes;
 pub(crate) mod report;
 pub(crate) mod selection;
 
-/// Fewest runs that hit a place: one that a single run hits is none of the track.
+/// Fewest runs that hit a place: a contact of a single run is not a property of the track.
 const FEWEST_HITS: usize = 2;

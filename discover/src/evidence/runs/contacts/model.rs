@@ -9,18 +9,18 @@ use crate::finding::Interval;
 /// Contacts at places of tracks, one effect.
 #[derive(Clone, Debug)]
 pub struct Contacts {
-    /// The step that they were selected by; `None` where the given model has them.
+    /// The step that selected them; `None` for the given model.
     pub step: Option<usize>,
-    /// Their places, each as the effect that the model states: mean and spread of the force over runs.
+    /// Their places as effects, with mean and standard deviation of the force over runs.
     pub places: Vec<Active>,
-    /// How far before the centre of gravity the wall pushes \[m\].
+    /// Distance of the contact in front of the centre of gravity \[m\].
     pub lever_m: Interval,
     /// Friction of the bumper.
     pub friction: Interval,
 }
 
 impl Contacts {
-    /// Those of a given model: its effects that vary from run to run, which are taken out of `active`.
+    /// Takes the contacts of a given model, which vary from run to run, out of `active`.
     pub fn given(active: &mut Vec<Active>) -> Option<Self> {
         let places: Vec<Active> = active.extract_if(.., |e| e.varies()).collect();
         (!places.is_empty()).then(|| Self {

@@ -7,7 +7,6 @@ use kufe_sled::WallContact;
 pub struct OwnContact {
     /// Index of the place.
     pub place: usize,
-    /// Stretch and force.
     pub contact: WallContact,
     /// Standard error of the force \[N\].
     pub error_n: f64,

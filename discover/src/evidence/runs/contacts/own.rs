@@ -1,4 +1,5 @@
-//! Each run's own contacts, set by its side balance alone; what the runs say beneath them is no evidence of anything else.
+//! Contacts of each run, estimated from its lateral residual alone. Samples during contacts are no
+//! evidence of other effects.
 
 use std::borrow::Cow;
 
@@ -10,10 +11,10 @@ use crate::evidence::runs::contacts::of_run::OwnContact;
 use crate::evidence::runs::model::residual_model::{ChannelRows, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// How far outside a contact its run says nothing of anything else \[m\].
+/// Margin around a contact within which samples are excluded \[m\].
 const MARGIN_M: f64 = 2.0;
 
-/// What the balances leave of each run at every retained sample, without contacts.
+/// Residuals of the balances at every retained sample, without contacts.
 pub fn residuals_without(model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows> {
     let bare = ResidualModel {
         contacts: None,
@@ -22,7 +23,7 @@ pub fn residuals_without(model: &ResidualModel, frames: &[Frame]) -> Vec<Channel
     frames.par_iter().map(|frame| bare.raw(frame)).collect()
 }
 
-/// What pushed a run at these places, by the place.
+/// Contacts of a run at these places, by place.
 fn pushes_of(frame: &Frame, side_n: &[f64], places: &[Active]) -> Vec<(usize, Push)> {
     let samples: Vec<usize> = frame.samples().collect();
     let [s, y] =
@@ -39,7 +40,7 @@ fn pushes_of(frame: &Frame, side_n: &[f64], places: &[Active]) -> Vec<(usize, Pu
         .collect()
 }
 
-/// The contacts of a run at these places, each to the side that its place pushes to.
+/// The contacts of a run at these places, each on the side of its place.
 pub fn own_contacts(frame: &Frame, side_n: &[f64], places: &[Active]) -> Vec<OwnContact> {
     let hits = pushes_of(frame, side_n, places);
     let hits = hits.into_iter().filter(|(_, push)| push.is_hit);
@@ -51,7 +52,7 @@ pub fn own_contacts(frame: &Frame, side_n: &[f64], places: &[Active]) -> Vec<Own
     .collect()
 }
 
-/// Sets the contacts of a run at these places; what pushed it far harder there is marked as a push of its own.
+/// Sets the contacts of a run at these places; a far harder push is marked as the run's own.
 pub fn set_own_of(frame: &mut Frame, side_n: &[f64], places: &[Active]) {
     for (_, push) in pushes_of(frame, side_n, places) {
         let c = &push.contact;
@@ -63,14 +64,14 @@ pub fn set_own_of(frame: &mut Frame, side_n: &[f64], places: &[Active]) {
     frame.contacts = own_contacts(frame, side_n, places);
 }
 
-/// Sets the contacts of every run at these places, each by its own side balance.
+/// Sets the contacts of every run at these places, each from its own lateral residual.
 pub fn set_own(frames: &mut [Frame], model: &ResidualModel, places: &[Active]) {
     let residual = residuals_without(model, frames);
     let both = frames.par_iter_mut().zip(&residual);
     both.for_each(|(frame, residual)| set_own_of(frame, &residual[1], places));
 }
 
-/// Whether a place of a run lies beneath one of its contacts.
+/// Whether a place of a run is during one of its contacts.
 pub fn beneath(frame: &Frame, s: f64) -> bool {
     frame.contacts.iter().any(|own| {
         let c = &own.contact;
@@ -78,18 +79,18 @@ pub fn beneath(frame: &Frame, s: f64) -> bool {
     })
 }
 
-/// Rows of a run that lie beneath its contacts.
+/// Rows of a run during its contacts.
 pub fn rows_beneath(frame: &Frame) -> Vec<bool> {
     let s = frame.rows(&frame.s);
     s.iter().map(|s| beneath(frame, *s)).collect()
 }
 
-/// The run without what it says beneath its contacts and where something pushed it alone: as next to a gap, no row is made of it.
+/// The run without its contacts and its own pushes: no row is made of these samples.
 pub fn without_contacts(frame: &Frame) -> Frame {
     without(frame, |s| pushed(frame, s) || beneath(frame, s))
 }
 
-/// The run without what it says where something pushed it alone.
+/// The run without the samples at which it alone was pushed.
 pub fn without_pushes(frame: &Frame) -> Cow<'_, Frame> {
     match frame.pushed.is_empty() {
         true => Cow::Borrowed(frame),
@@ -102,7 +103,7 @@ fn pushed(frame: &Frame, s: f64) -> bool {
     stretches.any(|[from, to]| (*from..=*to).contains(&s))
 }
 
-/// The run without the places that are out.
+/// The run without the excluded places.
 fn without(frame: &Frame, out: impl Fn(f64) -> bool) -> Frame {
     let mut reduced = frame.clone();
     for (part, s) in reduced.taking_part.iter_mut().zip(&frame.s) {

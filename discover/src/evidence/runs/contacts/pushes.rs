@@ -1,4 +1,4 @@
-//! Where something pushed a single run, at a place that others pass: no evidence of anything that repeats.
+//! Pushes of a single run at a place that others pass: they do not repeat and are no evidence.
 
 use kufe_sled::effects::Effect;
 use rayon::prelude::*;
@@ -13,28 +13,34 @@ use crate::evidence::runs::recordings::frame::Frame;
 
 /// A push of one run.
 struct Push {
-    /// Which of the runs.
     run: usize,
     stretch: Stretch,
     force_n: f64,
 }
 
 impl Campaign<'_> {
-    /// Marks where something pushed a single run that no other run meets, and where no contacts can be selected up to half of the runs of a
-    /// track. What training runs say there is omitted; their names with the place are returned. Of the held-out runs, seen with
-    /// these, nothing there judges a model, however many of them are pushed: nothing was learned of it.
+    /// Marks pushes that no other run shares, and without selectable contacts those of up to half
+    /// of the runs of a track.
+    ///
+    /// Training samples there are excluded; the names of the runs with the places are returned.
+    /// Pushes of held-out runs, detected together with these, do not count in any comparison.
     pub fn mark_pushes(&mut self, model: &ResidualModel) -> Vec<String> {
         let Some(effect) = wall().filter(|_| self.used[1] && self.used[2] && !self.data.segmented)
         else {
             return Vec::new();
         };
-        let claimable = self.contacts_beside(model).is_some();
+        let is_selectable = self.find_contacts(model).is_some();
         let learned = self.whole().len();
         let all: Vec<Frame> = self.whole().iter().chain(&self.held_out).cloned().collect();
         let residual = residuals_without(model, &all);
         let side: Vec<Vec<f64>> = residual.iter().map(|l| l[1].clone()).collect();
         let pushes = |seen: usize| -> Vec<Push> {
-            self.pushes(effect, (&all[..seen], &side[..seen]), learned, claimable)
+            self.pushes(
+                effect,
+                (&all[..seen], &side[..seen]),
+                learned,
+                is_selectable,
+            )
         };
         let of_training = pushes(learned);
         for push in pushes(all.len()) {
@@ -66,14 +72,14 @@ impl Campaign<'_> {
         descriptions
     }
 
-    /// The pushes among these runs that so few of the first `learned` ones meet that nothing is learned of them, `side` being what the side
-    /// balance leaves of each at every retained sample.
+    /// The pushes that too few of the first `learned` runs share to be learned from. `side` is the
+    /// lateral residual of each run at every retained sample.
     fn pushes(
         &self,
         effect: &'static Effect,
         (frames, side): (&[Frame], &[Vec<f64>]),
         learned: usize,
-        claimable: bool,
+        is_selectable: bool,
     ) -> Vec<Push> {
         let rules = self.options.rules.runs.contacts;
         let mut pushes = Vec::new();
@@ -88,7 +94,11 @@ impl Campaign<'_> {
             let hit: Vec<usize> = (0..own.len()).filter(|i| !own[*i].is_empty()).collect();
             let on = |f: &&Frame| f.track == stretch.track;
             let runs = frames[..learned].iter().filter(on).count();
-            let most = if claimable { FEWEST_HITS - 1 } else { runs / 2 };
+            let most = if is_selectable {
+                FEWEST_HITS - 1
+            } else {
+                runs / 2
+            };
             let few = hit.iter().filter(|run| **run < learned).count() <= most;
             pushes.extend(hit.into_iter().filter(|_| few).map(|run| Push {
                 run,

@@ -1,4 +1,4 @@
-//! What a report tells of contacts: each place, each run, each driver.
+//! Report of contacts by place, run and driver.
 
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::contacts::model::Contacts;
@@ -7,7 +7,7 @@ use crate::finding::{
     ContactPlace, DriverContacts, Fitted, Picture, Plot, RunContact, Scatter, Series, Step,
 };
 
-/// Fewest contacts that a picture is made of.
+/// Fewest contacts of a picture.
 const FEWEST: usize = 3;
 
 impl Campaign<'_> {
@@ -32,7 +32,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// Places with the contacts of all runs, those that are held out too, put to their step.
+    /// Adds the places with the contacts of all runs, held-out ones included, to their step.
     pub fn describe_contacts(&self, last: &RunFit, steps: &mut [Step]) {
         let Some(contacts) = &last.residual_model.contacts else {
             return;
@@ -44,7 +44,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// A picture a track: the force of every contact over where it was.
+    /// One picture per track: the force of every contact over distance.
     pub fn contact_pictures(&self, last: &RunFit) -> Vec<Picture> {
         let Some(contacts) = &last.residual_model.contacts else {
             return Vec::new();
@@ -62,7 +62,7 @@ impl Campaign<'_> {
             own.sort_by(|a, b| (a.from_m + a.to_m).total_cmp(&(b.from_m + b.to_m)));
             (own.len() >= FEWEST).then(|| Picture {
                 title: format!("wall-contact by run on track {track}"),
-                caption: "The force of every contact, as the side balance of its own run shows it. Bars are its standard error, where they are longer than the dot.".to_owned(),
+                caption: "The force of every contact, estimated from the side balance of its own run. Bars are standard errors where they exceed the dot.".to_owned(),
                 plot: Plot::Scatter(Scatter {
                     label: format!("force of each run's contacts on track {track}"),
                     x_name: "distance along the track [m]".to_owned(),
@@ -130,7 +130,7 @@ fn contact_places(contacts: &Contacts, frames: &[&Frame]) -> Vec<ContactPlace> {
     contacts.places.iter().enumerate().map(place).collect()
 }
 
-/// Of the runs that hit; 0 of none.
+/// Mean and standard deviation over the runs that hit; 0 without any.
 fn mean_and_spread(own: &[&RunContact]) -> [f64; 2] {
     let n = own.len() as f64;
     if own.is_empty() {

@@ -1,4 +1,4 @@
-//! Selection of wall contacts: by how the runs of a track differ aside, judged by how they turn.
+//! Selection of wall contacts: found by lateral differences of runs, tested by their yaw residuals.
 
 use kufe_sled::effects::{Active, Kind, Level};
 
@@ -6,11 +6,11 @@ use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, RunFit, gap_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::contacts::FEWEST_HITS;
-use crate::evidence::runs::contacts::found::Found;
-use crate::evidence::runs::contacts::grip::apart_from_grip;
+use crate::evidence::runs::contacts::found::FoundContacts;
+use crate::evidence::runs::contacts::grip::subtract_grip;
 use crate::evidence::runs::contacts::hit::hit;
 use crate::evidence::runs::contacts::levers::{
-    apart_from_side, excess, ratio, ratio_of_strong, seen_by_yaw, shared_with_side,
+    excess, ratio, ratio_of_strong, seen_by_yaw, shared_with_side, subtract_side_noise,
 };
 use crate::evidence::runs::contacts::model::{Contacts, wall};
 use crate::evidence::runs::contacts::own::{
@@ -21,14 +21,14 @@ use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{Added, Randomised, Selection};
+use crate::procedure::evidence::{ExtendedFit, Randomised, Selection};
 
-/// Displacements of the contacts that the yaw balance is compared with.
+/// Random displacements of the contacts for the null distribution of the yaw residual.
 const TRIALS: u64 = 999;
 
 impl Campaign<'_> {
-    /// The contacts that the training runs show with a model.
-    pub fn contacts_beside(&self, model: &ResidualModel) -> Option<Found> {
+    /// The contacts of the training runs given a model.
+    pub fn find_contacts(&self, model: &ResidualModel) -> Option<FoundContacts> {
         let lateral = self.used[1] && self.used[2];
         if !lateral || model.contacts.is_some() || self.data.segmented {
             return None;
@@ -37,13 +37,14 @@ impl Campaign<'_> {
         let whole = self.whole();
         let as_it_is = residuals_without(model, whole);
         let mut residual = as_it_is.clone();
-        apart_from_grip(model, whole, &mut residual);
+        subtract_grip(model, whole, &mut residual);
         let side: Vec<Vec<f64>> = residual.iter().map(|l| l[1].clone()).collect();
         let rules = &self.options.rules.runs;
         let hit = hit(effect, whole, &side, &rules.contacts, self.options.seed)?;
         let (mut places, mut frames) = (hit.places, hit.frames);
-        // Where the places are shows apart from grip; how hard they are hit is what the balance leaves, as in runs that did not set them.
-        // A place that no runs hit then is none: it has neither a force nor a stretch.
+        // Places are found after removal of grip variation. Forces are estimated from the full
+        // residual, as in the held-out runs. A place without hits then has neither a force nor an
+        // interval and is dropped.
         loop {
             for (frame, residual) in frames.iter_mut().zip(&as_it_is) {
                 set_own_of(frame, &residual[1], &places);
@@ -75,9 +76,9 @@ impl Campaign<'_> {
         let sled = &model.vehicle.sled;
         let inside = rules.contacts.inside;
         let inside = -inside * sled.l_r_m..inside * sled.l_f_m;
-        let yaw = apart_from_side(&residual, shared_m);
+        let yaw = subtract_side_noise(&residual, shared_m);
         let by_yaw = seen_by_yaw(&frames, &yaw, TRIALS, self.options.seed);
-        let p_value = of_both(hit.p_value, by_yaw);
+        let p_value = combined_p_value(hit.p_value, by_yaw);
         if !inside.contains(&lever_m.value)
             || hit.p_value > rules.contacts.met_by_chance
             || p_value > rules.contacts.alpha
@@ -99,7 +100,7 @@ impl Campaign<'_> {
             friction,
         };
         let gain = self.side_gain(model, &contacts, &frames);
-        Some(Found {
+        Some(FoundContacts {
             contacts,
             frames,
             p_value,
@@ -107,7 +108,7 @@ impl Campaign<'_> {
         })
     }
 
-    /// The training runs with all that they say.
+    /// The training runs with all samples.
     pub fn whole(&self) -> &[Frame] {
         match self.whole.is_empty() {
             true => &self.training,
@@ -115,7 +116,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// What contacts take of the side balance's squares, in units of its variance.
+    /// Reduction of the lateral sum of squares by contacts, in units of its variance.
     fn side_gain(&self, model: &ResidualModel, contacts: &Contacts, frames: &[Frame]) -> f64 {
         let with = ResidualModel {
             contacts: Some(contacts.clone()),
@@ -130,8 +131,8 @@ impl Campaign<'_> {
         (before - after) * n as f64 / before.max(1e-300)
     }
 
-    /// The selected effect of contacts that were found.
-    pub fn claim_contacts(&self, found: &Found) -> Option<Selection<Amplitude>> {
+    /// Contacts as a selected effect.
+    pub fn select_contacts(&self, found: &FoundContacts) -> Option<Selection<Amplitude>> {
         let place = found.contacts.places.first()?;
         let Kind::Catalogue(effect) = &place.kind else {
             return None;
@@ -162,21 +163,19 @@ impl Campaign<'_> {
             rivals: Vec::new(),
             p_value: found.p_value,
             randomised: Randomised::default(),
-            place: told_places(&found.contacts),
+            place: places_in_words(&found.contacts),
             channel: CHANNEL_NAMES[yaw],
             remark: None,
             parameters: Vec::new(),
         })
     }
 
-    /// Base and effects fitted to what the runs say apart from their contacts, the installation found anew; then the contacts with it.
-    ///
-    /// # Errors
-    /// Those of the fit.
+    /// Fits base and effects without the samples during contacts, with new installation errors;
+    /// then the contacts given these.
     pub fn add_contacts(
         &mut self,
         fit: &RunFit,
-        found: Found,
+        found: FoundContacts,
         step: usize,
     ) -> Result<RunFit, Error> {
         self.whole = found.frames;
@@ -186,9 +185,9 @@ impl Campaign<'_> {
             ..fit.residual_model.clone()
         };
         let base = self.fitted(&bare, fit.owners.clone())?;
-        // The base was bent by what it represented; places show better with one that is not, unless so much differs there that a whole
-        // track is given up.
-        let again = self.contacts_beside(&base.residual_model);
+        // The first base was biased by the contacts; places are found again with an unbiased one,
+        // unless so many runs differ that a whole track is excluded.
+        let again = self.find_contacts(&base.residual_model);
         let again = again.filter(|again| again.gain > 0.5 * found.gain);
         let mut contacts = found.contacts;
         if let Some(again) = again {
@@ -205,27 +204,24 @@ impl Campaign<'_> {
         Ok(fit)
     }
 
-    /// The fit with contacts, and what the balance about the vertical leaves before and after.
-    ///
-    /// # Errors
-    /// Those of the fit.
+    /// The fit with contacts, and the root mean square of the yaw residual before and after.
     pub fn added_contacts(
         &mut self,
         fit: &RunFit,
-        found: Found,
+        found: FoundContacts,
         step: usize,
-    ) -> Result<Added<RunFit>, Error> {
+    ) -> Result<ExtendedFit<RunFit>, Error> {
         let next = self.add_contacts(fit, found, step)?;
         let gap = |model: &ResidualModel| gap_of(model, self.whole(), 2);
-        Ok(Added {
+        Ok(ExtendedFit {
             gap: [gap(&fit.residual_model), gap(&next.residual_model)],
-            place: next.residual_model.contacts.as_ref().map(told_places),
+            place: next.residual_model.contacts.as_ref().map(places_in_words),
             fit: next,
             written: true,
         })
     }
 
-    /// Takes up the contacts of the model as it is given: every run has its own.
+    /// Takes over the contacts of the given model; every run has its own.
     pub fn given_contacts(&mut self, contacts: Contacts) {
         set_own(&mut self.training, &self.given, &contacts.places);
         self.whole.clone_from(&self.training);
@@ -235,15 +231,16 @@ impl Campaign<'_> {
     }
 }
 
-/// The p-value of two independent ones: `p q (1 - ln(p q))`.
+/// Combined p-value of two independent ones: `p q (1 - ln(p q))`.
 ///
 /// Source: R. A. Fisher, Statistical Methods for Research Workers, 4th ed. (1932), section 21.1.
-fn of_both(p: f64, q: f64) -> f64 {
+fn combined_p_value(p: f64, q: f64) -> f64 {
     let product = (p * q).max(f64::MIN_POSITIVE);
     product * (1.0 - product.ln())
 }
 
-/// States a place by what the runs on its track met there: mean and spread over all of them, the middle stretch of those that hit.
+/// Parameters of a place: mean and standard deviation of the force over all runs of its track, the
+/// median interval of the hits.
 fn stated(
     place: &mut Active,
     k: usize,
@@ -277,7 +274,7 @@ fn stated(
 }
 
 /// The places in words.
-pub fn told_places(contacts: &Contacts) -> String {
+pub fn places_in_words(contacts: &Contacts) -> String {
     let names = contacts.places.iter().map(|place| {
         let v = &place.values;
         let track = place.track.as_deref().unwrap_or("every track");

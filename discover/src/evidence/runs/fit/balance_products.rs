@@ -1,4 +1,4 @@
-//! Products of the fitted columns within each balance and between balances, from which any weighting of them follows.
+//! Products of the fitted columns within and between balances, from which any weighting follows.
 
 use nalgebra::{DMatrix, DMatrixView, DVector, Matrix3};
 use rayon::prelude::*;
@@ -8,20 +8,19 @@ use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::regression::gram::squares;
 
-/// Products of all runs' columns, balance by balance.
+/// Products of all runs' columns, by balance.
 pub struct BalanceProducts {
-    /// Blocks of balances, in each the columns, the residual last.
+    /// Blocks of balances, each with its columns and the residual last.
     sum: DMatrix<f64>,
     /// The balance of each block.
     balances: Vec<usize>,
     /// Columns of a block.
     columns: usize,
-    /// Number of rows.
     pub rows: f64,
 }
 
 impl BalanceProducts {
-    /// Of columns in the balances' own units.
+    /// Products of columns in the balances' own units.
     pub fn new(design: &Design, frames: &[Frame]) -> Self {
         let columns = OWN_LEVELS + design.fitted() + 1;
         let balances: Vec<usize> = (0..design.whitener.count())
@@ -51,12 +50,12 @@ impl BalanceProducts {
         }
     }
 
-    /// Whether every product is a number.
+    /// Whether every product is finite.
     pub fn are_finite(&self) -> bool {
         self.sum.iter().all(|x| x.is_finite())
     }
 
-    /// Every two balances with the products of their columns.
+    /// Every pair of balances with the products of their columns.
     fn blocks(&self) -> impl Iterator<Item = ((usize, usize), DMatrixView<'_, f64>)> {
         let m = self.columns;
         let places =
@@ -67,7 +66,6 @@ impl BalanceProducts {
         })
     }
 
-    /// Covariance of the residuals.
     pub fn covariance(&self) -> Matrix3<f64> {
         self.covariance_after(&DVector::zeros(self.columns - 1 - OWN_LEVELS))
     }
@@ -80,7 +78,7 @@ impl BalanceProducts {
         let mut remaining = Matrix3::zeros();
         for (at, block) in self.blocks() {
             let square = along.dot(&(block * &along));
-            // A straight line leaves no less than nothing.
+            // The linear prediction of a variance is bounded below.
             let least = match at.0 == at.1 {
                 true => 1e-9 * block[(self.columns - 1, self.columns - 1)],
                 false => f64::NEG_INFINITY,
@@ -104,7 +102,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn weights_and_steps_give_what_whitened_rows_give() {
+    fn weights_and_steps_agree_with_whitened_rows() {
         let (n, m) = (40, OWN_LEVELS + 3);
         let by_balance = DMatrix::from_fn(n, 2 * m, |i, k| {
             ((i * (3 * k + 2)) as f64 * 0.618).sin() + if k % m == m - 1 { 0.3 } else { 0.0 }

@@ -1,4 +1,4 @@
-//! Fitted parameters with intervals: bias of noisy inputs taken off, errors from the scatter of whole sessions or runs.
+//! Parameter estimates corrected for the bias of noisy inputs, with cluster-robust standard errors.
 
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -18,7 +18,6 @@ use crate::regression::prior::Prior;
 pub struct Estimate {
     /// Value.
     pub value: f64,
-    /// Standard error.
     pub error: f64,
     /// Lower end of the 95 % interval.
     pub low: f64,
@@ -38,7 +37,7 @@ impl Estimate {
         }
     }
 
-    /// What is known where another value is stated in its place: that this is off as well.
+    /// The uncertainty if another value is stated instead: its difference is added.
     pub fn stated_as(&self, value: f64) -> Self {
         let off = value - self.value;
         self.moved(off).with_error(self.error.hypot(off))
@@ -54,21 +53,21 @@ impl Estimate {
     }
 }
 
-/// Estimates of all fitted parameters and the model that holds them.
+/// Estimates of all fitted parameters and the model with these values.
 #[derive(Clone)]
-pub struct Estimated {
-    /// Base parameters (as multipliers), amplitudes, then parts of the installation.
+pub struct FinalEstimates {
+    /// Base parameters (as multipliers), amplitudes, then installation errors.
     pub estimates: Vec<Estimate>,
-    /// The model.
     pub model: ResidualModel,
     /// Covariance of base parameters and amplitudes, in their own units.
     pub covariance: DMatrix<f64>,
 }
 
-impl Estimated {
-    /// The same given that the first parameters, those of the base, are known beforehand: each is 1 with a standard deviation of `sd`.
+impl FinalEstimates {
+    /// The posterior given a normal prior of mean 1 and standard deviation `sd` of the base
+    /// parameters.
     ///
-    /// With x the estimates, V their covariance and B the base's columns, the posterior of normal laws:
+    /// With x the estimates, V their covariance and B the base's columns:
     ///
     /// ```text
     /// K = V_B inv(V_BB + sd^2)      x' = x - K (x_B - 1)      V' = V - K V_B'
@@ -112,32 +111,29 @@ impl Estimated {
     }
 }
 
-/// What is estimated from: a fitted model and the runs that it is fitted to.
+/// A fitted model and its training runs.
 pub struct FittedRows<'a> {
-    /// The model.
     pub residual_model: &'a ResidualModel,
-    /// Its rows' whitening.
     pub whitener: &'a Whitener,
-    /// The runs.
     pub frames: &'a [Frame],
-    /// Base parameters that are fitted.
     pub free: &'a [usize],
-    /// Simulates runs with the model.
     pub simulator: &'a RunSimulator,
 }
 
-/// The first round of twins.
+/// First index of the simulated runs' random streams.
 pub const FIRST_ROUND: u64 = 4_000_037;
 
 /// Estimates of all fitted parameters.
 ///
-/// Newton steps on the corrected scores lead from least squares to the unbiased estimate. With C the corrected products,
-/// errors are the sandwich over sessions (over runs where there are fewer than five), `(R - 1)/R inv(C_JJ) sum_i s_i s_i' inv(C_JJ)`,
-/// `s_i = inv(1 - C_i,JJ inv(C_JJ)) u_i` the corrected score of session i as the fit without it leaves it (the jackknife: R. M. Bell and
-/// D. F. McCaffrey, Survey Methodology 28 (2002) 169), with Student's t of R - 1; `trust` of the way from least squares is added to them. With `settle` false the
-/// values stay at least squares. `pairs` says how many pairs of twins are behind each step: a single one leaves a tenth of what
-/// it takes off in doubt.
-pub fn estimate(rows: &FittedRows, pairs: &[u64], trust: f64, settle: bool) -> Estimated {
+/// Newton steps on the corrected scores lead from least squares to the unbiased estimate. With C
+/// the corrected products, the covariance is the sandwich over sessions (over runs if there are
+/// fewer than five), `(R - 1)/R inv(C_JJ) sum_i s_i s_i' inv(C_JJ)`, where `s_i = inv(1 - C_i,JJ
+/// inv(C_JJ)) u_i` is the corrected score of session i at the fit without it (the jackknife: R. M.
+/// Bell and D. F. McCaffrey, Survey Methodology 28 (2002) 169). Intervals have Student's t of R -
+/// 1; `trust` of the distance from least squares is added to the errors. Without `settle` the
+/// values remain those of least squares. `pairs` are the pairs of simulated runs of each step; a
+/// single one has a Monte Carlo error of a tenth of the correction.
+pub fn estimate(rows: &FittedRows, pairs: &[u64], trust: f64, settle: bool) -> FinalEstimates {
     let FittedRows {
         residual_model,
         whitener,
@@ -231,7 +227,7 @@ pub fn estimate(rows: &FittedRows, pairs: &[u64], trust: f64, settle: bool) -> E
         true => settled,
         false => residual_model.clone(),
     };
-    Estimated {
+    FinalEstimates {
         covariance: DMatrix::from_fn(fitted.len(), fitted.len(), |i, k| {
             let doubt = if i == k {
                 trust * (moved[k] - fitted[k])
@@ -257,7 +253,7 @@ pub fn solve(grams: &[DMatrix<f64>], prior: &Prior) -> (DVector<f64>, DMatrix<f6
     (step, inverse)
 }
 
-/// Sandwich covariance of a step over clusters of runs, with what the prior leaves open.
+/// Sandwich covariance of a step over clusters of runs, with the prior's remaining covariance.
 fn sandwich(
     grams: &[DMatrix<f64>],
     clusters: &[Vec<usize>],
@@ -271,7 +267,7 @@ fn sandwich(
         cluster.iter().for_each(|i| gram += &grams[*i]);
         let own = gram.view((0, 0), (p, p));
         let score = gram.view((0, p), (p, 1)) - own * step;
-        // A cluster without which nothing could be fitted has no score of its own.
+        // A cluster without which the fit is singular has no score of its own.
         let without = DMatrix::identity(p, p) - own * inverse;
         let score = without.lu().solve(&score).unwrap_or(score);
         meat += &score * score.transpose();
@@ -281,9 +277,9 @@ fn sandwich(
     inverse * (meat * ((n - 1.0) / n) + random) * inverse
 }
 
-/// Runs whose errors are independent of other runs': those of a session, where there are enough of them.
+/// Clusters of runs with independent errors: sessions, if there are enough of them.
 fn clusters(frames: &[Frame]) -> Vec<Vec<usize>> {
-    /// Fewest sessions. Derived: with fewer than four degrees of freedom errors from their scatter say next to nothing.
+    /// Fewest sessions. Derived: errors with fewer than four degrees of freedom are too uncertain.
     const FEWEST: usize = 5;
     let sessions = members(frames.iter().map(|frame| frame.session.as_str()));
     match sessions.len() >= FEWEST {
@@ -301,7 +297,7 @@ mod tests {
     use crate::evidence::runs::model::residual_model::BASE;
 
     #[test]
-    fn a_value_that_is_stated_for_another_is_as_unsure_as_that_and_the_way_between_them() {
+    fn a_stated_value_has_the_error_of_the_estimate_and_the_difference() {
         let known = Estimate {
             value: 1.0,
             error: 0.03,
@@ -316,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn a_base_known_beforehand_is_the_posterior_of_normal_laws() {
+    fn a_prior_of_the_base_gives_the_normal_posterior() {
         let vehicle = Vehicle::new(&Model::published()).unwrap();
         let covariance = DMatrix::from_row_slice(2, 2, &[0.25, -0.1, -0.1, 0.09]);
         let estimate = |value: f64, error: f64| Estimate {
@@ -325,7 +321,7 @@ mod tests {
             low: value - 2.0 * error,
             high: value + 2.0 * error,
         };
-        let found = Estimated {
+        let found = FinalEstimates {
             estimates: vec![estimate(2.0, 0.5), estimate(0.4, 0.3)],
             model: ResidualModel::new(vehicle, [1.0; BASE], Effects::default()),
             covariance: covariance.clone(),

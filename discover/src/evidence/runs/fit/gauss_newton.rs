@@ -1,4 +1,4 @@
-//! The base model and its effects, fitted together.
+//! Joint fit of the base model and its effects.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -14,7 +14,6 @@ use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::regression::inverse::ridge_inverse;
 
-/// Residuals of all runs.
 pub fn residuals(residual_model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows> {
     frames
         .par_iter()
@@ -22,16 +21,16 @@ pub fn residuals(residual_model: &ResidualModel, frames: &[Frame]) -> Vec<Channe
         .collect()
 }
 
-/// Residuals of all runs given the discrepancy, as the model estimates it.
+/// Residuals of all runs given the estimated discrepancy.
 pub fn conditional_residuals(model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows> {
     let mut runs = residuals(model, frames);
     for (frame, rows) in frames.iter().zip(&mut runs) {
-        model.discrepancy.take_off(frame, rows);
+        model.discrepancy.subtract(frame, rows);
     }
     runs
 }
 
-/// Which base parameters the data can move: a coefficient whose rows hardly change stays as it is given.
+/// Base parameters with leverage; the others are fixed at their given values.
 pub fn free_base(
     residual_model: &ResidualModel,
     frames: &[Frame],
@@ -47,7 +46,7 @@ pub fn free_base(
         windows: &[],
     };
     let mut norms = [0.0; BASE];
-    // Which parameters have leverage shows in any few runs.
+    // A few runs are enough to determine the leverage.
     for frame in frames.iter().take(6) {
         let columns = design.columns(frame);
         for (b, norm) in norms.iter_mut().enumerate() {
@@ -69,23 +68,22 @@ pub fn free_base(
     free
 }
 
-/// Base and effects as they fit.
+/// A fit of base and effects.
 #[derive(Clone)]
 pub struct Fit {
-    /// The model.
     pub model: ResidualModel,
-    /// Its rows' whitening.
     pub whitener: Whitener,
 }
 
-/// Fits base and effects by Gauss-Newton, the installation as it is, the balances over the covariance S of their own residuals.
+/// Fits base and effects by Gauss-Newton with fixed installation errors, weighting the balances by
+/// the covariance S of their residuals.
 ///
-/// Minimises `n (ln(det S) / 2 - noise)`, noise being [`LogNoise`] of the base from which the fit starts: least squares with the
-/// covariance found along the way. Steps are halved until it falls; amplitudes stay in their bounds. It ends where a step
-/// gains next to nothing.
+/// Minimises `n (ln(det S) / 2 - noise)`, where noise is [`LogNoise`] of the base from which the
+/// fit starts: least squares with an estimated covariance. Steps are halved until the criterion
+/// falls; amplitudes are bounded. Iterations end when a step gains next to nothing.
 ///
 /// # Errors
-/// [`Error::BaseFit`] where a residual is not finite.
+/// [`Error::BaseFit`] if a residual is not finite.
 pub fn fit(
     residual_model: &ResidualModel,
     frames: &[Frame],
@@ -93,7 +91,7 @@ pub fn fit(
     used: [bool; CHANNELS],
 ) -> Result<Fit, Error> {
     const ROUNDS: usize = 14;
-    /// A change of the criterion far inside the noise.
+    /// Tolerance of the criterion, far below its noise.
     const ENOUGH: f64 = 1e-2;
     let plain = Whitener::plain(used);
     let mut best: Option<(f64, Fit, DVector<f64>)> = None;
@@ -139,11 +137,11 @@ pub fn fit(
             }
             let step = joint_step(&products.weighted(&whitener), &counted);
             let after = Whitener::of(&products.covariance_after(&step), used);
-            let promised = products.rows * (after.log_scale() - noise.own) - counted.dot(&step);
+            let predicted = products.rows * (after.log_scale() - noise.own) - counted.dot(&step);
             let model = trial.clone();
             best = Some((criterion, Fit { model, whitener }, step));
             share = 1.0;
-            if gained < ENOUGH || (criterion - promised).abs() < ENOUGH {
+            if gained < ENOUGH || (criterion - predicted).abs() < ENOUGH {
                 break;
             }
         } else {
@@ -159,7 +157,7 @@ pub fn fit(
     Ok(fit)
 }
 
-/// The Gauss-Newton step of base and effects together, with what is added to their scores.
+/// The Gauss-Newton step of base and effects together; `counted` is added to their scores.
 fn joint_step(total: &DMatrix<f64>, counted: &DVector<f64>) -> DVector<f64> {
     let p = counted.len();
     let jj = total.view((OWN_LEVELS, OWN_LEVELS), (p, p)).into_owned();
@@ -167,12 +165,12 @@ fn joint_step(total: &DMatrix<f64>, counted: &DVector<f64>) -> DVector<f64> {
     ridge_inverse(jj) * (jr.column(0) + counted)
 }
 
-/// Factor by which a step moves a multiplier of the base at most: from far away a step of one that these data hardly tell says nothing, and
-/// leads to where they tell nothing of it at all. Chosen.
+/// Largest factor by which a step moves a base multiplier: a long step along a poorly determined
+/// direction leads to where the data do not determine it at all. Chosen.
 const FARTHEST: f64 = 2.0;
 
-/// The model moved by a share of a step: base multipliers, then amplitudes in their units, then what the installation is off
-/// by; all stay in their bounds.
+/// The model moved by a share of a step: base multipliers, amplitudes in their units, then
+/// installation errors; all remain within bounds.
 pub fn stepped(
     residual_model: &ResidualModel,
     free_base: &[usize],

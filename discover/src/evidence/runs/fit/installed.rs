@@ -1,4 +1,4 @@
-//! What the installation is off by, found with a fit: one Newton step of all its parts on corrected scores.
+//! Installation errors: one Newton step of all parts on corrected scores.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -7,7 +7,7 @@ use crate::evidence::runs::campaign::{Campaign, INSTALLATION_PAIRS, RunFit};
 use crate::evidence::runs::fit::estimate::{FIRST_ROUND, solve};
 use crate::evidence::runs::fit::gauss_newton::{residuals, stepped};
 use crate::evidence::runs::fit::noise_products::mean_noise_products;
-use crate::evidence::runs::fit::row_noise::beyond_noise;
+use crate::evidence::runs::fit::row_noise::model_error;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS, Products};
 use crate::evidence::runs::model::discrepancy::Discrepancy;
 use crate::evidence::runs::model::installation::Installation;
@@ -19,19 +19,16 @@ use crate::regression::inverse::ridge_inverse;
 use crate::regression::prior::Prior;
 use crate::regression::scores::cross_information;
 
-/// Products of everything that is fitted, each part of the installation by itself, in its stated deviation.
+/// Products of all fitted columns, with each installation error in its stated standard deviation.
 struct PartProducts {
-    /// Corrected ones of base, amplitudes, parts and residual, by run.
+    /// Corrected products of base, amplitudes, parts and residual, by run.
     by_run: Vec<DMatrix<f64>>,
-    /// Plain ones of the parts given the base; nothing of those that a fitted amplitude is itself.
+    /// Plain products of the parts given the base; 0 for those that equal a fitted amplitude.
     free_products: DMatrix<f64>,
 }
 
 impl Campaign<'_> {
-    /// A model fitted from the given base, with what its installation is off by, its discrepancy, and what its balances leave above noise.
-    ///
-    /// # Errors
-    /// Those of the fit.
+    /// A fit from the given base with new installation errors, discrepancy and model error.
     pub fn fitted_anew(&self, model: &ResidualModel, owners: Vec<usize>) -> Result<RunFit, Error> {
         const ROUND: u64 = 6_500_003;
         let bare = ResidualModel {
@@ -41,33 +38,30 @@ impl Campaign<'_> {
         };
         let mut fit = self.installed(&self.least_squares(&bare, owners)?)?;
         let model = &fit.residual_model;
-        let left = residuals(model, &self.training);
+        let residual = residuals(model, &self.training);
         let by_inputs = self
             .simulator(model)
             .residuals(&self.training, model, ROUND);
         let discrepancy = Discrepancy::estimate(
             &self.training,
-            [&left, &by_inputs],
+            [&residual, &by_inputs],
             &self.used,
             self.rules().discrepancy_m,
         );
         let model = ResidualModel {
             discrepancy,
-            ..model.hold(false)
+            ..model.with_fixed(false)
         };
         fit = self.fitted(&model, fit.owners)?;
-        let beyond_noise = beyond_noise(&fit.residual_model, &self.training);
+        let model_error = model_error(&fit.residual_model, &self.training);
         for model in [&mut fit.residual_model, &mut fit.settled] {
-            model.beyond_noise = beyond_noise;
+            model.model_error = model_error;
         }
         Ok(fit)
     }
 
-    /// A fitted model with what its installation may be off by, as far as the training rows can see it: combinations of which one
-    /// standard deviation moves a statistic by its own or more.
-    ///
-    /// # Errors
-    /// Those of the fit.
+    /// A fitted model with its installation errors, as far as the training rows determine them:
+    /// combinations of which one standard deviation changes a statistic by its own or more.
     pub fn installed(&self, fit: &RunFit) -> Result<RunFit, Error> {
         const LEAST: f64 = 1.0;
         let mut stated = self.stated_installation();
@@ -88,7 +82,7 @@ impl Campaign<'_> {
             installation,
             ..plain.residual_model.clone()
         };
-        let at = start.hold(true);
+        let at = start.with_fixed(true);
         let plain = RunFit {
             settled: at.clone(),
             residual_model: at,
@@ -99,7 +93,7 @@ impl Campaign<'_> {
         if directions.is_empty() {
             return Ok(plain);
         }
-        // From parts to combinations; what comes before and after them stays.
+        // From parts to combinations; the columns before and after them are unchanged.
         let count = installation.parts.len();
         let all = products.by_run.first().map_or(0, DMatrix::ncols);
         let first = all - 1 - count;
@@ -116,21 +110,21 @@ impl Campaign<'_> {
             .iter()
             .map(|c| combined.tr_mul(&(c * &combined)))
             .collect();
-        let start = start.hold(false);
+        let start = start.with_fixed(false);
         let prior = self.fit_design(&start, &plain.whitener).prior();
         let step = solve(&runs, &prior).0;
         self.with_installation(plain, &stepped(&start, &self.free, step.as_slice(), 1.0))
     }
 
-    /// What the tolerances of the model leave open in the training runs.
+    /// Installation errors that the tolerances allow in the training runs.
     pub fn stated_installation(&self) -> Installation {
         let sessions = self.training.iter().map(|frame| frame.session.as_str());
         Installation::new(&self.model.tolerances.unwrap_or_default(), sessions)
     }
 
-    /// Products for a fit whose installation the forces do not determine.
+    /// Products for a fit whose installation errors the forces do not determine.
     fn part_products(&self, plain: &RunFit) -> PartProducts {
-        let model = plain.residual_model.hold(false);
+        let model = plain.residual_model.with_fixed(false);
         let design = self.fit_design(&model, &plain.whitener);
         let products = design.products(&self.training);
         let noise = self.noise_of(&design);
@@ -139,7 +133,7 @@ impl Campaign<'_> {
             let c = &x.full - d;
             c.view((OWN_LEVELS, OWN_LEVELS), (n, n)).into_owned()
         };
-        let mut free_products = beyond_base(&design, &products);
+        let mut free_products = products_given_base(&design, &products);
         let total = corrected_total(&products, &noise);
         for (_, part) in named(&total, self.free.len(), free_products.ncols()) {
             free_products.row_mut(part).fill(0.0);
@@ -151,11 +145,11 @@ impl Campaign<'_> {
         }
     }
 
-    /// Covariance, in the units in which they are fitted, that base and amplitudes have from what no combination of the
-    /// installation's parts holds: an amplitude that does what a part does takes it up, and nothing else tells of that part.
+    /// Covariance of base and amplitudes due to undetermined combinations of installation errors.
     ///
-    /// With J the columns of base and amplitudes, N those of the parts and P the projection on what is not determined,
-    /// `inv(J'J) J'N P N'J inv(J'J)`. What an amplitude is itself is no doubt of it: the scale of a sensor, that is named, is all of it.
+    /// With J the columns of base and amplitudes, N those of the parts and P the projection on the
+    /// undetermined combinations, `inv(J'J) J'N P N'J inv(J'J)`. A part that equals a named
+    /// amplitude, such as the scale of a sensor, does not contribute.
     pub fn undetermined(&self, model: &ResidualModel, whitener: &Whitener) -> DMatrix<f64> {
         let installation = &model.installation;
         let count = installation.parts.len();
@@ -166,15 +160,15 @@ impl Campaign<'_> {
         let design = self.fit_design(&all, whitener);
         let known = design.fitted() - count;
         let products = design.products(&self.training);
-        // As estimates are made, of whole rows: a run's own level is not taken out.
+        // As for the estimates, a run's own level is not taken out.
         let zero = DMatrix::zeros(
             design.fitted() + OWN_LEVELS + 1,
             design.fitted() + OWN_LEVELS + 1,
         );
         let whole = products.iter().fold(zero, |sum, run| sum + &run.full);
         let own = whole.view((OWN_LEVELS, OWN_LEVELS), (known, known));
-        let beside = whole.view((OWN_LEVELS, OWN_LEVELS + known), (known, count));
-        let mut moved = ridge_inverse(own.into_owned()) * beside;
+        let cross = whole.view((OWN_LEVELS, OWN_LEVELS + known), (known, count));
+        let mut moved = ridge_inverse(own.into_owned()) * cross;
         if known > self.free.len() {
             let total = corrected_total(&products, &self.noise_of(&design));
             for (amplitude, part) in named(&total, self.free.len(), count) {
@@ -190,8 +184,9 @@ impl Campaign<'_> {
         &moved * open * moved.transpose()
     }
 
-    /// Products of one standard deviation of every part of a model's installation, given the base, over the rows of these runs.
-    pub fn installation_beyond_base(
+    /// Products of one standard deviation of every installation error in these runs, given the
+    /// base.
+    pub fn installation_given_base(
         &self,
         model: &ResidualModel,
         whitener: &Whitener,
@@ -199,10 +194,10 @@ impl Campaign<'_> {
     ) -> DMatrix<f64> {
         let model = model.without_discrepancy();
         let design = self.fit_design(&model, whitener);
-        beyond_base(&design, &design.products(frames))
+        products_given_base(&design, &design.products(frames))
     }
 
-    /// What noisy inputs add to the products of a design's columns, by run.
+    /// Bias of the products of a design's columns by noisy inputs, by run.
     fn noise_of(&self, design: &Design) -> Vec<DMatrix<f64>> {
         mean_noise_products(
             design,
@@ -212,7 +207,7 @@ impl Campaign<'_> {
         )
     }
 
-    /// The rows' derivatives for what is fitted of a model.
+    /// Derivatives of the rows for the fitted parameters of a model.
     fn fit_design<'d>(
         &'d self,
         residual_model: &'d ResidualModel,
@@ -229,26 +224,27 @@ impl Campaign<'_> {
     }
 }
 
-/// Products of an installation's parts once the base is projected out.
-fn beyond_base(design: &Design, products: &[Products]) -> DMatrix<f64> {
+/// Products of installation errors after projection on the complement of the base.
+fn products_given_base(design: &Design, products: &[Products]) -> DMatrix<f64> {
     let grams: Vec<Gram> = products.iter().map(Products::plain).collect();
     let base = Prior::none(design.fitted() - design.residual_model.installation.fitted());
     // The installation's columns take the place of those of candidates.
     cross_information(&grams, &base)
 }
 
-/// Products of base, amplitudes, parts and residual over all runs, their own levels and what noise adds taken out.
+/// Products of base, amplitudes, parts and residual over all runs, less run levels and noise.
 fn corrected_total(products: &[Products], noise: &[DMatrix<f64>]) -> DMatrix<f64> {
     let both = products.iter().zip(noise);
     let grams = both.map(|(run, noise)| run.corrected(noise, 1.0).g);
     grams.reduce(|sum, gram| sum + gram).unwrap_or_default()
 }
 
-/// Amplitudes, counted with the base before them, that are the same as a part of the installation: once named it is no tolerance, and
-/// what it is shared out between nothing could tell.
+/// Amplitudes, with indices after the base, that equal an installation error: a named effect is not
+/// a tolerance, and the two are not separable.
 fn named(total: &DMatrix<f64>, base: usize, parts: usize) -> Vec<(usize, usize)> {
-    /// Squared cosine from which both are the same, but for what a large one changes in the other: 0.995 of an inertia that is doubled, 0.93 at
-    /// most of others (a scale and a bias of the vertical acceleration). Chosen.
+    /// Squared cosine above which both are the same, allowing for the change by a large effect:
+    /// 0.995 for an inertia that is doubled, 0.93 at most for others (a scale and a bias of the
+    /// vertical acceleration). Chosen.
     const SAME: f64 = 0.97;
     let known = total.ncols().saturating_sub(parts + 1);
     let pairs = (base..known).flat_map(|k| (0..parts).map(move |j| (k, j)));

@@ -1,4 +1,4 @@
-//! What a fitted model leaves of the runs.
+//! Negative log-likelihood of the training runs.
 
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::fit::gauss_newton::residuals;
@@ -7,8 +7,8 @@ use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::model::whiten::Whitener;
 
 impl Campaign<'_> {
-    /// The negative log-likelihood of the training runs with a model, the discrepancy integrated out, but for a constant and what its
-    /// installation costs.
+    /// The negative log-likelihood of the training runs with a model, up to a constant and without
+    /// the prior of installation errors; the discrepancy is integrated out.
     pub fn misfit(&self, model: &ResidualModel, whitener: &Whitener) -> f64 {
         let all = residuals(model, &self.training);
         let white: Vec<Vec<f64>> = all.iter().map(|rows| whitener.apply(rows)).collect();
@@ -21,15 +21,15 @@ impl Campaign<'_> {
         runs.sum::<f64>() - explained
     }
 
-    /// By how much the negative log posterior is lower with the second fit than with the first.
+    /// Decrease of the negative log posterior from the first fit to the second.
     pub fn gained(&self, from: &RunFit, to: &RunFit) -> f64 {
         let [a, b] = [&from.residual_model, &to.residual_model];
-        // With a large effect both leave as little as the one that has it.
-        let beyond_noise = std::array::from_fn(|c| a.beyond_noise[c].min(b.beyond_noise[c]));
+        // With a large effect, the noise of the better model applies to both.
+        let model_error = std::array::from_fn(|c| a.model_error[c].min(b.model_error[c]));
         let discrepancy = a.discrepancy.least(&b.discrepancy);
         let [before, after] = [from, to].map(|fit| {
             let model = ResidualModel {
-                beyond_noise,
+                model_error,
                 discrepancy: discrepancy.clone(),
                 ..fit.residual_model.clone()
             };

@@ -1,4 +1,4 @@
-//! Base and effects fitted together, with what noisy inputs add taken off.
+//! Joint fit of base and effects, corrected for noisy inputs.
 
 mod balance_products;
 pub(crate) mod estimate;

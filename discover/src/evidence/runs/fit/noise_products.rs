@@ -1,14 +1,16 @@
-//! Products of columns, freed of what noisy inputs add to them: corrected scores.
+//! Corrected scores: products of columns, less the bias by noisy inputs.
 //!
-//! With columns x + e, e the noise of the inputs, products of columns and residuals hold E[e e'] in addition to what they would be
-//! without noise: slopes come out too small, and what one channel misses another seems to show. Pairs of twins of opposite
-//! noise measure E[e e'] at the fitted model; taken off, the normal equations are unbiased to second order in the noise.
+//! With columns x + e, e the noise of the inputs, products of columns and residuals contain E[e
+//! e']. Slopes are attenuated, and an effect in one channel leaks into others. Pairs of simulated
+//! runs of opposite noise measure E[e e'] at the fitted model. With it subtracted, the normal
+//! equations are unbiased to second order in the noise.
 //!
 //! ```text
 //! D_i = (X_i(+e)'X_i(+e) + X_i(-e)'X_i(-e))/2 - X_i(0)'X_i(0)        C_i = X_i'X_i - D_i
 //! ```
 //!
-//! Source: T. Nakamura, Corrected score function for errors-in-variables models, Biometrika 77 (1990) 127.
+//! Source: T. Nakamura, Corrected score function for errors-in-variables models, Biometrika 77
+//! (1990) 127.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -19,9 +21,11 @@ use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::regression::gram::squares;
 
-/// D_i of every run, local candidates last, from one pair of twins of a third of it, scaled to the whole.
+/// D_i of every run, local candidates last, from one pair of simulated runs of a third of it,
+/// scaled to the whole.
 ///
-/// Within a run a pair leaves an error of some tens of per cent of D_i, over all runs of a few per cent.
+/// The Monte Carlo error of a pair is some tens of per cent of D_i within a run and a few per cent
+/// over all runs.
 pub fn noise_products(
     design: &Design,
     frames: &[Frame],
@@ -48,7 +52,7 @@ pub fn noise_products(
         .collect()
 }
 
-/// The mean of [`noise_products`] over several pairs of twins.
+/// The mean of [`noise_products`] over several pairs.
 pub fn mean_noise_products(
     design: &Design,
     frames: &[Frame],

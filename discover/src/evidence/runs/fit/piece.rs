@@ -1,14 +1,14 @@
-//! A piece of a run that represents it where noise is simulated.
+//! A representative piece of a run for simulations of noise.
 
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::null::random::{below, stream};
 
-/// The piece of the `i`-th run that represents it: a third of it, or so many seconds.
+/// A piece of the `i`-th run: a third of it, or at least `shortest_s`.
 pub fn piece(frame: &Frame, shortest_s: f64, round: u64, i: usize) -> Frame {
     piece_of(frame, 1.0 / 3.0, shortest_s, round, i)
 }
 
-/// The same of a share of the run, or so many seconds.
+/// A piece of a share of the run, or at least `shortest_s`.
 pub fn piece_of(frame: &Frame, share: f64, shortest_s: f64, round: u64, i: usize) -> Frame {
     let n = frame.len();
     let span = frame.t[n - 1] - frame.t[0];
@@ -16,7 +16,7 @@ pub fn piece_of(frame: &Frame, share: f64, shortest_s: f64, round: u64, i: usize
     let length = wanted.clamp(1, n);
     let from = below(&mut stream(round, 0x91EC, i as u64), n - length + 1);
     match frame.piece(from, from + length) {
-        // All of it lies in a gap.
+        // The piece lies within a gap.
         piece if piece.row_count() == 0 => frame.clone(),
         piece => piece,
     }

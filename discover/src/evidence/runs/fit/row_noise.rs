@@ -1,19 +1,22 @@
-//! What the sensors' noise makes of a balance's residual by a model: one that counts less of what is noisy leaves less, and explains
-//! nothing by it.
+//! Covariance of the residuals due to sensor noise.
 //!
-//! The true motion is unknown, and noise of known deviations lies in the accelerations a as in what the forces are made of. With v the
-//! covariance that it gives the residuals r of the balances by this model, and b what the model does not contain of each acceleration itself, the
-//! criterion of a fit is that of r over the covariance to expect, whose size is free:
+//! A model that gives less weight to noisy terms has smaller residuals without explaining anything.
+//! The criterion of a fit is therefore relative to the covariance expected of noise. With V the
+//! covariance of the residuals r of the balances due to noise of the accelerations a and of the
+//! inputs of the forces, and b the model error as a variance of each acceleration, it is, up to
+//! scale,
 //!
 //! ```text
 //! n (ln det S - ln det(V + diag(b (dr/da)^2))) / 2,   S = r r' / n
 //! ```
 //!
-//! Half masses, forces and inertias leave half the residual, and half of what is to be expected. V is found from a piece of each run with
-//! noise of both signs upon it, the same for every model; b once, from what the base leaves.
+//! Halving masses, forces and inertias halves both the residual and its expected size. V is found
+//! from a piece of each run with noise of both signs, the same for every model; b once, from the
+//! residuals of the base.
 //!
-//! Source: R. J. Carroll, D. Ruppert, L. A. Stefanski, C. M. Crainiceanu, Measurement Error in Nonlinear Models (2006), section 3.4, where
-//! b is the error in the equation; A. Zellner, An efficient method of estimating seemingly unrelated regressions, Journal of the American
+//! Source: R. J. Carroll, D. Ruppert, L. A. Stefanski, C. M. Crainiceanu, Measurement Error in
+//! Nonlinear Models (2006), section 3.4, where b is the error in the equation; A. Zellner, An
+//! efficient method of estimating seemingly unrelated regressions, Journal of the American
 //! Statistical Association 57 (1962) 348, for balances that share their noise.
 
 use nalgebra::Matrix3;
@@ -26,17 +29,16 @@ use crate::evidence::runs::model::residual_model::{
 use crate::evidence::runs::model::whiten::{Whitener, covariance};
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// Mean over the runs of `ln det(V + diag(b (dr/da)^2)) / 2` of the balances in use, and how it changes with what is fitted.
+/// Mean of `ln det(V + diag(b (dr/da)^2)) / 2` over the runs, and its derivatives.
 #[derive(Default)]
 pub struct LogNoise {
-    /// By this model.
+    /// Value for this model.
     pub own: f64,
-    /// By each fitted amplitude of the model's effects, in the unit in which it is fitted.
+    /// Derivative by each fitted amplitude, in the unit in which it is fitted.
     pub by_amplitudes: Vec<f64>,
 }
 
 impl LogNoise {
-    /// Of a model.
     pub fn new(model: &ResidualModel, frames: &[Frame], used: [bool; CHANNELS]) -> Self {
         let free = model.free();
         let moved: Vec<ResidualModel> = free
@@ -55,7 +57,7 @@ impl LogNoise {
         };
         let each: Vec<Vec<f64>> = frames.par_iter().map(of_run).collect();
         let rows: usize = frames.iter().map(Frame::row_count).sum();
-        // One run after the other, so that a sum does not depend on the threads.
+        // Sequential, so that the sum does not depend on the threads.
         let mean = |k: usize| each.iter().map(|run| run[k]).sum::<f64>() / rows.max(1) as f64;
         let own = mean(0);
         let slope = |k: usize| (mean(k) - own) / STEP;
@@ -66,7 +68,7 @@ impl LogNoise {
     }
 }
 
-/// What a parameter is moved by, in the unit in which it is fitted.
+/// Step of the differences, in the unit in which a parameter is fitted.
 const STEP: f64 = 0.01;
 
 /// `ln det(V + diag(b (dr/da)^2)) / 2` of one run.
@@ -79,11 +81,11 @@ pub fn expected(model: &ResidualModel, frame: &Frame) -> Matrix3<f64> {
     own_noise(model, frame).expected(model)
 }
 
-/// What each balance leaves above the noise, over the square of what it takes of its acceleration.
-pub fn beyond_noise(model: &ResidualModel, frames: &[Frame]) -> [f64; BALANCES] {
+/// Model error of each balance as a variance of its acceleration: (mean square - noise)/(dr/da)^2.
+pub fn model_error(model: &ResidualModel, frames: &[Frame]) -> [f64; BALANCES] {
     let of_run = |frame: &Frame| -> [[f64; 2]; BALANCES] {
         let (noise, mut residual) = (own_noise(model, frame), model.residuals(frame));
-        model.discrepancy.take_off(frame, &mut residual);
+        model.discrepancy.subtract(frame, &mut residual);
         std::array::from_fn(|c| {
             let gain = (noise.gain[c] * noise.gain[c]).max(1e-300);
             let squares: f64 = residual[c].iter().map(|r| r * r).sum();
@@ -98,32 +100,32 @@ pub fn beyond_noise(model: &ResidualModel, frames: &[Frame]) -> [f64; BALANCES] 
     })
 }
 
-/// Covariance that the sensors' noise gives the balances, and how much of its acceleration each takes.
-struct OfNoise {
+/// Covariance of the balances due to sensor noise, and dr/da of each.
+struct NoiseCovariance {
     covariance: Matrix3<f64>,
     gain: [f64; BALANCES],
 }
 
-impl OfNoise {
+impl NoiseCovariance {
     fn expected(&self, model: &ResidualModel) -> Matrix3<f64> {
         let mut expected = self.covariance;
-        for (c, excess) in model.beyond_noise.iter().enumerate() {
+        for (c, excess) in model.model_error.iter().enumerate() {
             expected[(c, c)] += excess * self.gain[c] * self.gain[c];
         }
         expected
     }
 }
 
-fn own_noise(model: &ResidualModel, frame: &Frame) -> OfNoise {
+fn own_noise(model: &ResidualModel, frame: &Frame) -> NoiseCovariance {
     let [own] = of_noise(model, &[], frame)
         .try_into()
         .unwrap_or_else(|_| unreachable!("one model"));
     own
 }
 
-/// Of a model, then of each that differs from it by an amplitude: all evaluate the base laws once.
-fn of_noise(model: &ResidualModel, moved: &[ResidualModel], frame: &Frame) -> Vec<OfNoise> {
-    /// Samples of a piece: masses and scales are the same all along, and what a bent sensor reads is not by much.
+/// For a model and variants that differ by an amplitude: all share one evaluation of the base laws.
+fn of_noise(model: &ResidualModel, moved: &[ResidualModel], frame: &Frame) -> Vec<NoiseCovariance> {
+    /// Samples of a piece: masses and scales are (almost) constant.
     const SAMPLES: usize = 16;
     let count = 1 + moved.len();
     let noisy = frame.noisy.as_deref();
@@ -173,7 +175,7 @@ fn of_noise(model: &ResidualModel, moved: &[ResidualModel], frame: &Frame) -> Ve
                 }
             })
         });
-        OfNoise {
+        NoiseCovariance {
             covariance: covariance(noise.as_ref(), [true; CHANNELS]),
             gain: gain.map(|sum| sum / f64::max(sampled, 1.0)),
         }

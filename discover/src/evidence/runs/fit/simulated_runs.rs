@@ -1,10 +1,11 @@
-//! Twins: data simulated from the fitted model and sent through the whole measurement model.
+//! Simulated runs of the fitted model, with sensor noise through the whole signal processing.
 //!
-//! A twin takes the measured motion as the truth and moves the measured accelerations to where the model says they are:
-//! nothing is missing from the model there. Each sensor's noise at the recorded rate is added, smoothed and
-//! differentiated as the data were; what the residual holds in addition comes back as a shifted copy of itself with a
-//! random sign. Twins come in pairs of opposite noise, so that in a pair's mean everything odd in the noise cancels and
-//! what remains is what noisy inputs do to products of signals.
+//! The measured motion is taken as the truth, with accelerations moved so that the model's
+//! residuals vanish. Noise of each sensor at the recorded rate is added, smoothed and
+//! differentiated as the data were. The part of the residual that noise does not explain is added
+//! as a shifted copy of itself with a random sign. Simulated runs come in antithetic pairs
+//! (opposite noise), so that odd terms cancel in a pair's mean and the bias of products of noisy
+//! signals remains.
 
 use kufe_sled::Noise;
 use kufe_sled::effects::{Sensor, ahead};
@@ -20,11 +21,11 @@ use crate::evidence::runs::recordings::smooth_run::signal_kernel;
 use crate::null::random::{below, sign, stream};
 use crate::procedure::rules::{RecordingRules, RunRules};
 
-/// How twins are made.
 #[derive(Clone, Debug)]
 pub struct RunSimulator {
     noise: SensorNoise,
-    /// Share of each channel's residual, as a deviation, that the sensors' noise does not explain.
+    /// Share of each channel's residual that sensor noise does not explain, as a standard
+    /// deviation.
     pub unexplained: [f64; CHANNELS],
     seed: u64,
     signals: RecordingRules,
@@ -32,7 +33,7 @@ pub struct RunSimulator {
     pub piece_s: f64,
 }
 
-/// What is taken for the noise of sensors that have none: models are distinguished by ratios alone.
+/// Substitute for the noise of noiseless sensors: only ratios of models are compared.
 const LEAST_NOISE: Noise = Noise {
     accel_mps2: 1e-4,
     rate_radps: 1e-6,
@@ -42,18 +43,16 @@ const LEAST_NOISE: Noise = Noise {
     roll_split_rad: 1e-6,
 };
 
-/// A run without noise and with it, in both signs.
+/// A simulated run without noise and with noise of both signs.
 pub struct SimulatedPair {
-    /// The model's own run.
     pub truth: Frame,
-    /// With noise.
     pub plus: Frame,
     /// With the opposite noise.
     pub minus: Frame,
 }
 
 impl RunSimulator {
-    /// Finds how much of the residuals the sensors' noise explains.
+    /// Determines the share of the residuals that sensor noise explains.
     pub fn new(
         frames: &[Frame],
         residual_model: &ResidualModel,
@@ -84,7 +83,7 @@ impl RunSimulator {
         simulator
     }
 
-    /// The sensors' noise alone.
+    /// A simulator of sensor noise alone.
     pub fn of_sensors(noise: SensorNoise, (seed, rules): (u64, &RunRules)) -> Self {
         Self {
             noise,
@@ -95,10 +94,10 @@ impl RunSimulator {
         }
     }
 
-    /// A piece of the `i`-th run as it was recorded, with noise of both signs upon it.
-    pub fn upon(&self, frame: &Frame, i: usize) -> [Frame; 2] {
+    /// A piece of the `i`-th run as recorded, with added noise of both signs.
+    pub fn with_noise(&self, frame: &Frame, i: usize) -> [Frame; 2] {
         const ROUND: u64 = 2_000_003;
-        /// Of a run: of all runs some hundreds of rows are enough for a ratio of two models' noise.
+        /// Share of a run: some hundreds of rows in total suffice for a ratio of two models' noise.
         const SHARE: f64 = 0.1;
         let piece = piece_of(frame, SHARE, 0.5 * self.piece_s, ROUND, i);
         let mut both = [piece.clone(), piece];
@@ -108,16 +107,18 @@ impl RunSimulator {
         both
     }
 
-    /// By which factor the sensors' noise, as a variance, may be larger before it explains more than the whole residual of every channel.
+    /// Largest factor on the variance of sensor noise for which it explains no more than the
+    /// residual of every channel.
     ///
-    /// White noise of that size may explain too much of some channels, as of the one that takes derivatives; noise that is not white need not.
+    /// White noise of that size may explain too much of some channels, as of those with
+    /// derivatives; coloured noise need not.
     pub fn most_noise(&self, used: [bool; CHANNELS]) -> f64 {
         let explained = |c: usize| (1.0 - self.unexplained[c].powi(2)).max(1e-3);
         let factors = (0..3).filter(|c| used[*c]).map(|c| 1.0 / explained(c));
         factors.fold(1.0, f64::max)
     }
 
-    /// The same with the sensors' noise alone.
+    /// The same with sensor noise alone.
     pub fn sensors_only(&self) -> Self {
         Self {
             unexplained: [0.0; CHANNELS],
@@ -125,7 +126,7 @@ impl RunSimulator {
         }
     }
 
-    /// Residuals of a twin of each run.
+    /// Residuals of a simulation of each run.
     pub fn residuals(
         &self,
         frames: &[Frame],
@@ -138,7 +139,7 @@ impl RunSimulator {
         frames.par_iter().enumerate().map(of).collect()
     }
 
-    /// The `k`-th pair of twins of a run, the `i`-th of its set.
+    /// The `k`-th pair of simulations of a run, the `i`-th of its set.
     pub fn pair(
         &self,
         frame: &Frame,
@@ -163,7 +164,7 @@ impl RunSimulator {
         rows: &ChannelRows,
         rng: &mut impl Rng,
     ) {
-        // What is next to a gap has no residual to lend.
+        // Samples next to a gap have no residual.
         let samples: Vec<usize> = plus.samples().collect();
         let n = samples.len();
         let shift = below(rng, n);
@@ -180,11 +181,11 @@ impl RunSimulator {
             let yaw = rest(2, k) / sled.j_zz_kgm2;
             let ahead = rest(0, k) / mass_kg - sled.accel_y_m * yaw;
             let aside = rest(1, k) / mass_kg + sled.accel_x_m * yaw;
-            for (twin, way) in [(&mut *plus, 1.0), (&mut *minus, -1.0)] {
-                twin.rate_slope[2][i] += way * yaw;
-                twin.acceleration[0][i] += way * ahead;
-                twin.acceleration[1][i] += way * aside;
-                twin.v_slope[i] += way * rest(3, k);
+            for (run, way) in [(&mut *plus, 1.0), (&mut *minus, -1.0)] {
+                run.rate_slope[2][i] += way * yaw;
+                run.acceleration[0][i] += way * ahead;
+                run.acceleration[1][i] += way * aside;
+                run.v_slope[i] += way * rest(3, k);
             }
         }
     }
@@ -248,13 +249,14 @@ impl RunSimulator {
     }
 }
 
-/// The run with the accelerations that the model gives for its measured inputs: its residuals are zero.
+/// The run with the accelerations that the model predicts from its measured inputs: its residuals
+/// are zero.
 ///
-/// A residual belongs to a moment that a late sensor tells later.
+/// With a delayed sensor, residuals are shifted to the time of its reading.
 ///
-/// `rows` are the residuals along, aside and about the vertical at every retained sample.
+/// `rows` are the longitudinal, lateral and yaw residuals at every retained sample.
 pub fn truth<R: AsRef<[f64]>>(frame: &Frame, residual_model: &ResidualModel, rows: &[R]) -> Frame {
-    let mut twin = frame.clone();
+    let mut run = frame.clone();
     let sled = &residual_model.vehicle.sled;
     let mass_kg = frame.mass_kg.unwrap_or(sled.mass_kg);
     let delayed = |sensor: Sensor, rest: Vec<f64>| {
@@ -276,23 +278,19 @@ pub fn truth<R: AsRef<[f64]>>(frame: &Frame, residual_model: &ResidualModel, row
     let along = aligned(sled.accel_y_m, rows[0].as_ref());
     let side = aligned(-sled.accel_x_m, rows[1].as_ref());
     let minus_yaw = yaw.iter().map(|yaw| -yaw).collect();
-    let [ahead_of, left_of, _] = &mut twin.acceleration;
+    let [longitudinal, lateral, _] = &mut run.acceleration;
     for (to, rest) in [
-        (ahead_of, delayed(Sensor::Ax, along)),
-        (left_of, delayed(Sensor::Ay, side)),
-        (&mut twin.rate_slope[2], delayed(Sensor::YawRate, minus_yaw)),
+        (longitudinal, delayed(Sensor::Ax, along)),
+        (lateral, delayed(Sensor::Ay, side)),
+        (&mut run.rate_slope[2], delayed(Sensor::YawRate, minus_yaw)),
     ] {
         to.iter_mut().zip(rest).for_each(|(x, by)| *x += by);
     }
     if !frame.slope.is_empty() {
-        let residual = residual_model.track(&twin);
-        for (slope, r) in twin
-            .v_slope
-            .iter_mut()
-            .zip(delayed(Sensor::Speed, residual))
-        {
+        let residual = residual_model.track(&run);
+        for (slope, r) in run.v_slope.iter_mut().zip(delayed(Sensor::Speed, residual)) {
             *slope -= r;
         }
     }
-    twin
+    run
 }

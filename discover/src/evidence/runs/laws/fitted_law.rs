@@ -1,4 +1,4 @@
-//! A formula of a law as an effect of one's own.
+//! A formula of a law as a custom effect.
 
 use kufe_sled::effects::{Channel, Custom, Kind};
 
@@ -7,17 +7,15 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::laws::formulas::formula::Formula;
 use crate::evidence::runs::laws::formulas::shape::unit;
 use crate::evidence::runs::laws::formulas::shapes::rounded;
-use crate::evidence::runs::laws::judged::Smooth;
+use crate::evidence::runs::laws::judged::SmoothLaw;
 use crate::evidence::runs::laws::sums::LawSums;
 use crate::evidence::runs::laws::term::KNOWN;
 use crate::evidence::runs::laws::terms::Terms;
 use crate::procedure::candidate::Candidate;
 
-/// What formulas are reported on: a model of a campaign, with terms of laws on its channels.
+/// A model with terms of laws on its channels.
 pub struct LawFitter<'a> {
-    /// The campaign.
     pub campaign: &'a Campaign<'a>,
-    /// The model so far.
     pub at: &'a Current<'a>,
     /// Terms on all training runs.
     pub terms: &'a Terms<'a>,
@@ -25,28 +23,24 @@ pub struct LawFitter<'a> {
     pub channels: &'a [Channel],
 }
 
-/// A formula as an effect.
 pub struct FittedLaw {
-    /// The formula.
     pub formula: Formula,
-    /// Its sums, behind them those of a named candidate.
+    /// Its sums, then those of the named candidate.
     pub sums: LawSums,
-    /// The effect.
     pub candidate: Candidate<Amplitude>,
-    /// Its size.
     pub size: f64,
 }
 
 impl FittedLaw {
-    /// What it explains, less what each of its numbers counts for.
-    pub fn worth(&self, number: f64) -> f64 {
+    /// Explained sum of squares, less a penalty for each of its numbers.
+    pub fn penalised_gain(&self, number: f64) -> f64 {
         0.5 * self.formula.gain() - number * self.formula.term.shape.numbers() as f64
     }
 }
 
 impl LawFitter<'_> {
     /// The simplest formula of a smooth law.
-    pub fn simplest(&self, law: &Smooth) -> Option<FittedLaw> {
+    pub fn simplest(&self, law: &SmoothLaw) -> Option<FittedLaw> {
         let formula = self.campaign.simplest(self.terms, self.channels, law)?;
         let sums = self.terms.sums(std::slice::from_ref(&formula.term), &[1.0]);
         let sums = sums.into_iter().next()?;
@@ -61,7 +55,7 @@ impl LawFitter<'_> {
         })
     }
 
-    /// The formula as an effect of one's own; nothing where it has no size or the model has it already.
+    /// The formula as a custom effect; `None` if it is not admissible or already in the model.
     fn effect(&self, formula: &Formula, size: f64) -> Option<Candidate<Amplitude>> {
         let channel = self.channels[formula.term.channel];
         let shape = &formula.term.shape;
@@ -102,7 +96,7 @@ impl LawFitter<'_> {
     }
 }
 
-/// The name of a law over these columns.
+/// The name of a law of these columns.
 pub fn name(columns: &[usize], names: &[String]) -> String {
     let of: Vec<&str> = columns.iter().map(|x| names[*x].as_str()).collect();
     format!("unknown:{}", of.join("*"))

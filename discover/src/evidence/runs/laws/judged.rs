@@ -1,4 +1,4 @@
-//! Smooth laws of all columns on all channels, judged.
+//! Tests of the smooth laws of all columns on all channels.
 
 use kufe_sled::effects::Channel;
 
@@ -11,22 +11,19 @@ use crate::evidence::runs::laws::term::{COLUMNS, Term};
 use crate::evidence::runs::laws::terms::Terms;
 use crate::evidence::runs::screen::residual_screen::ScreenOptions;
 
-/// Bumps of a smooth law over a column: what a track shows of a column is no finer.
+/// B-splines of a smooth law of a column: the data resolve no finer structure.
 const BUMPS: usize = 7;
-/// Weight of a smooth law's second differences, in units of its mean information.
+/// Weight of the penalty on second differences, in units of the mean information.
 const SMOOTHING: f64 = 0.02;
 
-/// A group of terms with its columns and what it explains on runs that did not set its sizes.
-pub struct Smooth {
-    /// Place of its channel.
+/// A group of terms with its columns and cross-validated gain.
+pub struct SmoothLaw {
     pub channel: usize,
-    /// Places of its columns.
     pub columns: Vec<usize>,
-    /// By run.
     pub gains: Vec<f64>,
-    /// Whether it is as significant over all that noise is trusted to be.
+    /// Whether it is significant over the whole trusted range of the noise.
     pub holds: bool,
-    /// Whether it differs significantly from chance and noise.
+    /// Whether it is significant.
     pub significant: bool,
 }
 
@@ -43,13 +40,13 @@ impl Campaign<'_> {
         channels
     }
 
-    /// All smooth laws and products of columns, judged, with the smallest p-value of those that are significant.
+    /// All smooth laws and products of columns, and the smallest p-value of the significant ones.
     pub fn smooth_laws(
         &self,
         terms: &Terms,
         channels: &[Channel],
         options: &ScreenOptions,
-    ) -> (Vec<Smooth>, f64) {
+    ) -> (Vec<SmoothLaw>, f64) {
         let (mut list, mut groups, mut laws) = (Vec::new(), Vec::new(), Vec::new());
         let mut law = |channel, columns: Vec<usize>, shapes: Vec<Shape>| {
             let first = list.len();
@@ -71,7 +68,7 @@ impl Campaign<'_> {
             if !matches!(kind, Channel::Grip | Channel::Friction) {
                 continue;
             }
-            // A formula can name one column outside the model's, and time goes with nothing.
+            // A formula can contain one column outside the model; time is not combined with others.
             let own = |x: usize| x < COLUMNS.len() && COLUMNS[x].0 != "t_s";
             for (k, (a, _)) in varying.iter().enumerate().filter(|(_, (x, _))| own(*x)) {
                 for (b, _) in varying[k + 1..].iter().filter(|(x, _)| own(*x)) {
@@ -86,7 +83,7 @@ impl Campaign<'_> {
             return (Vec::new(), 1.0);
         };
         let mut tested = vec![judged(&sums)];
-        // Where nothing is significant at the noise as it is known, nothing is over all that it may be.
+        // If nothing is significant at the estimated noise, the trusted range need not be tested.
         let any = (tested[0].z.iter()).any(|z| tested[0].p_value(*z) <= options.alpha_column);
         if any {
             tested.extend(sums_at(&options.trust).iter().map(judged));
@@ -97,10 +94,10 @@ impl Campaign<'_> {
             .enumerate()
             .map(|(g, (channel, columns))| {
                 let group = &groups[g];
-                let gains = sums.held_gains(&group.terms, &group.penalty);
+                let gains = sums.cross_validated_gains(&group.terms, &group.penalty);
                 let z = tested[0].z[g];
                 let p = tested[0].p_value(z);
-                // What holds of T is squared in Q.
+                // Q is quadratic in T, and so is the threshold.
                 let holds = tested
                     .iter()
                     .all(|t| t.z[g] >= options.holds[0].powi(2) * t.critical(options.alpha_column));
@@ -108,7 +105,7 @@ impl Campaign<'_> {
                 if significant {
                     smallest = smallest.min(p);
                 }
-                Smooth {
+                SmoothLaw {
                     channel,
                     columns,
                     gains,

@@ -1,4 +1,4 @@
-//! Laws outside the catalogue: a smooth dependence on recorded columns, and the simplest formula that does as well.
+//! Laws outside the catalogue: smooth functions of columns, and the simplest equivalent formula.
 
 pub(crate) mod fitted_law;
 pub(crate) mod formulas;

@@ -1,11 +1,11 @@
-//! A law outside the catalogue, selected: a smooth one that is significant, as the simplest formula that does as well.
+//! Selection of laws outside the catalogue, as the simplest formula of a significant smooth law.
 
 use nalgebra::DMatrix;
 
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::laws::fitted_law::{FittedLaw, LawFitter, name};
-use crate::evidence::runs::laws::judged::Smooth;
+use crate::evidence::runs::laws::judged::SmoothLaw;
 use crate::evidence::runs::laws::sums::{LawSums, difference, total};
 use crate::evidence::runs::laws::terms::Terms;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
@@ -15,16 +15,16 @@ use crate::null::clusters::{by_sessions, session_numbers};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Randomised, Selection};
 
-/// A law compared with a selected effect.
+/// Result of comparing laws with a selected effect.
 pub enum Law {
     /// It is selected instead.
     Instead(Box<Selection<Amplitude>>),
-    /// It explains more, but not by enough to take the place of a name: what it is called.
+    /// The name of a law that explains more, but not by enough to replace the effect.
     Alternative(String),
 }
 
 impl Campaign<'_> {
-    /// The most significant law, where one explains more than the selected effect.
+    /// The most significant law, if one explains more than the selected effect.
     pub fn law(
         &self,
         at: &Current,
@@ -51,13 +51,13 @@ impl Campaign<'_> {
         let (smooth, p_value) = self.smooth_laws(&terms, &channels, options);
         let best = fitter.best(&smooth, selection);
         let laws = best.iter().filter_map(|law| fitter.simplest(law));
-        let worth = |law: &FittedLaw| law.worth(rules.number);
-        let shown = laws.max_by(|a, b| worth(a).total_cmp(&worth(b)))?;
+        let penalised_gain = |law: &FittedLaw| law.penalised_gain(rules.number);
+        let shown = laws.max_by(|a, b| penalised_gain(a).total_cmp(&penalised_gain(b)))?;
         if let Some(selection) = selection {
             let none = DMatrix::zeros(1, 1);
-            let [own, named] = [0, 1].map(|k| shown.sums.held_gains(&[k], &none));
+            let [own, named] = [0, 1].map(|k| shown.sums.cross_validated_gains(&[k], &none));
             let [more, error] = difference(&own, &named);
-            if !self.gives_way(selection, total(&named), [more, error]) {
+            if !self.is_replaced(selection, total(&named), [more, error]) {
                 let is_alternative =
                     !selection.candidate.is_column() && more > rules.as_good * error;
                 return is_alternative.then_some(Law::Alternative(shown.candidate.effect));
@@ -86,7 +86,7 @@ impl Campaign<'_> {
         })))
     }
 
-    /// The chance of a formula's score, its first column, where only sessions are independent.
+    /// p-value of a formula's score, the first column, with only sessions independent.
     fn law_by_sessions(&self, sums: &LawSums) -> Option<f64> {
         let first = |rows: &DMatrix<f64>| rows.rows(0, 1).into_owned();
         let sessions = session_numbers(self.training.iter().map(|frame| frame.session.as_str()));
@@ -100,9 +100,10 @@ impl Campaign<'_> {
         p_values?.first().copied()
     }
 
-    /// Whether a selected effect gives way to a law that explains so much more, with its scatter: one of the catalogue to a law that explains more
-    /// in addition to it and by a share that matters of what the selected effect has `explained`; a column's own form to a formula that does as well.
-    fn gives_way(
+    /// Whether a law with this gain and its scatter replaces a selected effect. An effect of the
+    /// catalogue is replaced if the law explains more in addition to it, and by a material share of
+    /// what the effect has `explained`; a column's own form is replaced by an equivalent formula.
+    fn is_replaced(
         &self,
         selection: &Selection<Amplitude>,
         explained: f64,
@@ -116,8 +117,8 @@ impl Campaign<'_> {
         more > errors * error && more > least
     }
 
-    /// What is said where a smooth curve explains more than the formula.
-    fn smoother(&self, smooth: &Smooth, law: &FittedLaw) -> Option<String> {
+    /// A remark if a smooth curve explains more than the formula.
+    fn smoother(&self, smooth: &SmoothLaw, law: &FittedLaw) -> Option<String> {
         let [more, error] = difference(&smooth.gains, &law.formula.gains);
         (more > self.rules().laws.alike * error).then(|| {
             format!(
@@ -129,15 +130,15 @@ impl Campaign<'_> {
 }
 
 impl LawFitter<'_> {
-    /// The smooth laws whose formulas are tried, the one that explains most first: those that are significant, that of a selected column, and those
-    /// that explain more than it, or than all that are significant.
+    /// The smooth laws whose formulas are tried, largest gain first: the significant ones, that of
+    /// a selected column, and those that explain more than it or than all significant ones.
     fn best<'l>(
         &self,
-        smooth: &'l [Smooth],
+        smooth: &'l [SmoothLaw],
         selection: Option<&Selection<Amplitude>>,
-    ) -> Vec<&'l Smooth> {
+    ) -> Vec<&'l SmoothLaw> {
         let column = selection.filter(|c| c.candidate.is_column());
-        let of_claim = |law: &Smooth| {
+        let of_claim = |law: &SmoothLaw| {
             column.is_some_and(|c| c.candidate.effect == name(&law.columns, &self.terms.names))
         };
         let selected = smooth.iter().filter(|law| of_claim(law));
@@ -145,18 +146,18 @@ impl LawFitter<'_> {
             .map(|law| total(&law.gains))
             .fold(f64::INFINITY, f64::min)
             .max(0.0);
-        // Once one is significant the question is which: those that explain more are tried, too.
+        // If one is significant, those that explain more are tried, too.
         let standing = smooth.iter().filter(|law| law.significant);
         let most = standing.map(|law| total(&law.gains)).reduce(f64::max);
-        let rivals = |law: &Smooth| law.holds && most.is_some_and(|m| total(&law.gains) > m);
-        let requested = |law: &Smooth| of_claim(law) || total(&law.gains) > enough;
-        let mut best: Vec<&Smooth> = smooth
+        let rivals = |law: &SmoothLaw| law.holds && most.is_some_and(|m| total(&law.gains) > m);
+        let requested = |law: &SmoothLaw| of_claim(law) || total(&law.gains) > enough;
+        let mut best: Vec<&SmoothLaw> = smooth
             .iter()
             .filter(|law| law.significant || rivals(law) || requested(law))
             .collect();
         best.sort_by(|a, b| total(&b.gains).total_cmp(&total(&a.gains)));
         let most = best.first().map_or(0.0, |law| total(&law.gains));
-        // Of channels, which are much alike, the one on which it explains most.
+        // Channels are strongly correlated: only the one of largest gain is tried.
         let mut seen: Vec<&[usize]> = Vec::new();
         best.retain(|law| {
             let first = !seen.contains(&law.columns.as_slice());
@@ -168,12 +169,12 @@ impl LawFitter<'_> {
         best
     }
 
-    /// The law's name, then those of laws that the data cannot tell from it.
-    fn class(&self, law: &FittedLaw, smooth: &[Smooth]) -> Vec<String> {
+    /// The law's name, then those of laws that the data cannot distinguish from it.
+    fn class(&self, law: &FittedLaw, smooth: &[SmoothLaw]) -> Vec<String> {
         let own = &law.candidate.effect;
         let alike = self.campaign.rules().laws.alike;
         let alike = |[more, error]: [f64; 2]| more <= alike * error;
-        // Where none is significant by itself, as where noise is not known, those that explain as much are as good.
+        // If none is significant by itself, as with unknown noise, those of equal gain count.
         let any = !smooth.iter().any(|other| other.significant);
         let single = smooth
             .iter()
@@ -181,7 +182,7 @@ impl LawFitter<'_> {
             .filter(|other| total(&other.gains) > 0.0)
             .filter(|other| alike(difference(&law.formula.gains, &other.gains)))
             .map(|other| &other.columns);
-        // A product with the law's own column is with it where it explains more.
+        // A product with the law's own column is included if it explains more.
         let products = smooth
             .iter()
             .filter(|other| (other.significant || any) && other.columns.len() == 2)
@@ -206,7 +207,7 @@ impl LawFitter<'_> {
     }
 }
 
-/// Whether a law's name holds another one's column.
+/// Whether a law's name contains another one's column.
 fn within(law: &str, other: &str) -> bool {
     let column = other.strip_prefix("unknown:").unwrap_or(other);
     law.strip_prefix("unknown:")

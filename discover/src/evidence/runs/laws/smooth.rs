@@ -1,11 +1,12 @@
-//! Smooth laws tested as groups: a penalised spline of each column on each channel, and products of columns.
+//! Group tests of smooth laws: a penalised spline of each column on each channel, and products of
+//! columns.
 //!
 //! ```text
-//! Q = S' (M + w P)^-1 S        z = (Q - mean Q*) / sd Q*        Q*: signs of whole runs turned
+//! Q = S' (M + w P)^-1 S        z = (Q - mean Q*) / sd Q*        Q*: with flipped signs of whole runs
 //! ```
 //!
-//! P penalises second differences of a spline's coefficients. Source: P. H. C. Eilers, B. D. Marx, Flexible smoothing with B-splines and
-//! penalties, Statistical Science 11 (1996) 89.
+//! P penalises second differences of a spline's coefficients. Source: P. H. C. Eilers, B. D. Marx,
+//! Flexible smoothing with B-splines and penalties, Statistical Science 11 (1996) 89.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -16,14 +17,12 @@ use crate::null::random::{normal, sign, stream};
 /// Terms that are tested together.
 #[derive(Clone, Debug)]
 pub struct Group {
-    /// Their places.
     pub terms: Vec<usize>,
-    /// What their coefficients are penalised by.
+    /// Penalty matrix of their coefficients.
     pub penalty: DMatrix<f64>,
 }
 
 impl Group {
-    /// A term by itself.
     pub fn single(term: usize) -> Self {
         Self {
             terms: vec![term],
@@ -31,7 +30,7 @@ impl Group {
         }
     }
 
-    /// Neighbours of a spline, second differences of which are penalised.
+    /// Consecutive terms of a spline, with a penalty on second differences.
     pub fn spline(terms: std::ops::Range<usize>, smoothing: f64) -> Self {
         let k = terms.len();
         let mut difference = DMatrix::zeros(k.saturating_sub(2), k);
@@ -46,22 +45,22 @@ impl Group {
         }
     }
 
-    /// Q of these sums, the matrix given.
+    /// The statistic Q, given the inverse matrix.
     fn statistic(&self, inverse: &DMatrix<f64>, sums: &DVector<f64>) -> f64 {
         let own = DVector::from_fn(self.terms.len(), |k, _| sums[self.terms[k]]);
         own.dot(&(inverse * &own))
     }
 }
 
-/// What sign-flips say of each group.
-pub struct Tested {
+/// Results of sign-flip tests by group.
+pub struct GroupTests {
     /// z by group.
     pub z: Vec<f64>,
     /// Largest z of each randomisation, increasing.
     maxima: Vec<f64>,
 }
 
-impl Tested {
+impl GroupTests {
     /// Probability under the null of a largest z at least this big; never 0.
     pub fn p_value(&self, z: f64) -> f64 {
         let above = self.maxima.len() - self.maxima.partition_point(|m| *m < z);
@@ -76,7 +75,7 @@ impl Tested {
 }
 
 /// Tests all groups at once; those without information have z = 0.
-pub fn test(sums: &LawSums, groups: &[Group], flips: usize, seed: u64) -> Tested {
+pub fn test(sums: &LawSums, groups: &[Group], flips: usize, seed: u64) -> GroupTests {
     let runs = sums.m.len();
     let inverses: Vec<DMatrix<f64>> = groups
         .iter()
@@ -118,7 +117,7 @@ pub fn test(sums: &LawSums, groups: &[Group], flips: usize, seed: u64) -> Tested
         .map(|q| z(q).into_iter().fold(0.0, f64::max))
         .collect();
     maxima.sort_by(f64::total_cmp);
-    Tested {
+    GroupTests {
         z: z(&observed),
         maxima,
     }

@@ -1,7 +1,7 @@
-//! Scores and information of groups of columns after a refit of the base, run by run.
+//! Scores and information of groups of columns after a refit of the base, by run.
 //!
-//! As [`Scores`](crate::regression::Scores), with all products of the columns among themselves: with B = (J'J + P)^-1 J'C, c' = C - J B,
-//! r' the residual that a refit leaves and a the random effects,
+//! As [`Scores`](crate::regression::Scores), with all products of the columns among themselves:
+//! with B = (J'J + P)^-1 J'C, c' = C - J B, r' the residual after a refit and a the random effects,
 //!
 //! ```text
 //! u_i = c'_i' r'_i   M_i = c'_i' c'_i      S = sum u_i + B'P a     M = sum M_i + B'P B
@@ -13,7 +13,7 @@ use crate::regression::gram::{Gram, acting};
 use crate::regression::inverse::ridge_inverse;
 use crate::regression::prior::Prior;
 
-/// Parts of the runs, one of which is omitted in turn where formulas are compared.
+/// Folds of cross-validation over runs.
 const FOLDS: usize = 5;
 
 /// Sums of all columns.
@@ -23,9 +23,9 @@ pub struct LawSums {
     pub u: DMatrix<f64>,
     /// M of each run.
     pub m: Vec<DMatrix<f64>>,
-    /// What random effects add to S.
+    /// Contribution of random effects to S.
     pub shared: DVector<f64>,
-    /// How each random effect moves S, per standard deviation: columns by random effects.
+    /// Derivative of S by each random effect, per standard deviation: columns by random effects.
     pub common: DMatrix<f64>,
 }
 
@@ -86,7 +86,7 @@ impl LawSums {
         }
     }
 
-    /// Several sums of the same runs, one behind the other; products between them count as 0.
+    /// Concatenates sums of the same runs; products between them count as 0.
     pub fn concatenated(parts: &[LawSums]) -> LawSums {
         let count = parts.iter().map(|part| part.u.nrows()).sum();
         let (runs, random) = parts
@@ -112,7 +112,8 @@ impl LawSums {
         all
     }
 
-    /// S and M of some columns over these runs, of what the random effects add the share that so many runs have.
+    /// S and M of some columns over these runs, with a share of the random effects' contribution in
+    /// proportion to the runs.
     pub fn of(&self, columns: &[usize], runs: impl Iterator<Item = usize>) -> Part {
         let k = columns.len();
         let mut part = Part {
@@ -132,8 +133,8 @@ impl LawSums {
         part
     }
 
-    /// What sizes fitted on other runs explain, run by run, in units of the noise's variance.
-    pub fn held_gains(&self, columns: &[usize], penalty: &DMatrix<f64>) -> Vec<f64> {
+    /// Cross-validated gain by run, in units of the noise's variance.
+    pub fn cross_validated_gains(&self, columns: &[usize], penalty: &DMatrix<f64>) -> Vec<f64> {
         let runs = self.m.len();
         let folds = FOLDS.min(runs).max(2);
         let mut gains = vec![0.0; runs];
@@ -152,14 +153,12 @@ impl LawSums {
 
 /// S and M of some columns.
 pub struct Part {
-    /// Scores.
     pub s: DVector<f64>,
-    /// Information.
     pub m: DMatrix<f64>,
 }
 
 impl Part {
-    /// The sizes of least squares with a penalty, in units of the information's mean diagonal.
+    /// Penalised least-squares sizes, with the penalty in units of the information's mean diagonal.
     pub fn size(&self, penalty: &DMatrix<f64>) -> DVector<f64> {
         self.inverse(penalty) * &self.s
     }
@@ -171,12 +170,11 @@ impl Part {
     }
 }
 
-/// The sum over runs.
 pub fn total(gains: &[f64]) -> f64 {
     gains.iter().sum()
 }
 
-/// By how much the first explain more than the second, with its standard error over runs.
+/// Difference of two gains, with its standard error over runs.
 pub fn difference(first: &[f64], second: &[f64]) -> [f64; 2] {
     let each: Vec<f64> = first.iter().zip(second).map(|(a, b)| a - b).collect();
     let n = each.len() as f64;

@@ -1,4 +1,4 @@
-//! Terms of laws on one run: what a unit of each channel does to the rows, times functions of recorded columns.
+//! Terms of laws on one run: derivatives by each channel, times functions of recorded columns.
 
 use kufe_sled::effects::{Active, Channel, Custom, Kind, State};
 use nalgebra::DMatrix;
@@ -9,10 +9,10 @@ use crate::evidence::runs::model::on_run::ModelOnRun;
 use crate::evidence::runs::model::residual_model::BALANCES;
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// A column's name and where its value is found.
+/// A column's name and value.
 type NamedColumn = (&'static str, fn(&State) -> f64);
 
-/// Columns that a law may depend on: as an expression names them, and what they are at an instant.
+/// Columns that a law may depend on: names in expressions, and values at an instant.
 pub const COLUMNS: [NamedColumn; 10] = [
     ("v_mps", |at| at.point.v),
     ("fz_n", |at| at.load[0] + at.load[1]),
@@ -26,32 +26,31 @@ pub const COLUMNS: [NamedColumn; 10] = [
     ("t_s", |at| at.point.t),
 ];
 
-/// Columns that the model knows; recorded ones that it has no name for follow them.
+/// Number of columns of the model; recorded columns outside the model follow them.
 pub const KNOWN: usize = COLUMNS.len();
 
-/// One function on one channel, both by their places.
+/// A function on a channel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Term {
-    /// The channel.
+    /// Index of the channel.
     pub channel: usize,
-    /// The function.
     pub shape: Shape,
 }
 
-/// One run: the columns of the fit, what a unit of each channel does, and the columns that laws depend on.
+/// One run: the columns of the fit, the channels' derivatives, and the columns that laws depend on.
 pub struct TermsOnRun {
     /// Levels, fitted parameters, named candidates and the residual, whitened rows.
     pub fitted: DMatrix<f64>,
-    /// What a unit of each channel does to each balance, at every sample.
+    /// Derivative of each balance by each channel, at every sample.
     units: Vec<[Vec<f64>; BALANCES]>,
     /// By column, at every sample.
     columns: Vec<Vec<f64>>,
 }
 
 impl TermsOnRun {
-    /// Prepares a run; `extra` names recorded columns other than those of the model.
+    /// Prepares a run; `extra` lists recorded columns outside the model.
     pub fn new(design: &Design, frame: &Frame, channels: &[Channel], extra: &[String]) -> Self {
-        // Any small size does: forces go in proportion.
+        // Any small size will do: forces are proportional to it.
         const SIZES: [f64; 2] = [1e-4, 1e-2];
         let on_run = ModelOnRun::new(design.residual_model, frame);
         let trial = |channel: &Channel| {

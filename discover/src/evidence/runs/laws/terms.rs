@@ -1,4 +1,4 @@
-//! Terms of laws on all training runs, and what noisy inputs add to their products.
+//! Terms of laws on all training runs, with the noise of their products.
 
 use kufe_sled::effects::Channel;
 use nalgebra::DMatrix;
@@ -12,26 +12,26 @@ use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::regression::gram::squares;
 
-/// A run with the twins of a piece of it.
+/// A run with simulations of a piece of it.
 struct OfRun<'a> {
     frame: &'a Frame,
     own: TermsOnRun,
-    /// Opposite noise, and none.
-    twins: [(Frame, TermsOnRun); 3],
+    /// Simulations with noise of either sign, and without noise.
+    simulations: [(Frame, TermsOnRun); 3],
     /// Rows of the run over those of the piece.
     share: f64,
 }
 
-/// All runs, ready for any terms.
+/// All training runs.
 pub struct Terms<'a> {
     design: &'a Design<'a>,
     runs: Vec<OfRun<'a>>,
-    /// Names of the columns, in the order of their places.
+    /// Names of the columns, by index.
     pub names: Vec<String>,
 }
 
 impl<'a> Terms<'a> {
-    /// Prepares all runs; `extra` names recorded columns other than those of the model.
+    /// Prepares all runs; `extra` lists recorded columns outside the model.
     pub fn new(
         design: &'a Design<'a>,
         frames: &'a [Frame],
@@ -47,9 +47,9 @@ impl<'a> Terms<'a> {
             OfRun {
                 own: on(frame),
                 share: frame.row_count() as f64 / piece.row_count().max(1) as f64,
-                twins: [pair.plus, pair.minus, pair.truth].map(|twin| {
-                    let terms = on(&twin);
-                    (twin, terms)
+                simulations: [pair.plus, pair.minus, pair.truth].map(|frame| {
+                    let terms = on(&frame);
+                    (frame, terms)
                 }),
                 frame,
             }
@@ -62,7 +62,7 @@ impl<'a> Terms<'a> {
         }
     }
 
-    /// All values of a column, in order of size.
+    /// All values of a column, sorted.
     pub fn sorted(&self, column: usize) -> Vec<f64> {
         let mut all: Vec<f64> = self
             .runs
@@ -73,7 +73,7 @@ impl<'a> Terms<'a> {
         all
     }
 
-    /// Sums of parts of terms, products between which nobody asks for, at these shares of what noise adds.
+    /// Sums by group of terms, without products between groups, at these shares of the noise.
     pub fn sums_of_parts(&self, parts: &[&[Term]], shares: &[f64]) -> Vec<LawSums> {
         let mut each: Vec<Vec<LawSums>> = vec![Vec::new(); shares.len()];
         for part in parts.iter().filter(|part| !part.is_empty()) {
@@ -87,15 +87,15 @@ impl<'a> Terms<'a> {
             .collect()
     }
 
-    /// Sums of the terms, then of the named candidates, with these shares of what noise adds taken off.
+    /// Sums of the terms, then of the named candidates, with these shares of the noise correction.
     pub fn sums(&self, terms: &[Term], shares: &[f64]) -> Vec<LawSums> {
         let products: Vec<[DMatrix<f64>; 2]> = self
             .runs
             .par_iter()
             .map(|run| {
                 let with = |frame: &Frame, on: &TermsOnRun| on.with(self.design, frame, terms);
-                let twins = run.twins.each_ref();
-                let [plus, minus, truth] = twins.map(|(f, on)| squares(&with(f, on)));
+                let simulations = run.simulations.each_ref();
+                let [plus, minus, truth] = simulations.map(|(f, on)| squares(&with(f, on)));
                 let noise = ((plus + minus) * 0.5 - truth) * run.share;
                 let own = with(run.frame, &run.own);
                 let products = self.design.squares(run.frame, &own);

@@ -1,4 +1,4 @@
-//! The sensors' channels of a run, brought from what was recorded to what was true.
+//! Sensor channels of a run, corrected for sensor errors.
 
 use std::borrow::Cow;
 
@@ -7,20 +7,20 @@ use kufe_sled::effects::{Fault, Reading, Sensor, Signals, ahead};
 
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// Channels of a run; only those that something moves are copied.
+/// Channels of a run; only corrected ones are copied.
 pub struct Channels<'a> {
     /// Time between samples [s].
     sample_s: f64,
-    /// What each reads over what is true.
+    /// Scale of each reading.
     scales: [f64; Sensor::ALL.len()],
-    /// Values and their derivatives, in the order of the sensors; a channel without derivatives has none.
+    /// Values and derivatives, in the order of the sensors.
     values: [Channel<'a>; Sensor::ALL.len()],
 }
 
 type Channel<'a> = (Cow<'a, [f64]>, Option<Cow<'a, [f64]>>);
 
 impl<'a> Channels<'a> {
-    /// As recorded.
+    /// Uncorrected channels.
     pub fn new(frame: &'a Frame) -> Self {
         let of = |value: &'a [f64], slope: Option<&'a Vec<f64>>| {
             (
@@ -51,14 +51,14 @@ impl<'a> Channels<'a> {
         &self.values[sensor as usize].0
     }
 
-    /// A sensor's values, and their derivatives where it has any.
+    /// A sensor's values, and their derivatives if it has any.
     pub fn series(&self, sensor: Sensor) -> [&[f64]; 2] {
         let (value, slope) = &self.values[sensor as usize];
         [value, slope.as_deref().unwrap_or_default()]
     }
 
-    /// A channel that is late by so much [s], brought back in time.
-    pub fn catch_up(&mut self, sensor: Sensor, delay_s: f64) {
+    /// Corrects a delay [s].
+    pub fn correct_delay(&mut self, sensor: Sensor, delay_s: f64) {
         let samples = delay_s / self.sample_s;
         let (value, slope) = &mut self.values[sensor as usize];
         for x in [Some(value), slope.as_mut()].into_iter().flatten() {
@@ -66,14 +66,14 @@ impl<'a> Channels<'a> {
         }
     }
 
-    /// A channel that reads this much too high throughout, in its own unit.
-    pub fn take_off(&mut self, sensor: Sensor, bias: f64) {
+    /// Corrects a bias, in the channel's unit.
+    pub fn correct_bias(&mut self, sensor: Sensor, bias: f64) {
         let (value, _) = &mut self.values[sensor as usize];
         value.to_mut().iter_mut().for_each(|x| *x -= bias);
     }
 
-    /// A channel that reads `scale` times what is true.
-    pub fn divide(&mut self, sensor: Sensor, scale: f64) {
+    /// Corrects a scale.
+    pub fn correct_scale(&mut self, sensor: Sensor, scale: f64) {
         self.scales[sensor as usize] *= scale;
         let (value, slope) = &mut self.values[sensor as usize];
         for x in [Some(value), slope.as_mut()].into_iter().flatten() {
@@ -81,7 +81,7 @@ impl<'a> Channels<'a> {
         }
     }
 
-    /// A channel that picks up another one by this size, freed of it.
+    /// Corrects cross-sensitivity to another channel.
     pub fn correct(&mut self, fault: &Fault, size: f64) {
         let Reading::PicksUp { other, factor } = fault.reading else {
             return;
@@ -89,17 +89,17 @@ impl<'a> Channels<'a> {
         let (value, slope) = self.values[other as usize].clone();
         let by = factor * size;
         let (to_value, to_slope) = &mut self.values[fault.of as usize];
-        let take_off = |to: &mut [f64], other: &[f64]| {
+        let subtract = |to: &mut [f64], other: &[f64]| {
             to.iter_mut().zip(other).for_each(|(to, x)| *to -= by * x);
         };
-        take_off(to_value.to_mut(), &value);
-        // An accelerometer has no derivative here; what a gyroscope picks up of it changes slowly.
+        subtract(to_value.to_mut(), &value);
+        // An accelerometer has no derivative here; its part in a gyroscope's reading is slow.
         if let (Some(to), Some(slope)) = (to_slope, slope) {
-            take_off(to.to_mut(), &slope);
+            subtract(to.to_mut(), &slope);
         }
     }
 
-    /// What a sensor reads over what is true.
+    /// Scale of a sensor's reading.
     pub fn scale(&self, sensor: Sensor) -> f64 {
         self.scales[sensor as usize]
     }

@@ -1,4 +1,4 @@
-//! Directions: how the rows change with each parameter.
+//! Design matrix: derivatives of the whitened rows by each parameter.
 
 use kufe_sled::effects::Active;
 use nalgebra::DMatrix;
@@ -17,13 +17,11 @@ use crate::procedure::candidate::Candidate;
 use crate::regression::gram::Gram;
 use crate::regression::prior::Prior;
 
-/// Columns that represent each run's own level: of friction and of lateral grip.
+/// Columns of each run's own level: of friction and of lateral grip.
 pub const OWN_LEVELS: usize = 2;
-/// What is differentiated: the model, its rows' whitening and the candidates.
+/// A model, its whitening and the candidates.
 pub struct Design<'a> {
-    /// The model with its effects.
     pub residual_model: &'a ResidualModel,
-    /// The rows' whitening.
     pub whitener: &'a Whitener,
     /// Base parameters with leverage, then the active effects' amplitudes.
     pub free_base: &'a [usize],
@@ -31,7 +29,6 @@ pub struct Design<'a> {
     pub candidates: &'a [Candidate<Amplitude>],
     /// Candidates that are searched in windows.
     pub local: &'a [Candidate<Amplitude>],
-    /// The windows.
     pub windows: &'a [Window],
 }
 
@@ -48,12 +45,12 @@ impl Design<'_> {
             + self.residual_model.installation.fitted()
     }
 
-    /// Place of the discrepancy's columns among all of a run.
+    /// Index of the discrepancy's first column.
     fn place_of_discrepancy(&self) -> usize {
         OWN_LEVELS + self.before_discrepancy()
     }
 
-    /// What is known of the fitted parameters before the data are: nothing of base and amplitudes.
+    /// Prior of the fitted parameters: flat for base and amplitudes.
     pub fn prior(&self) -> Prior {
         let ResidualModel {
             installation,
@@ -71,13 +68,13 @@ impl Design<'_> {
         prior
     }
 
-    /// Columns of one run: its levels, fitted parameters but for the discrepancy, candidates, and the residual given the
-    /// discrepancy last; all whitened.
+    /// Whitened columns of one run: levels, fitted parameters without the discrepancy, candidates,
+    /// and the residual given the discrepancy last.
     pub fn columns(&self, frame: &Frame) -> DMatrix<f64> {
         self.with_locals(frame, &[]).0
     }
 
-    /// The same, and with them the directions of local candidates that act everywhere.
+    /// The same, and the columns of local candidates acting everywhere.
     pub fn columns_and_locals(&self, frame: &Frame) -> (DMatrix<f64>, DMatrix<f64>) {
         self.with_locals(frame, self.local)
     }
@@ -99,7 +96,7 @@ impl Design<'_> {
                 moved
             })
             .collect();
-        // Every part by itself; the combinations that are fitted are made of their rows.
+        // One column per part; the fitted combinations are formed from the rows.
         let installation = &residual_model.installation;
         let parts = match installation.fitted() {
             0 => 0,
@@ -118,7 +115,7 @@ impl Design<'_> {
         let n = frame.len();
         let first_part = BASE + moved.len();
         let first_trial = first_part + parts;
-        // A delay and what an installation is off by ask for the channels at other times.
+        // Delays and installation errors need the channels at other times.
         let delays = residual_model.effects.delays();
         let late_moved = moved
             .iter()
@@ -196,16 +193,16 @@ impl Design<'_> {
             }
         }
         self.put_shifted(frame, &shifted, (&instants, &residual), &mut raw);
-        // Low-passed, thinned and whitened, the channels one below the other.
+        // Low-passed, thinned and whitened; the channels are stacked.
         let rows = frame.row_count() * self.whitener.count();
         let white = |k: usize| {
-            // A part of another session, say.
+            // Such as a part of another session.
             if raw.iter().all(|raw| raw[k].iter().all(|x| *x == 0.0)) {
                 return vec![0.0; rows];
             }
             let mut white: [Vec<f64>; BALANCES] = std::array::from_fn(|c| frame.rows(&raw[c][k]));
             if k == count - 1 {
-                residual_model.discrepancy.take_off(frame, &mut white);
+                residual_model.discrepancy.subtract(frame, &mut white);
             }
             self.whitener.mix(&mut white);
             white.concat()
@@ -235,10 +232,11 @@ impl Design<'_> {
         (gather(&order), gather(&locals))
     }
 
-    /// The columns of models that ask for the channels at other times or places, by their places, where the run's instants are known and
-    /// its balances leave `residual`.
+    /// The columns of models that use the channels at other times or places. `residual` is that of
+    /// the balances at the run's instants.
     ///
-    /// As the model has the accelerations: with the measured ones, which hold the residual, these columns would follow it.
+    /// Accelerations are those of the model: the measured ones contain the residual, and the
+    /// columns would be correlated with it.
     fn put_shifted(
         &self,
         frame: &Frame,
@@ -306,15 +304,15 @@ impl Design<'_> {
             .collect()
     }
 
-    /// Products of columns with each other and with those of the discrepancy, which come behind the other fitted ones.
+    /// Products of the columns with each other and with those of the discrepancy.
     pub fn squares(&self, frame: &Frame, columns: &DMatrix<f64>) -> DMatrix<f64> {
         let at = self.place_of_discrepancy();
         let discrepancy = &self.residual_model.discrepancy;
         discrepancy.products(frame, self.whitener, columns, at)
     }
 
-    /// What noise adds to products of columns as what it adds to those with the discrepancy among them: where a run is has no noise
-    /// that matters.
+    /// Extends the noise products by zeros for the discrepancy, whose columns depend on place only
+    /// and have negligible noise.
     pub fn without_noise(&self, added: DMatrix<f64>) -> DMatrix<f64> {
         let at = self.place_of_discrepancy();
         let count = self.residual_model.discrepancy.fitted();
@@ -335,7 +333,7 @@ impl Design<'_> {
         all
     }
 
-    /// Products of the windows' directions with all columns: sums over bins, then over each window's bins.
+    /// Products of the windows' columns with all columns: sums over bins, then over windows.
     fn window_products(
         &self,
         frame: &Frame,
@@ -397,20 +395,18 @@ impl Design<'_> {
 
 /// Products of one run's columns, levels first, and of its windows with them.
 pub struct Products {
-    /// Columns with columns.
     pub full: DMatrix<f64>,
-    /// Windows with columns, one row a window.
+    /// Windows with columns, one row per window.
     pub windows: DMatrix<f64>,
-    /// Windows with themselves.
     pub window_norms: Vec<f64>,
     /// Local candidate of each window and its share of the run's rows.
     pub shares: Vec<(usize, f64)>,
 }
 
 impl Products {
-    /// The run's sums for scores, `share` of what noise adds taken off.
+    /// The run's sums for scores, less `share` of the noise.
     ///
-    /// `noise` belongs to the columns with the local candidates behind them; what it adds to a window is taken to be even
+    /// `noise` includes the local candidates last; the noise of a window is taken to be uniform
     /// along the run.
     pub fn corrected(&self, noise: &DMatrix<f64>, share: f64) -> Gram {
         let m = self.full.ncols();
@@ -430,7 +426,7 @@ impl Products {
         Gram::new(&full, OWN_LEVELS, &windows, &norms)
     }
 
-    /// Nothing taken off but the run's own levels.
+    /// Without noise correction; run levels are taken out.
     pub fn plain(&self) -> Gram {
         Gram::new(&self.full, OWN_LEVELS, &self.windows, &self.window_norms)
     }

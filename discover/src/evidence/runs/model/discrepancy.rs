@@ -1,17 +1,19 @@
-//! What the balances leave over place on every run of a track alike and no part of the model explains: a random effect.
+//! Model discrepancy over place: a random effect that is common to all runs of a track.
 //!
-//! On track t the rows of balance c hold `d_tc(s)`, a cubic spline whose coefficients are independent normal with a standard
-//! deviation of each balance. With D the columns of all coefficients in units of it, fits and scores are those of
+//! On track t the rows of balance c contain `d_tc(s)`, a cubic spline with independent normal
+//! coefficients of a standard deviation per balance. With D the columns of all coefficients in
+//! units of it, fits and scores are those of
 //!
 //! ```text
 //! r = J b + D u + e,   u ~ N(0, 1)        V = 1 + D D'
 //! ```
 //!
-//! An effect is then judged by what it explains in addition to any other error at the same places: by how runs and
-//! places differ, not by how often the same misfit is repeated.
+//! An effect is then tested against any other error at the same places: differences between runs
+//! and places count, repetitions of the same misfit do not.
 //!
-//! Source: M. C. Kennedy, A. O'Hagan, Bayesian calibration of computer models, Journal of the Royal Statistical Society B 63 (2001) 425;
-//! P. H. C. Eilers, B. D. Marx, Flexible smoothing with B-splines and penalties, Statistical Science 11 (1996) 89.
+//! Source: M. C. Kennedy, A. O'Hagan, Bayesian calibration of computer models, Journal of the Royal
+//! Statistical Society B 63 (2001) 425; P. H. C. Eilers, B. D. Marx, Flexible smoothing with
+//! B-splines and penalties, Statistical Science 11 (1996) 89.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -31,7 +33,7 @@ const SUM_OF_SQUARES: f64 = 151.0 / 315.0;
 #[derive(Clone, Debug, PartialEq)]
 struct Span {
     track: String,
-    /// Where the first piece begins \[m\].
+    /// Start of the first piece \[m\].
     from_m: f64,
     /// Splines of a balance.
     splines: usize,
@@ -43,17 +45,17 @@ pub struct Discrepancy {
     spans: Arc<[Span]>,
     /// Length of a piece \[m\].
     knots_m: f64,
-    /// Standard deviation of the coefficients of each balance, in its unit; 0 where nothing repeats.
+    /// Standard deviation of the coefficients of each balance, in its unit; 0 if nothing repeats.
     sd: [f64; BALANCES],
-    /// Coefficients in standard deviations: track by track, in each balance by balance.
+    /// Coefficients in standard deviations, by track and balance.
     pub sizes: Vec<f64>,
-    /// Whether fits leave the coefficients as they are.
+    /// Whether the coefficients are fixed in fits.
     fixed: bool,
 }
 
 impl Discrepancy {
-    /// From what rows of runs leave: the variance of each balance is the mean product of two runs at the same place, less that of
-    /// simulated runs, in which noisy inputs alone repeat.
+    /// Estimates the variance of each balance: the mean product of two runs at the same place, less
+    /// that of simulated runs, in which only noisy inputs repeat.
     pub fn estimate(
         frames: &[Frame],
         [rows, simulated]: [&[ChannelRows]; 2],
@@ -90,7 +92,7 @@ impl Discrepancy {
         .at_zero()
     }
 
-    /// The same with the smaller deviation of two.
+    /// The same with the smaller standard deviation of two.
     pub fn least(&self, other: &Self) -> Self {
         Self {
             sd: std::array::from_fn(|c| self.sd[c].min(other.sd[c])),
@@ -99,8 +101,8 @@ impl Discrepancy {
         .at_zero()
     }
 
-    /// The same, fixed or not.
-    pub fn hold(&self, fixed: bool) -> Self {
+    /// The same with fixed or free coefficients.
+    pub fn with_fixed(&self, fixed: bool) -> Self {
         Self {
             fixed,
             ..self.clone()
@@ -115,12 +117,11 @@ impl Discrepancy {
         }
     }
 
-    /// Balances of which something repeats.
+    /// Balances with a discrepancy.
     fn balances(&self) -> impl Iterator<Item = usize> + '_ {
         (0..BALANCES).filter(|c| self.sd[*c] > 0.0)
     }
 
-    /// Number of coefficients.
     pub fn count(&self) -> usize {
         self.sizes.len()
     }
@@ -158,7 +159,7 @@ impl Discrepancy {
         frame.rows(&frame.s).iter().map(at).collect()
     }
 
-    /// The columns of a run, whitened, the balances in use one below the other, and the place of the first of them among all coefficients.
+    /// The whitened columns of a run, balances stacked, and the first one's index among all.
     pub fn columns(&self, frame: &Frame, whitener: &Whitener) -> (usize, DMatrix<f64>) {
         let (n, used) = (frame.row_count(), whitener.count());
         let Some((first, span)) = self.of_track(&frame.track).filter(|_| self.count() > 0) else {
@@ -181,7 +182,7 @@ impl Discrepancy {
         (first, columns)
     }
 
-    /// Products of whitened columns with each other, and with those of the coefficients in their midst.
+    /// Products of whitened columns with each other, and with those of the coefficients inserted.
     pub fn products(
         &self,
         frame: &Frame,
@@ -245,8 +246,8 @@ impl Discrepancy {
         all
     }
 
-    /// Takes it off a run's rows.
-    pub fn take_off(&self, frame: &Frame, rows: &mut [Vec<f64>]) {
+    /// Subtracts the discrepancy from a run's rows.
+    pub fn subtract(&self, frame: &Frame, rows: &mut [Vec<f64>]) {
         let Some((first, span)) = self.of_track(&frame.track).filter(|_| self.count() > 0) else {
             return;
         };
@@ -260,7 +261,8 @@ impl Discrepancy {
         }
     }
 
-    /// By how much it lowers the negative log-likelihood of rows without it, all its coefficients integrated out:
+    /// Decrease of the negative log-likelihood by the discrepancy, with its coefficients integrated
+    /// out:
     ///
     /// ```text
     /// (r'D inv(D'D + 1) D'r - ln det(D'D + 1)) / 2
@@ -330,7 +332,7 @@ mod tests {
         (0..6).map(of).collect()
     }
 
-    /// Noise of unit variance, and of two balances what this discrepancy makes of them.
+    /// Noise of unit variance, plus this discrepancy in two balances.
     fn rows(frames: &[Frame], discrepancy: Option<&Discrepancy>) -> Vec<ChannelRows> {
         let mut rng = stream(3, 1, 4);
         let of = |frame: &Frame| {
@@ -338,7 +340,7 @@ mod tests {
                 || -> Vec<f64> { (0..frame.row_count()).map(|_| normal(&mut rng)).collect() };
             let mut rows = [noise(), Vec::new(), noise(), Vec::new()];
             if let Some(discrepancy) = discrepancy {
-                discrepancy.take_off(frame, &mut rows);
+                discrepancy.subtract(frame, &mut rows);
             }
             rows
         };
@@ -379,7 +381,7 @@ mod tests {
             let found = discrepancy.products(frame, &whitener, &x, 2);
             assert!((found - dense.tr_mul(&dense)).amax() < 1e-9);
             let mut less = of_run.clone();
-            discrepancy.take_off(frame, &mut less);
+            discrepancy.subtract(frame, &mut less);
             let sizes = &discrepancy.sizes[first..first + own.ncols()];
             let taken = own * DVector::from_column_slice(sizes);
             let [before, after] = [of_run, &less].map(|r| whitener.apply(r));
@@ -389,7 +391,7 @@ mod tests {
         }
     }
 
-    /// The mean product of some sixty places is known to a fifth.
+    /// The mean product of some sixty places has a relative error of a fifth.
     #[test]
     fn deviations_are_those_that_coefficients_were_drawn_with() {
         let frames = frames();
@@ -407,7 +409,7 @@ mod tests {
         assert_eq!(found.sd[1], 0.0);
     }
 
-    /// Against the covariance written out, `V = 1 + D D'` over the runs of each track.
+    /// Compared with the explicit covariance, `V = 1 + D D'` over the runs of each track.
     #[test]
     fn coefficients_are_integrated_out() {
         let frames = frames();
@@ -415,7 +417,7 @@ mod tests {
         let all = rows(&frames, Some(&discrepancy));
         let whitener = Whitener::estimate(&all, USED);
         let white: Vec<Vec<f64>> = all.iter().map(|rows| whitener.apply(rows)).collect();
-        // Of each run two hundred rows, so that the covariance is small.
+        // Two hundred rows per run, so that the covariance is small.
         let mut short = frames.clone();
         short
             .iter_mut()

@@ -1,18 +1,22 @@
-//! What the installation may be off by: delays, scales, biases, places, mass and inertia, and offsets by session of sensors that are
-//! mounted anew, as random effects.
+//! Installation errors as random effects: delays, scales, biases, positions, mass and inertia, and
+//! offsets by session of sensors that are mounted anew.
 //!
-//! Each error a has a standard deviation that `[tolerances]` states, and is counted in units of it. With N its columns and J
-//! those of the base, the fit is that of least squares with a penalty, and rows have a covariance of their own:
+//! Each error a is in units of its standard deviation, which `[tolerances]` states. With N its
+//! columns and J those of the base, the fit is penalised least squares, equivalent to correlated
+//! rows:
 //!
 //! ```text
 //! min |r - J b - N a|^2 + |a|^2        V = 1 + N N'
 //! ```
 //!
-//! Where the track's slope is surveyed the difference of the speed's derivative and the accelerometer tells of the accelerometer's tilt and
-//! bias without any friction. Its information K about the sizes, and its scores k at sizes of 0, make their law before the forces are used
-//! normal with the covariance `S = inv(1 + K)` and the mean `S k`. Combinations are then those of independent b in `a = S k + root(S) b`.
+//! With a surveyed track slope, the difference of the speed's derivative and the accelerometer
+//! determines the accelerometer's tilt and bias without any friction. With its information K about
+//! the sizes, and its scores k at sizes of 0, the prior for the forces is normal with the
+//! covariance `S = inv(1 + K)` and the mean `S k`. Combinations are then those of independent b in
+//! `a = S k + root(S) b`.
 //!
-//! Source: G. K. Robinson, That BLUP is a good thing: the estimation of random effects, Statistical Science 6 (1991) 15.
+//! Source: G. K. Robinson, That BLUP is a good thing: the estimation of random effects, Statistical
+//! Science 6 (1991) 15.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -23,62 +27,63 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::evidence::runs::model::channels::Channels;
 
-/// What an installation error does.
+/// Kind of an installation error.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Wrong {
-    /// A channel is late.
+enum ErrorKind {
+    /// A delay of a channel.
     Late(Sensor),
-    /// A channel reads a share too much.
+    /// A relative scale error.
     Scaled(Sensor),
-    /// A channel reads a constant too much.
+    /// A bias.
     Biased(Sensor),
-    /// The inertial unit is turned about an axis: roll, pitch, yaw.
+    /// A rotation of the inertial unit about an axis: roll, pitch, yaw.
     Misaligned(usize),
-    /// A gyroscope's axis picks up the vertical acceleration.
+    /// Sensitivity of a gyroscope's axis to the vertical acceleration.
     GSensitive(usize),
-    /// The accelerometer is further along an axis.
+    /// Position of the accelerometer along an axis.
     Accelerometer(usize),
-    /// The slip sensor is further ahead.
+    /// Longitudinal position of the slip sensor.
     SlipSensor,
-    /// The centre of gravity lies further ahead.
+    /// Longitudinal position of the centre of gravity.
     Centre,
-    /// The sled is heavier by a share.
+    /// Relative error of the sled's mass.
     Mass,
-    /// Its pitch or yaw inertia is larger by a share.
+    /// Relative error of its pitch inertia.
     PitchInertia,
-    /// The same about the vertical.
+    /// Relative error of its yaw inertia.
     YawInertia,
 }
 
-/// One thing that may be off.
+/// One installation error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// What it is, in words.
+    /// Description.
     pub what: String,
-    /// Unit of its size.
     pub unit: &'static str,
-    /// Standard deviation that is stated, in its unit.
+    /// Stated standard deviation, in its unit.
     pub sd: f64,
-    /// The only session in which it is so; every one where there is none.
+    /// The only session in which it acts; `None`: all sessions.
     session: Option<String>,
-    wrong: Wrong,
+    wrong: ErrorKind,
 }
 
 impl Part {
-    /// Whether it moves the accelerometer ahead as a slope does.
+    /// Whether its effect on the longitudinal accelerometer is that of a slope.
     pub fn is_tilt(&self) -> bool {
         matches!(
             self.wrong,
-            Wrong::Biased(Sensor::Ax) | Wrong::Misaligned(1 | 2)
+            ErrorKind::Biased(Sensor::Ax) | ErrorKind::Misaligned(1 | 2)
         )
     }
 
-    /// Whether it makes channels of the inertial unit pick up others.
-    pub fn mixes(&self) -> bool {
-        matches!(self.wrong, Wrong::Misaligned(_) | Wrong::GSensitive(_))
+    /// Whether it couples channels of the inertial unit.
+    pub fn couples(&self) -> bool {
+        matches!(
+            self.wrong,
+            ErrorKind::Misaligned(_) | ErrorKind::GSensitive(_)
+        )
     }
 
-    /// Whether it acts in a session.
     pub fn acts_in(&self, session: &str) -> bool {
         self.session.as_ref().is_none_or(|own| own == session)
     }
@@ -86,13 +91,15 @@ impl Part {
     /// The sensor whose reading it changes.
     pub fn sensor(&self) -> Option<Sensor> {
         match self.wrong {
-            Wrong::Late(sensor) | Wrong::Scaled(sensor) | Wrong::Biased(sensor) => Some(sensor),
+            ErrorKind::Late(sensor) | ErrorKind::Scaled(sensor) | ErrorKind::Biased(sensor) => {
+                Some(sensor)
+            }
             _ => None,
         }
     }
 }
 
-/// What other data than the forces say of the sizes, in stated standard deviations.
+/// Information about the sizes from data other than the forces, in stated standard deviations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Information {
     /// Information K.
@@ -101,7 +108,7 @@ pub struct Information {
     pub scores: DVector<f64>,
 }
 
-/// The normal law of the sizes before the forces are used: `mean + root b` with independent b.
+/// Normal prior of the sizes for the forces: `mean + root b` with independent b.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct SizeLaw {
     mean: DVector<f64>,
@@ -133,23 +140,22 @@ impl SizeLaw {
     }
 }
 
-/// Everything that may be off, and by how much it is.
+/// All installation errors with their sizes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Installation {
-    /// What may be off.
     pub parts: Vec<Part>,
-    /// By how much, in standard deviations.
+    /// Sizes in standard deviations.
     pub sizes: Vec<f64>,
     /// Orthonormal combinations of the independent errors b that are fitted.
     pub directions: Vec<Vec<f64>>,
-    /// Whether fits leave the sizes as they are.
+    /// Whether the sizes are fixed in fits.
     pub fixed: bool,
-    /// Law of the sizes before the forces are used.
+    /// Prior of the sizes for the forces.
     law: Arc<SizeLaw>,
 }
 
 impl Installation {
-    /// What the tolerances leave open in runs of these sessions; a standard deviation of 0 leaves nothing.
+    /// Errors that the tolerances allow in runs of these sessions; 0 excludes an error.
     pub fn new<'s>(tolerances: &Tolerances, sessions: impl IntoIterator<Item = &'s str>) -> Self {
         let t = tolerances;
         let gyros = [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate];
@@ -168,7 +174,7 @@ impl Installation {
         };
         for s in Sensor::ALL {
             let what = format!("delay of {}", s.name());
-            add(what, "s", t.delay_s, Wrong::Late(s));
+            add(what, "s", t.delay_s, ErrorKind::Late(s));
         }
         for s in gyros {
             let name = s.name();
@@ -176,10 +182,10 @@ impl Installation {
                 format!("scale of {name}"),
                 "",
                 t.gyro_scale,
-                Wrong::Scaled(s),
+                ErrorKind::Scaled(s),
             );
             let (sd, what) = (t.gyro_bias_radps, format!("bias of {name}"));
-            add(what, "rad/s", sd, Wrong::Biased(s));
+            add(what, "rad/s", sd, ErrorKind::Biased(s));
         }
         for s in accelerometers {
             let name = s.name();
@@ -187,36 +193,39 @@ impl Installation {
                 format!("scale of {name}"),
                 "",
                 t.accel_scale,
-                Wrong::Scaled(s),
+                ErrorKind::Scaled(s),
             );
             let (sd, what) = (t.accel_bias_mps2, format!("bias of {name}"));
-            add(what, "m/s2", sd, Wrong::Biased(s));
+            add(what, "m/s2", sd, ErrorKind::Biased(s));
         }
         let steer = Sensor::Steering;
         let what = format!("scale of {}", steer.name());
-        add(what, "", t.steer_scale, Wrong::Scaled(steer));
+        add(what, "", t.steer_scale, ErrorKind::Scaled(steer));
         for (axis, name) in ["roll", "pitch", "yaw"].into_iter().enumerate() {
             let what = format!("misalignment of the inertial unit, {name}");
-            add(what, "rad", t.misalignment_rad, Wrong::Misaligned(axis));
+            add(what, "rad", t.misalignment_rad, ErrorKind::Misaligned(axis));
         }
         for (axis, s) in gyros.into_iter().enumerate() {
             let (unit, sd) = ("rad/s per m/s2", t.gyro_g_sensitivity_radps_per_mps2);
             let what = format!("g-sensitivity of {}", s.name());
-            add(what, unit, sd, Wrong::GSensitive(axis));
+            add(what, unit, sd, ErrorKind::GSensitive(axis));
         }
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
             let what = format!("place of the accelerometer, {name}");
-            add(what, "m", t.place_m, Wrong::Accelerometer(axis));
+            add(what, "m", t.place_m, ErrorKind::Accelerometer(axis));
         }
         let places = [
-            ("place of the slip sensor, x", Wrong::SlipSensor),
-            ("place of the centre of gravity, x", Wrong::Centre),
+            ("place of the slip sensor, x", ErrorKind::SlipSensor),
+            ("place of the centre of gravity, x", ErrorKind::Centre),
         ];
         for (what, wrong) in places {
             add(what.to_owned(), "m", t.place_m, wrong);
         }
-        add("mass, relative".to_owned(), "", t.mass, Wrong::Mass);
-        let inertias = [("pitch", Wrong::PitchInertia), ("yaw", Wrong::YawInertia)];
+        add("mass, relative".to_owned(), "", t.mass, ErrorKind::Mass);
+        let inertias = [
+            ("pitch", ErrorKind::PitchInertia),
+            ("yaw", ErrorKind::YawInertia),
+        ];
         for (axis, wrong) in inertias {
             add(format!("{axis} inertia, relative"), "", t.inertia, wrong);
         }
@@ -231,7 +240,7 @@ impl Installation {
                     unit: "rad",
                     sd: t.session_offset_rad,
                     session: Some(session.to_owned()),
-                    wrong: Wrong::Biased(s),
+                    wrong: ErrorKind::Biased(s),
                 });
             }
         }
@@ -252,7 +261,7 @@ impl Installation {
         }
     }
 
-    /// The stated installation with what other data than the forces say of it.
+    /// The stated installation with information from data other than the forces.
     pub fn informed(self, information: Information) -> Self {
         Self::of(self.parts, Some(information))
     }
@@ -263,7 +272,7 @@ impl Installation {
         &self.law.inverse_root * (sizes - &self.law.mean)
     }
 
-    /// The root of the sizes' covariance before the forces are used.
+    /// The root of the prior covariance of the sizes.
     pub fn root(&self) -> &DMatrix<f64> {
         &self.law.root
     }
@@ -274,7 +283,7 @@ impl Installation {
         shares.iter().copied().collect()
     }
 
-    /// The same with nothing found of what moves the accelerometer as a slope does.
+    /// The same with tilt-like errors of 0.
     pub fn without_tilt(&self) -> Self {
         let mut without = self.clone();
         let parts = without.parts.iter().zip(&mut without.sizes);
@@ -292,26 +301,26 @@ impl Installation {
         }
     }
 
-    /// The same, fixed or not.
-    pub fn hold(&self, fixed: bool) -> Self {
+    /// The same with fixed or free sizes.
+    pub fn with_fixed(&self, fixed: bool) -> Self {
         Self {
             fixed,
             ..self.clone()
         }
     }
 
-    /// What its sizes cost, as the logarithm of a density against that of sizes of 0.
+    /// Negative log prior density of its sizes, relative to sizes of 0.
     pub fn cost(&self) -> f64 {
         let of_mean = &self.law.inverse_root * &self.law.mean;
         self.distance() - 0.5 * of_mean.norm_squared()
     }
 
-    /// The same against that of the sizes' means.
+    /// The same relative to the mean.
     pub fn distance(&self) -> f64 {
         0.5 * self.independent().norm_squared()
     }
 
-    /// By how much a combination is off, in standard deviations.
+    /// Size of a combination, in standard deviations.
     pub fn along(&self, direction: usize) -> f64 {
         let errors = self.independent();
         let direction = self.directions[direction].iter();
@@ -321,16 +330,16 @@ impl Installation {
             .sum()
     }
 
-    /// The combinations of parts of which one standard deviation shows, from their products in the rows (parts by parts).
+    /// The combinations that the rows determine, from the products of the parts (parts by parts).
     ///
-    /// With G these products given the base, the eigenvectors of G are distinguished by the data, and one of eigenvalue g moves no
-    /// statistic by more than the root of g: those below `least` are omitted, and with them what no fit could hold.
+    /// With G these products given the base, the data separate the eigenvectors of G. One of
+    /// eigenvalue g changes no statistic by more than sqrt(g): those below `least` are omitted.
     pub fn determined_by(&self, products: &DMatrix<f64>, least: f64) -> Self {
         let root = self.root();
         let eigen = (root * products * root).symmetric_eigen();
-        let retained = (0..eigen.eigenvalues.len()).filter(|k| eigen.eigenvalues[*k] >= least);
+        let selected = (0..eigen.eigenvalues.len()).filter(|k| eigen.eigenvalues[*k] >= least);
         Self {
-            directions: retained
+            directions: selected
                 .map(|k| eigen.eigenvectors.column(k).iter().copied().collect())
                 .collect(),
             ..self.clone()
@@ -345,7 +354,7 @@ impl Installation {
         }
     }
 
-    /// Moves all combinations, in standard deviations.
+    /// Changes all combinations, in standard deviations.
     pub fn step(&mut self, by: &[f64]) {
         for (direction, by) in self.directions.iter().zip(by) {
             let shares = &self.law.root * DVector::from_column_slice(direction);
@@ -355,14 +364,14 @@ impl Installation {
         }
     }
 
-    /// The same with one part moved by so many standard deviations.
+    /// The same with one part changed by so many standard deviations.
     pub fn moved(&self, part: usize, by: f64) -> Self {
         let mut moved = self.clone();
         moved.sizes[part] += by;
         moved
     }
 
-    /// Each combination that is fitted, of series of the parts.
+    /// Each fitted combination of series of the parts.
     pub fn combined(&self, parts: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let combined = |direction: &Vec<f64>| {
             let mut sum = vec![0.0; parts[0].len()];
@@ -379,8 +388,8 @@ impl Installation {
         fitted.iter().map(combined).collect()
     }
 
-    /// Size and standard error of each part, in its unit, from the errors of the combinations in standard deviations: what no
-    /// combination holds is open as it was stated.
+    /// Size and standard error of each part, in its unit, from the standard errors of the
+    /// combinations. Undetermined combinations have their prior uncertainty.
     pub fn found(&self, errors: &[f64]) -> Vec<(f64, f64)> {
         let part = |(j, part): (usize, &Part)| {
             let own = self.root().row(j);
@@ -396,50 +405,50 @@ impl Installation {
         self.parts.iter().enumerate().map(part).collect()
     }
 
-    /// From the stated constants of a sled to the true ones.
-    pub fn find_constants(&self, sled: &mut Sled) {
+    /// Corrects the stated constants of a sled.
+    pub fn correct_constants(&self, sled: &mut Sled) {
         for (part, size) in self.parts.iter().zip(&self.sizes) {
             let size = size * part.sd;
             match part.wrong {
-                Wrong::Accelerometer(0) => sled.accel_x_m += size,
-                Wrong::Accelerometer(1) => sled.accel_y_m += size,
-                Wrong::Accelerometer(_) => sled.accel_z_m += size,
-                Wrong::SlipSensor => sled.slip_x_m += size,
-                Wrong::Centre => {
+                ErrorKind::Accelerometer(0) => sled.accel_x_m += size,
+                ErrorKind::Accelerometer(1) => sled.accel_y_m += size,
+                ErrorKind::Accelerometer(_) => sled.accel_z_m += size,
+                ErrorKind::SlipSensor => sled.slip_x_m += size,
+                ErrorKind::Centre => {
                     sled.l_f_m -= size;
                     sled.l_r_m += size;
                     sled.accel_x_m -= size;
                     sled.slip_x_m -= size;
                 }
-                Wrong::Mass => sled.mass_kg *= 1.0 + size,
-                Wrong::PitchInertia => sled.j_yy_kgm2 *= 1.0 + size,
-                Wrong::YawInertia => sled.j_zz_kgm2 *= 1.0 + size,
-                Wrong::Late(_) | Wrong::Scaled(_) | Wrong::Biased(_) => {}
-                Wrong::Misaligned(_) | Wrong::GSensitive(_) => {}
+                ErrorKind::Mass => sled.mass_kg *= 1.0 + size,
+                ErrorKind::PitchInertia => sled.j_yy_kgm2 *= 1.0 + size,
+                ErrorKind::YawInertia => sled.j_zz_kgm2 *= 1.0 + size,
+                ErrorKind::Late(_) | ErrorKind::Scaled(_) | ErrorKind::Biased(_) => {}
+                ErrorKind::Misaligned(_) | ErrorKind::GSensitive(_) => {}
             }
         }
     }
 
-    /// How late a sensor is [s].
+    /// Delay of a sensor [s].
     pub fn delay(&self, sensor: Sensor) -> f64 {
         let parts = self.parts.iter().zip(&self.sizes);
-        let late = parts.filter(|(part, _)| part.wrong == Wrong::Late(sensor));
+        let late = parts.filter(|(part, _)| part.wrong == ErrorKind::Late(sensor));
         late.map(|(part, size)| part.sd * size).sum()
     }
 
-    /// From what the inertial unit said, each channel corrected by itself, to what was true of the sled.
-    pub fn unmix(&self, channels: &mut Channels) {
+    /// Corrects cross-sensitivity within the inertial unit, after each channel's own errors.
+    pub fn correct_coupling(&self, channels: &mut Channels) {
         let parts = self.parts.iter().zip(&self.sizes).rev();
-        for (part, size) in parts.filter(|(part, size)| part.mixes() && **size != 0.0) {
+        for (part, size) in parts.filter(|(part, size)| part.couples() && **size != 0.0) {
             let size = size * part.sd;
             let gyros = [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate];
             match part.wrong {
-                Wrong::Misaligned(axis) => {
+                ErrorKind::Misaligned(axis) => {
                     for fault in Fault::MISALIGNED[axis].iter().rev() {
                         channels.correct(fault, size);
                     }
                 }
-                Wrong::GSensitive(axis) => {
+                ErrorKind::GSensitive(axis) => {
                     channels.correct(&Fault::picks_up(gyros[axis], Sensor::Az, 1.0, 0), size);
                 }
                 _ => {}
@@ -447,23 +456,25 @@ impl Installation {
         }
     }
 
-    /// From what a sensor said in a session to what was true: what the installation is off by, then this delay [s] by effects.
+    /// Corrects a sensor's reading in a session: installation errors, then a delay by effects [s].
     pub fn correct(&self, of: Sensor, session: &str, delay_s: f64, channels: &mut Channels) {
         let parts = self.parts.iter().zip(&self.sizes);
         let acts = |part: &Part| part.sensor() == Some(of) && part.acts_in(session);
         for (part, size) in parts.filter(|(part, size)| **size != 0.0 && acts(part)) {
             let size = size * part.sd;
             match part.wrong {
-                Wrong::Late(sensor) => channels.catch_up(sensor, size),
-                Wrong::Biased(sensor) => channels.take_off(sensor, size),
-                Wrong::Scaled(sensor) => channels.divide(sensor, 1.0 + size),
-                Wrong::Misaligned(_) | Wrong::GSensitive(_) | Wrong::Accelerometer(_) => {}
-                Wrong::SlipSensor | Wrong::Centre => {}
-                Wrong::Mass | Wrong::PitchInertia | Wrong::YawInertia => {}
+                ErrorKind::Late(sensor) => channels.correct_delay(sensor, size),
+                ErrorKind::Biased(sensor) => channels.correct_bias(sensor, size),
+                ErrorKind::Scaled(sensor) => channels.correct_scale(sensor, 1.0 + size),
+                ErrorKind::Misaligned(_)
+                | ErrorKind::GSensitive(_)
+                | ErrorKind::Accelerometer(_) => {}
+                ErrorKind::SlipSensor | ErrorKind::Centre => {}
+                ErrorKind::Mass | ErrorKind::PitchInertia | ErrorKind::YawInertia => {}
             }
         }
         if delay_s != 0.0 {
-            channels.catch_up(of, delay_s);
+            channels.correct_delay(of, delay_s);
         }
     }
 }
@@ -472,7 +483,7 @@ impl Installation {
 mod tests {
     use super::*;
 
-    /// An installation that is exactly as stated.
+    /// An installation without errors.
     const EXACT: Tolerances = Tolerances {
         delay_s: 0.0,
         place_m: 0.0,
@@ -489,7 +500,7 @@ mod tests {
     };
 
     #[test]
-    fn what_is_exact_has_no_part_and_the_rest_one_each() {
+    fn every_error_with_a_tolerance_is_one_part() {
         assert_eq!(Installation::new(&EXACT, ["1"]).fitted(), 0);
         let delays = Tolerances {
             delay_s: 0.002,
@@ -518,14 +529,14 @@ mod tests {
     }
 
     #[test]
-    fn what_no_combination_holds_stays_as_open_as_it_was_stated() {
+    fn undetermined_errors_keep_their_stated_deviation() {
         let places = Tolerances {
             mass: 0.01,
             steer_scale: 0.03,
             ..EXACT
         };
         let both = Installation::new(&places, []);
-        // Only the sum of the two shows.
+        // Only the sum of the two is determined.
         let products = DMatrix::from_element(2, 2, 50.0);
         let mut determined = both.determined_by(&products, 1.0);
         assert_eq!(determined.fitted(), 1);

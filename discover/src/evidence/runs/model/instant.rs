@@ -1,12 +1,12 @@
-//! One sample of a run as a model sees it.
+//! One sample of a run in a model.
 
 use kufe_sled::effects::{self, Signals};
 use kufe_sled::{Balance, LawForces, Vehicle};
 
-/// One sample: its balance, the base laws there and what effects see.
+/// One sample: its balance, the base laws, and the state for effects.
 #[derive(Clone, Copy)]
 pub struct Instant {
-    /// What the effects see.
+    /// The state as effects take it.
     pub seen: effects::State,
     pub(super) balance: Balance,
     pub(super) laws: LawForces,
@@ -14,7 +14,7 @@ pub struct Instant {
 }
 
 impl Instant {
-    /// A balance with its base laws and the signals that it is made of.
+    /// A balance with its base laws and the signals that it was computed from.
     pub(super) fn new(
         vehicle: &Vehicle,
         balance: Balance,

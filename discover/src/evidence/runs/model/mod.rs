@@ -1,4 +1,4 @@
-//! Residuals of the one-track model and how they change with its parameters.
+//! Residuals of the one-track model and their derivatives.
 
 pub(crate) mod channels;
 pub(crate) mod design;

@@ -1,7 +1,7 @@
-//! A model on one run: from measured signals to residuals, the balances of the sled ([`Balance`]) over a whole run.
+//! Residuals of a model on one run: the force balances of the sled ([`Balance`]).
 //!
-//! Balances are taken at the rate of the retained samples and low-passed afterwards, all terms alike: a product of two smoothed
-//! signals is not the smoothed product.
+//! Balances are taken at the rate of the retained samples and low-passed afterwards, all terms
+//! alike: a product of two smoothed signals is not the smoothed product.
 
 use std::borrow::Cow;
 use std::sync::OnceLock;
@@ -21,12 +21,12 @@ use crate::evidence::runs::model::residual_model::{
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::survey::interpolate;
 
-/// A slip angle needs a speed [m/s].
+/// Smallest speed of a slip angle [m/s].
 const LEAST_SPEED: f64 = 0.5;
 
 /// Sensor of the acceleration of each balance.
 const ACCELERATIONS: [Sensor; BALANCES] = [Sensor::Ax, Sensor::Ay, Sensor::YawRate];
-/// A little more of an acceleration \[m/s2, rad/s2\].
+/// Step of an acceleration for differences \[m/s2, rad/s2\].
 const MORE: f64 = 1e-3;
 
 impl ResidualModel {
@@ -51,13 +51,13 @@ impl ResidualModel {
         rows
     }
 
-    /// The track channel of [`raw`](Self::raw) alone, which no force enters; zeros without a survey.
+    /// The track channel of [`raw`](Self::raw) alone; zeros without a survey.
     pub fn track(&self, frame: &Frame) -> Vec<f64> {
         let [track, _] = self.track_and_speed(frame);
         track
     }
 
-    /// The same, and the speed, brought from what was recorded to what was true.
+    /// The same, and the corrected speed.
     pub fn track_and_speed(&self, frame: &Frame) -> [Vec<f64>; 2] {
         let on_run = ModelOnRun::new(self, frame);
         let of = |i: usize| {
@@ -75,23 +75,22 @@ pub struct ModelOnRun<'a> {
     residual_model: &'a ResidualModel,
     frame: &'a Frame,
     channels: Channels<'a>,
-    /// With the constants as the installation corrects them.
+    /// Constants corrected for installation errors.
     sled: Sled,
     vehicle: Vehicle,
     air_density: f64,
-    /// Whether an effect changes what a sensor reads.
+    /// Whether an effect changes a sensor's reading.
     corrects: bool,
     humidity: Option<&'a Vec<f64>>,
     ice: Option<&'a Vec<f64>>,
     wear: Option<&'a Vec<f64>>,
     slopes: OnceLock<Cow<'a, [f64]>>,
-    /// The distance after which forces follow the slip [m].
+    /// Relaxation length of the lateral forces [m].
     relaxation: Option<f64>,
     slower: OnceLock<Vec<[f64; 2]>>,
 }
 
 impl<'a> ModelOnRun<'a> {
-    /// Prepares a run.
     pub fn new(residual_model: &'a ResidualModel, frame: &'a Frame) -> Self {
         let mut vehicle = residual_model.scaled_vehicle();
         let effects = residual_model.effects.on_track(&frame.track);
@@ -105,12 +104,12 @@ impl<'a> ModelOnRun<'a> {
         }
         let mut sled = vehicle.sled;
         let installation = &residual_model.installation;
-        installation.find_constants(&mut sled);
+        installation.correct_constants(&mut sled);
         let mut channels = Channels::new(frame);
         for (sensor, delay) in Sensor::ALL.into_iter().zip(delays) {
             installation.correct(sensor, &frame.session, delay, &mut channels);
         }
-        installation.unmix(&mut channels);
+        installation.correct_coupling(&mut channels);
         Self {
             residual_model,
             frame,
@@ -128,7 +127,7 @@ impl<'a> ModelOnRun<'a> {
         }
     }
 
-    /// By how much the slip that forces follow late changes faster than the slip itself, by sample, front and rear [rad/s].
+    /// Difference of slip rate with and without relaxation, by sample, front and rear [rad/s].
     fn slower(&self, distance: f64) -> &[[f64; 2]] {
         self.slower.get_or_init(|| {
             let (mut relaxed, dt) = (Relaxed::default(), self.frame.sample_s());
@@ -141,7 +140,7 @@ impl<'a> ModelOnRun<'a> {
         })
     }
 
-    /// The surveyed slope where the run was: of a distance that is the speed's sum, by the corrected speed.
+    /// The surveyed slope along the run; an integrated distance is corrected with the speed.
     fn slopes(&self) -> &[f64] {
         self.slopes.get_or_init(|| {
             let frame = self.frame;
@@ -168,7 +167,7 @@ impl<'a> ModelOnRun<'a> {
         self.corrected(i, self.channels.signals(i, self.sled))
     }
 
-    /// What the sensors said of a sample, corrected by the active effects.
+    /// Corrects the signals of a sample by the active effects.
     fn corrected(&self, i: usize, mut signals: Signals) -> Signals {
         let effects = &self.vehicle.effects;
         if !effects.is_empty() {
@@ -207,7 +206,7 @@ impl<'a> ModelOnRun<'a> {
         Balance::new(&sled, &state, &motion)
     }
 
-    /// The same with that of a motion close by.
+    /// The same, to first order from that of a similar motion.
     fn balance_near(&self, i: usize, signals: &Signals, known: &Balance) -> Balance {
         let (sled, state, motion) = self.motion(i, signals);
         Balance::near(&sled, &state, &motion, known)
@@ -223,7 +222,7 @@ impl<'a> ModelOnRun<'a> {
         (sled, state, motion)
     }
 
-    /// The same with forces that follow the slip at once.
+    /// The same without relaxation.
     fn state_and_motion(&self, i: usize, signals: &Signals) -> (Sled, State, Motion) {
         let sled = signals.sled;
         let mut moving = *signals;
@@ -233,7 +232,7 @@ impl<'a> ModelOnRun<'a> {
         (sled, state, motion)
     }
 
-    /// The state of a sample, as friction sees it.
+    /// The state of a sample as friction takes it.
     pub fn state(&self, i: usize) -> State {
         self.balance(i, &self.measured(i)).state
     }
@@ -245,14 +244,15 @@ impl<'a> ModelOnRun<'a> {
         Instant::new(&self.vehicle, balance, laws, signals)
     }
 
-    /// The same from the laws of a motion close by, to first order.
+    /// The same from the laws of a similar motion, to first order.
     pub fn instant_near(&self, i: usize, signals: &Signals, known: &Instant) -> Instant {
         let balance = self.balance_near(i, signals, &known.balance);
         let laws = balance.laws_near(&self.vehicle, &known.balance, &known.laws);
         Instant::new(&self.vehicle, balance, laws, signals)
     }
 
-    /// Balances of a sample from the laws of a motion close by, as of [`instant_near`](Self::instant_near).
+    /// Balances of a sample from the laws of a similar motion, as of
+    /// [`instant_near`](Self::instant_near).
     fn balances_near(&self, i: usize, signals: &Signals, known: &Instant) -> [f64; BALANCES] {
         let balance = self.balance_near(i, signals, &known.balance);
         let laws = balance.laws_near(&self.vehicle, &known.balance, &known.laws);
@@ -264,16 +264,16 @@ impl<'a> ModelOnRun<'a> {
         balance.residual(&forces).values()
     }
 
-    /// Derivatives of the balances of a sample by what its sensors say; nothing where effects act on the forces, which have derivatives of
-    /// their own, and where the sled is at rest.
+    /// Derivatives of the balances of a sample by its corrected readings; `None` if effects act on
+    /// the forces, whose derivatives are not included, and for a sled at rest.
     pub fn residual_jacobian(&self, at: &Instant, forces: &Forces) -> Option<ResidualJacobian> {
         let moves = at.signals[Sensor::Speed] > LEAST_SPEED;
         let plain = moves && *forces == at.laws.forces;
         plain.then(|| ResidualJacobian::new(&at.balance, &self.vehicle, &at.laws, &at.signals))
     }
 
-    /// Derivatives of the balances of a sample by what its sensors read, before effects correct it, and by the constants of the sled; by
-    /// differences where effects act.
+    /// Derivatives of the balances of a sample by its uncorrected readings and the constants of the
+    /// sled; by differences if effects act.
     pub fn jacobian_of_readings(
         &self,
         i: usize,
@@ -300,7 +300,7 @@ impl<'a> ModelOnRun<'a> {
         })
     }
 
-    /// These forces with the model's effects.
+    /// Adds the model's effects to forces.
     fn with_effects(&self, at: &Instant, mut forces: Forces) -> Forces {
         if !self.vehicle.effects.is_empty() {
             self.vehicle.effects.act(&at.seen, &mut forces);
@@ -313,19 +313,19 @@ impl<'a> ModelOnRun<'a> {
         self.with_effects(at, at.laws.forces)
     }
 
-    /// What the balances along [N], aside [N] and about the vertical [N m] leave of these forces.
+    /// Residuals of the longitudinal [N], lateral [N] and yaw [N m] balance with these forces.
     pub fn balances(&self, at: &Instant, forces: &Forces) -> [f64; BALANCES] {
         at.balance.residual(forces).values()
     }
 
-    /// Balances with base multiplier `b` moved by a small `step`.
+    /// Residuals with base multiplier `b` changed by a small `step`.
     pub fn balances_with_base(&self, at: &Instant, b: usize, step: f64) -> [f64; BALANCES] {
         let share = step / self.residual_model.base[b];
         let moved = with_base_moved(&at.laws, &self.vehicle, b, share);
         self.balances(at, &self.with_effects(at, moved))
     }
 
-    /// What the track channel leaves [m/s2]; 0 without a survey.
+    /// Residual of the track channel [m/s2]; 0 without a survey.
     fn track(&self, i: usize, balance: &Balance, signals: &Signals) -> f64 {
         let Some(slope) = self.slopes().get(i) else {
             return 0.0;
@@ -334,14 +334,13 @@ impl<'a> ModelOnRun<'a> {
         residual_along_track(balance, signals, slope)
     }
 
-    /// Residual of a sample.
     pub fn residual(&self, i: usize) -> [f64; CHANNELS] {
         let at = self.instant(i, &self.measured(i));
         let [along, side, yaw] = self.balances(&at, &self.forces(&at));
         [along, side, yaw, self.track(i, &at.balance, &at.signals)]
     }
 
-    /// The signals of a sample, then with a little more of the acceleration of each balance.
+    /// The signals of a sample, then with the acceleration of each balance increased.
     fn more_acceleration(&self, i: usize) -> [Signals; 1 + BALANCES] {
         let read = self.channels.signals(i, self.sled);
         std::array::from_fn(|k| {
@@ -355,14 +354,14 @@ impl<'a> ModelOnRun<'a> {
         })
     }
 
-    /// A sample, then with a little more of the acceleration of each balance: for [`gains`](Self::gains).
+    /// A sample, then with the acceleration of each balance increased, for [`gains`](Self::gains).
     pub fn with_more_acceleration(&self, i: usize) -> [Instant; 1 + BALANCES] {
         self.more_acceleration(i)
             .map(|signals| self.instant(i, &signals))
     }
 
-    /// How much of the measured acceleration ahead [kg], aside [kg] and about the vertical [kg m2] its balance takes by this model, `at` being
-    /// the sample by one with the same base laws.
+    /// Derivatives of the residuals by the longitudinal [kg], lateral [kg] and yaw [kg m2]
+    /// acceleration; `at` is the sample by a model with the same base laws.
     pub fn gains(&self, i: usize, at: &[Instant; 1 + BALANCES]) -> [f64; BALANCES] {
         let signals = self.more_acceleration(i);
         let balances = |k: usize| self.balances_at(i, &signals[k], &at[k]);
@@ -372,7 +371,7 @@ impl<'a> ModelOnRun<'a> {
         })
     }
 
-    /// Balances of a sample by this model, `at` being the sample by one with the same base laws.
+    /// Residuals of a sample by this model; `at` is the sample by a model with the same base laws.
     pub fn balances_given(&self, i: usize, at: &Instant) -> [f64; BALANCES] {
         self.balances_at(i, &self.measured(i), at)
     }
@@ -385,8 +384,8 @@ impl<'a> ModelOnRun<'a> {
         self.balances(&other, &self.forces(&other))
     }
 
-    /// Balances of a sample with one more effect at a small size, `at` and `forces` being those without it and `by` their derivatives,
-    /// where they are known.
+    /// Residuals of a sample with one more effect of small size. `at` and `forces` exclude it; `by`
+    /// are their derivatives, if known.
     pub fn balances_with(
         &self,
         i: usize,
@@ -405,7 +404,7 @@ impl<'a> ModelOnRun<'a> {
         if signals == at.signals {
             return residuals_with(effect, at, forces);
         }
-        // Another signal is another motion; what changes what a sensor reads acts on no force.
+        // Another reading changes the motion; a sensor effect changes no force.
         if let Some(by) = by {
             let (own, moved) = (self.balances(at, forces), by.between(&at.signals, &signals));
             return std::array::from_fn(|c| own[c] + moved[c]);
@@ -416,14 +415,14 @@ impl<'a> ModelOnRun<'a> {
     }
 }
 
-/// What the balances leave with one more effect, `forces` being those without it.
+/// Residuals with one more effect; `forces` exclude it.
 fn residuals_with(effect: &Active, at: &Instant, forces: &Forces) -> [f64; BALANCES] {
     let mut forces = *forces;
     effect.act(&at.seen, &mut forces);
     at.balance.residual(&forces).values()
 }
 
-/// Forces of the base laws to first order, with base parameter `b` moved by a share of itself.
+/// Forces of the base laws to first order, with base parameter `b` changed by a share of itself.
 fn with_base_moved(laws: &LawForces, vehicle: &Vehicle, b: usize, share: f64) -> Forces {
     let mut forces = laws.forces;
     let across = &mut forces.across;
@@ -439,7 +438,7 @@ fn with_base_moved(laws: &LawForces, vehicle: &Vehicle, b: usize, share: f64) ->
     forces
 }
 
-/// What the balance along the sled's way leaves [m/s2], the slope [rad] being positive downhill.
+/// Residual along the path of the sled [m/s2]; the slope [rad] is positive downhill.
 fn residual_along_track(balance: &Balance, signals: &Signals, slope: f64) -> f64 {
     let (a, (sine, cosine)) = (&balance.motion.accel_mps2, balance.chassis);
     signals.rate(Sensor::Speed) - GRAVITY * slope.sin() - a[0] * cosine + a[1] * sine

@@ -1,4 +1,4 @@
-//! What the sensors of a run would say, and what its sled would be, were something else off a little.
+//! Changes of sensor readings and constants between models of installation errors and delays.
 
 use kufe_sled::Sled;
 use kufe_sled::effects::{SENSORS, Sensor};
@@ -19,19 +19,19 @@ const UNIT: [Sensor; 6] = [
     Sensor::YawRate,
 ];
 
-/// What the sensors of a run say by a model's corrections.
+/// Readings of a run corrected by a model.
 pub struct Readings<'a> {
     own: &'a ResidualModel,
     frame: &'a Frame,
     delays: [f64; SENSORS],
     /// Each channel corrected by itself.
     channels: Channels<'a>,
-    /// The same, freed of what they pick up of others.
+    /// The same after correction of cross-sensitivity.
     unmixed: Channels<'a>,
     sled: Sled,
 }
 
-/// By how much values, their derivatives and constants differ between two models' corrections of a run.
+/// Differences of values, derivatives and constants between two models' corrections of a run.
 pub struct Differences {
     sensors: Vec<(Sensor, [Vec<f64>; 2])>,
     /// The constants of the sled by both models.
@@ -39,12 +39,12 @@ pub struct Differences {
 }
 
 impl<'a> Readings<'a> {
-    /// By a model's corrections of a run.
+    /// Readings of a run corrected by a model.
     pub fn new(own: &'a ResidualModel, frame: &'a Frame) -> Self {
         let delays = own.effects.on_track(&frame.track).delays();
         let channels = corrected(own, frame, &Sensor::ALL, &delays);
         let mut unmixed = corrected(own, frame, &UNIT, &delays);
-        own.installation.unmix(&mut unmixed);
+        own.installation.correct_coupling(&mut unmixed);
         Self {
             own,
             frame,
@@ -55,7 +55,8 @@ impl<'a> Readings<'a> {
         }
     }
 
-    /// From them to those of another model, which delays by effects or one part of the installation tell apart: sensors differ, or constants.
+    /// Differences from the readings by another model, which differs in delays by effects or in one
+    /// installation error: of sensors or of constants.
     pub fn differences(&self, other: &ResidualModel) -> Differences {
         let Self { own, frame, .. } = self;
         let delays = other.effects.on_track(&frame.track).delays();
@@ -66,21 +67,25 @@ impl<'a> Readings<'a> {
             .filter(|(part, (a, b))| a != b && part.acts_in(&frame.session))
             .map(|(part, _)| part)
             .collect();
-        // What makes channels pick up others moves all of the inertial unit.
-        let mixes = moved.iter().any(|part| part.mixes());
+        // Cross-sensitivity changes all channels of the inertial unit.
+        let couples = moved.iter().any(|part| part.couples());
         let reads = |sensor: &Sensor| {
             let k = *sensor as usize;
             self.delays[k] != delays[k] || moved.iter().any(|part| part.sensor() == Some(*sensor))
         };
-        let sensors = match mixes {
+        let sensors = match couples {
             true => UNIT.to_vec(),
             false => Sensor::ALL.into_iter().filter(reads).collect(),
         };
         let mut channels = corrected(other, frame, &sensors, &delays);
-        if mixes {
-            other.installation.unmix(&mut channels);
+        if couples {
+            other.installation.correct_coupling(&mut channels);
         }
-        let before = if mixes { &self.unmixed } else { &self.channels };
+        let before = if couples {
+            &self.unmixed
+        } else {
+            &self.channels
+        };
         let between = |sensor: Sensor| {
             let (own, other) = (before.series(sensor), channels.series(sensor));
             let by = [0, 1].map(|k| {
@@ -120,17 +125,16 @@ fn sled_of(model: &ResidualModel, frame: &Frame) -> Sled {
         mass_kg: frame.mass_kg.unwrap_or(sled.mass_kg),
         ..sled
     };
-    model.installation.find_constants(&mut sled);
+    model.installation.correct_constants(&mut sled);
     sled
 }
 
 impl Differences {
-    /// Whether nothing differs.
     pub fn are_none(&self) -> bool {
         self.sensors.is_empty() && self.sleds[0] == self.sleds[1]
     }
 
-    /// What the balances of a sample leave more, from their derivatives.
+    /// Change of the residuals of a sample, from their derivatives.
     pub fn residual_change(&self, i: usize, by: &ResidualJacobian) -> [f64; BALANCES] {
         let mut residual = match self.sensors.is_empty() {
             true => by.of_constants(&self.sleds[0], &self.sleds[1]),

@@ -1,20 +1,20 @@
-//! What repeats of a channel's residual from run to run.
+//! Repeatable part of a channel's residual.
 //!
-//! With r_ip the mean residual of run i in the bin p of its track, noise and everything that is a run's own
-//! cancel in products of different runs:
+//! With r_ip the mean residual of run i in the bin p of its track, noise and everything specific to
+//! a run cancel in products of different runs:
 //!
 //! ```text
 //! R = sum over p of w_p * mean over i != j of r_ip r_jp
 //! ```
 //!
-//! w_p is the share of the samples that lie in the bin.
+//! w_p is the share of samples in the bin.
 
 use std::collections::BTreeMap;
 
 use crate::evidence::runs::model::residual_model::ChannelRows;
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// Places that are listed of each channel.
+/// CandidateList places of each channel.
 const PLACES: usize = 3;
 
 /// Track and bin.
@@ -22,16 +22,15 @@ type Place<'a> = (&'a str, i64);
 
 /// Sums of one channel's residual by place and run: sum and number of values.
 pub struct Means<'a> {
-    /// Number of runs.
     pub runs: usize,
-    /// By place the runs that went there.
+    /// Runs by place.
     pub places: BTreeMap<Place<'a>, Vec<(usize, [f64; 2])>>,
     /// Mean square of all rows.
     pub mean_square: f64,
 }
 
 impl<'a> Means<'a> {
-    /// Of one channel in bins so wide \[m\].
+    /// Sums of one channel in bins of this width \[m\].
     pub fn new(channel: usize, frames: &'a [Frame], rows: &[ChannelRows], width: f64) -> Self {
         let mut places: BTreeMap<Place, Vec<(usize, [f64; 2])>> = BTreeMap::new();
         let (mut squares, mut count) = (0.0, 0.0);
@@ -55,10 +54,10 @@ impl<'a> Means<'a> {
         }
     }
 
-    /// What repeats at one place without run `left_out`, and the number of values there.
-    fn at(runs: &[(usize, [f64; 2])], left_out: Option<usize>) -> [f64; 2] {
+    /// The mean product at one place without run `omitted`, and the number of values there.
+    fn at(runs: &[(usize, [f64; 2])], omitted: Option<usize>) -> [f64; 2] {
         let (mut sum, mut squares, mut n, mut values) = (0.0, 0.0, 0.0, 0.0);
-        for (_, [total, count]) in runs.iter().filter(|(i, _)| Some(*i) != left_out) {
+        for (_, [total, count]) in runs.iter().filter(|(i, _)| Some(*i) != omitted) {
             let mean = total / count;
             (sum, squares) = (sum + mean, squares + mean * mean);
             (n, values) = (n + 1.0, values + count);
@@ -71,13 +70,13 @@ impl<'a> Means<'a> {
     }
 
     /// R without a run.
-    pub fn repeatable(&self, left_out: Option<usize>) -> f64 {
-        let each = self.places.values().map(|runs| Self::at(runs, left_out));
+    pub fn repeatable(&self, omitted: Option<usize>) -> f64 {
+        let each = self.places.values().map(|runs| Self::at(runs, omitted));
         let [sum, values] = each.fold([0.0; 2], |[sum, values], [r, n]| [sum + n * r, values + n]);
         sum / f64::max(values, 1.0)
     }
 
-    /// The places that hold most of R, and each one's share.
+    /// The places of largest share in R.
     pub fn most(&self, width: f64) -> Vec<String> {
         let mut each: Vec<(Place, f64)> = (self.places.iter())
             .map(|(place, runs)| {

@@ -1,25 +1,22 @@
-//! What the balances leave, by everything that the sensors say and by the constants of the sled:
-//! derivatives in closed form.
+//! Closed-form derivatives of the residuals by sensor readings and the constants of the sled.
 //!
-//! With z the accelerations, loads, slips and angles of an instant, x what the sensors say and the
-//! sled's constants,
+//! With z the accelerations, loads, slips and angles of an instant, x the readings and constants,
 //!
 //! ```text
-//! d rest / dx = (d rest / dz) (dz / dx)
+//! d residual / dx = (d residual / dz) (dz / dx)
 //! ```
 //!
-//! the laws to first order, the front runner's load as [`Balance::laws_near`] has it.
+//! with the laws to first order and the front runner's load as in [`Balance::laws_near`].
 
 use kufe_sled::effects::{SENSORS, Sensor, Signals};
 use kufe_sled::{Balance, LawForces, RunnerFriction, Sled, Vehicle};
 
-/// Derivatives of the balances along, aside and about the vertical, in the shape of what they are
-/// taken by.
+/// Derivatives of the longitudinal, lateral and yaw residual.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ResidualJacobian {
     /// By each sensor's value.
     value: [[f64; 3]; SENSORS],
-    /// By each gyro's derivative, roll, pitch and yaw.
+    /// By each gyro's derivative: roll, pitch and yaw.
     rate: [[f64; 3]; 3],
     mass: [f64; 3],
     pitch_inertia: [f64; 3],
@@ -29,7 +26,7 @@ pub struct ResidualJacobian {
     slip_sensor: [f64; 3],
 }
 
-/// The sum of vectors, each with its factor.
+/// Linear combination of vectors.
 #[inline]
 fn sum<const N: usize>(parts: [(f64, &[f64; 3]); N]) -> [f64; 3] {
     let mut sum = [0.0; 3];
@@ -42,7 +39,7 @@ fn sum<const N: usize>(parts: [(f64, &[f64; 3]); N]) -> [f64; 3] {
 }
 
 impl ResidualJacobian {
-    /// What a sensor's value and its derivative do, moved by so much.
+    /// Change of the residuals by changes of a sensor's value and its derivative.
     #[inline]
     pub fn of_sensor(&self, sensor: Sensor, value: f64, rate: f64) -> [f64; 3] {
         let by_value = &self.value[sensor as usize];
@@ -55,7 +52,7 @@ impl ResidualJacobian {
         }
     }
 
-    /// What the sled's constants do, moved from those of one to those of another.
+    /// Change of the residuals between two sets of constants.
     #[inline]
     pub fn of_constants(&self, from: &Sled, to: &Sled) -> [f64; 3] {
         let [x, y, z] = &self.accelerometer;
@@ -72,7 +69,7 @@ impl ResidualJacobian {
         ])
     }
 
-    /// What all of them do, between two readings of one instant.
+    /// Change of the residuals between two readings of one instant.
     #[inline]
     pub fn between(&self, from: &Signals, to: &Signals) -> [f64; 3] {
         let mut total = [0.0; 3];
@@ -90,7 +87,7 @@ impl ResidualJacobian {
         sum([(1.0, &total), (1.0, &by)])
     }
 
-    /// Forward differences: `change` of a move of the signals is that of the balances.
+    /// Forward differences; `change` maps a change of the signals to that of the residuals.
     pub fn of_differences(change: impl Fn(&dyn Fn(&mut Signals)) -> [f64; 3]) -> Self {
         const STEP: f64 = 1e-4;
         let along = |moved: &dyn Fn(&mut Signals)| change(moved).map(|x| x / STEP);
@@ -113,11 +110,11 @@ impl ResidualJacobian {
         }
     }
 
-    /// Derivatives of [`Balance::residual`] of the base laws' forces `of`, by what the sensors say
-    /// and the constants of the sled.
+    /// Derivatives of [`Balance::residual`] with the base laws' forces `of`, by readings and
+    /// constants of the sled.
     ///
-    /// `signals` are those from which the balance was made
-    /// ([`from_sensors`](kufe_sled::from_sensors)). Effects are not counted.
+    /// `signals` are those from which the balance was computed
+    /// ([`from_sensors`](kufe_sled::from_sensors)). Effects are not included.
     pub fn new(at: &Balance, vehicle: &Vehicle, of: &LawForces, signals: &Signals) -> Self {
         let (sled, state, motion) = (&at.sled, &at.state, &at.motion);
         let (m, v) = (sled.mass_kg, state.v_mps);
@@ -128,16 +125,15 @@ impl ResidualJacobian {
         let along = Along::of(at, &vehicle.front, at.slips[0], of.load_n[0]);
         let along_r = Along::of(at, &vehicle.rear, at.slips[1], of.load_n[1]);
 
-        // Forces at the centre of gravity, x, y and about z, by those of the runners and the angles
-        // between them.
+        // Forces at the centre of gravity, x, y and about z, by runner forces and angles.
         let (x, y) = (cd * fx - sd * fy, sd * fx + cd * fy);
         let aside = |y: f64| [0.0, y, l_f * y];
         let by_fx = [cd, sd / cg, l_f * sd / cg];
         let by_fy = [-sd, cd / cg, l_f * cd / cg];
         let (by_fx_r, by_fy_r) = ([1.0, 0.0, 0.0], [0.0, 1.0, -l_r]);
         let by_load = sum([(along.load, &by_fx), (front.fz, &by_fy)]);
-        // The front runner's load, from cos(gamma) F_z + sin(gamma) (sin(delta) F_x + cos(delta)
-        // F_y) = F_z0.
+        // The front load, from cos(gamma) F_z + sin(gamma) (sin(delta) F_x + cos(delta) F_y) =
+        // F_z0.
         let of_load = if of.load_n[0] > 0.0 {
             fx / of.load_n[0]
         } else {
@@ -178,7 +174,7 @@ impl ResidualJacobian {
         ]);
         let front_y = (y - sg * state.fz_f0_n) / cg;
 
-        // From there to what the sensors say; the rest falls as the forces rise.
+        // By the readings; the residual decreases with the forces.
         let [a_x, a_y, a_z] = motion.accel_mps2;
         let (yaw, pitch) = (state.yaw_rate_radps, state.pitch_rate_radps);
         let lever = |place: f64| (place - sled.slip_x_m) / v;
@@ -282,8 +278,8 @@ impl Along {
     }
 }
 
-/// How [`RunnerFriction::mu`] changes with the normal force [1/N], the curvature [m] and the speed
-/// [s/m]: of a table by central differences over a thousandth of each.
+/// Derivatives of [`RunnerFriction::mu`] by normal force [1/N], curvature [m] and speed [s/m]: of a
+/// table by central differences of a relative step of a thousandth.
 fn mu_by(runner: &RunnerFriction, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> [f64; 3] {
     if runner.table().is_none() {
         return [0.0; 3];
@@ -301,8 +297,7 @@ fn mu_by(runner: &RunnerFriction, fz: f64, curvature: f64, speed: f64, ice_c: f6
     })
 }
 
-/// How the drag of the base model changes with `beta` [N/rad]; 0 at `beta = 0`, where it has a
-/// kink.
+/// Derivative of the base model's drag by `beta` [N/rad]; 0 at `beta = 0`, where it has a kink.
 fn drag_by_slip(sled: &Sled, speed: f64, density: f64, beta: f64) -> f64 {
     let side = if beta == 0.0 { 0.0 } else { beta.signum() };
     match sled.cda_m2 * sled.yaw_drag_per_deg * side.to_degrees() {
@@ -344,7 +339,6 @@ mod tests {
         signals
     }
 
-    /// What the balances leave.
     fn residual(vehicle: &Vehicle, signals: &Signals) -> [f64; 3] {
         let balance = balance(signals);
         balance.residual(&balance.laws(vehicle).forces).values()
@@ -425,8 +419,8 @@ mod tests {
                 let largest = plus.iter().zip(minus).map(|(p, m)| (p - m).abs());
                 let size = largest.fold(1e-9, f64::max);
                 for c in 0..3 {
-                    // The load's own equation is solved to 1e-6, and the second order of differences is
-                    // below that.
+                    // The load equation is solved to 1e-6, and the second-order error of the
+                    // differences is below that.
                     let off = (plus[c] - minus[c] - closed[c]).abs();
                     assert!(
                         off < 2e-4 * size,

@@ -1,4 +1,4 @@
-//! The base model with what may be fitted of it: multipliers, effects, what the installation is off by.
+//! The fitted model: base multipliers, effects, installation errors, discrepancy and contacts.
 
 use kufe_sled::Vehicle;
 use kufe_sled::effects::{Active, Effects, Kind, Sensor};
@@ -10,11 +10,11 @@ use crate::evidence::runs::model::installation::Installation;
 
 /// Number of residual channels.
 pub const CHANNELS: usize = 4;
-/// Those of them that the forces enter: the first.
+/// Number of force balances, the first of the channels.
 pub const BALANCES: usize = 3;
-/// The track channel behind them.
+/// Index of the track channel.
 pub const TRACK: usize = BALANCES;
-/// Their names and units.
+/// Names and units of the channels.
 pub const CHANNEL_NAMES: [(&str, &str); CHANNELS] = [
     ("along", "N"),
     ("side", "N"),
@@ -23,9 +23,9 @@ pub const CHANNEL_NAMES: [(&str, &str); CHANNELS] = [
 ];
 /// Number of base parameters.
 pub const BASE: usize = 5;
-/// Least and largest multiplier of a base parameter.
+/// Bounds of a base multiplier.
 pub const BOUNDS: [f64; 2] = [0.02, 50.0];
-/// Multipliers of the base model: what they multiply.
+/// Names of the base multipliers.
 pub const BASE_NAMES: [&str; BASE] = [
     "longitudinal mu",
     "front mu_zeta",
@@ -34,24 +34,21 @@ pub const BASE_NAMES: [&str; BASE] = [
     "rear k_n_per_rad",
 ];
 
-/// The base model, its multipliers and the effects that are switched on.
+/// The base model, its multipliers and active effects.
 #[derive(Clone)]
 pub struct ResidualModel {
-    /// The model as it was given.
+    /// The model as given.
     pub vehicle: Vehicle,
-    /// Multipliers of the base parameters.
     pub base: [f64; BASE],
-    /// Effects.
     pub effects: Effects,
-    /// What the installation may be off by, and by how much it is.
     pub installation: Installation,
-    /// What the balances leave over place on every run of a track alike.
+    /// Discrepancy over place, common to all runs of a track.
     pub discrepancy: Discrepancy,
-    /// Contacts with walls that each run has its own of.
+    /// Contacts with walls, which differ from run to run.
     pub contacts: Option<Contacts>,
-    /// Variance that each balance leaves above the sensors' noise, over the square of what it takes of its acceleration.
-    pub beyond_noise: [f64; BALANCES],
-    /// Names of effects whose size is not fitted with the forces: it comes from the track channel.
+    /// Model error of each balance as a variance of its acceleration, above the sensor noise.
+    pub model_error: [f64; BALANCES],
+    /// Names of effects whose size comes from the track channel and is not fitted with the forces.
     pub frozen: Vec<String>,
 }
 
@@ -59,7 +56,7 @@ pub struct ResidualModel {
 pub type ChannelRows = [Vec<f64>; CHANNELS];
 
 impl ResidualModel {
-    /// A model with nothing wrong with its installation, no discrepancy and no contacts with walls.
+    /// A model without installation errors, discrepancy and contacts.
     pub fn new(vehicle: Vehicle, base: [f64; BASE], effects: Effects) -> Self {
         Self {
             vehicle,
@@ -68,12 +65,12 @@ impl ResidualModel {
             installation: Installation::default(),
             discrepancy: Discrepancy::default(),
             contacts: None,
-            beyond_noise: [0.0; BALANCES],
+            model_error: [0.0; BALANCES],
             frozen: Vec::new(),
         }
     }
 
-    /// Whether a base parameter is between its bounds.
+    /// Whether a base parameter is within its bounds.
     pub fn within(&self, parameter: usize) -> bool {
         !BOUNDS.contains(&self.base[parameter])
     }
@@ -85,7 +82,7 @@ impl ResidualModel {
         residual_model
     }
 
-    /// How late a sensor is on a track [s], by effects and installation.
+    /// Delay of a sensor on a track [s], by effects and installation.
     pub fn delay(&self, sensor: Sensor, track: &str) -> f64 {
         let own = self.effects.active.iter().filter(|e| e.acts_on(track));
         let by_effects: f64 = own.map(|e| e.delays()[sensor as usize]).sum();
@@ -115,11 +112,11 @@ impl ResidualModel {
         vehicle
     }
 
-    /// The same, with installation and discrepancy fixed or not.
-    pub fn hold(&self, fixed: bool) -> Self {
+    /// The same, with installation and discrepancy fixed or free.
+    pub fn with_fixed(&self, fixed: bool) -> Self {
         Self {
-            installation: self.installation.hold(fixed),
-            discrepancy: self.discrepancy.hold(fixed),
+            installation: self.installation.with_fixed(fixed),
+            discrepancy: self.discrepancy.with_fixed(fixed),
             ..self.clone()
         }
     }
@@ -141,7 +138,7 @@ impl ResidualModel {
         }
     }
 
-    /// The amplitudes that are fitted: place of the effect, place of the parameter.
+    /// The amplitudes that are fitted: index of the effect, index of the parameter.
     pub fn free(&self) -> Vec<(usize, usize)> {
         let mut free = Vec::new();
         for (e, effect) in self.effects.active.iter().enumerate() {

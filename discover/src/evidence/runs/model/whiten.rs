@@ -1,36 +1,38 @@
-//! Rows made comparable: each balance over its own deviation, and apart from the noise that it shares with others.
+//! Whitening of residuals across the force balances.
 //!
-//! The balances aside and about the vertical hold the noise of the same sensors, slip above all, so that a part of each tells of the other.
-//! With S the covariance of the three balances' residuals, rows are
+//! The lateral and yaw balance share sensor noise, above all of the slip, so that their residuals
+//! are correlated. With S the covariance of the three residuals, rows are
 //!
 //! ```text
 //! w = L^-1 r,   L L' = S,   so that   w.w = r' S^-1 r
 //! ```
 //!
-//! Correlation in time is not filtered out: of neighbouring rows it is 0.1 to 0.3 at most, and apart from them nothing.
+//! Correlation in time is not removed: it is 0.1 to 0.3 at most for neighbouring rows, and none
+//! beyond.
 
 use nalgebra::Matrix3;
 
 use crate::evidence::runs::model::residual_model::{BALANCES, CHANNELS, ChannelRows};
 
-/// Share of its variance that each balance is taken to have to itself: where noise is the same in two balances to the last digit, what
-/// tells them apart is no noise but how they are computed. Chosen: at half and at twice of it two balances with a correlation of 0.84 tell 2 %
-/// more and 4 % less of an effect that is in one of them.
+/// Smallest share of each balance's variance that is its own: if two residuals are identical but
+/// for rounding, their difference carries no information. Chosen: with half and with twice this
+/// share two balances with a correlation of 0.84 give 2 % more and 4 % less information on an
+/// effect in one of them.
 const OWN_SHARE: f64 = 0.01;
 
-/// What turns residuals of several channels into rows of one scale.
+/// Whitening of the residuals of several channels.
 #[derive(Clone, Debug)]
 pub struct Whitener {
-    /// Deviation by channel, in the channel's unit.
+    /// Standard deviation by channel, in the channel's unit.
     pub sd: [f64; CHANNELS],
-    /// Which channels take part; the track channel is treated by itself.
+    /// Channels in use; the track channel is treated separately.
     pub used: [bool; CHANNELS],
-    /// L^-1, with 1 for a balance that takes no part.
+    /// L^-1, with 1 for an unused balance.
     mix: Matrix3<f64>,
 }
 
 impl Whitener {
-    /// Each channel in its own unit.
+    /// Without scaling.
     pub fn plain(used: [bool; CHANNELS]) -> Self {
         Self {
             sd: [1.0; CHANNELS],
@@ -39,7 +41,7 @@ impl Whitener {
         }
     }
 
-    /// Of balances of this covariance; the track channel in its own unit.
+    /// For balances of this covariance; the track channel is not scaled.
     pub fn of(covariance: &Matrix3<f64>, used: [bool; CHANNELS]) -> Self {
         let mut whitener = Self::plain(used);
         let mut s = Matrix3::identity();
@@ -52,7 +54,7 @@ impl Whitener {
             }
         }
         let root = s.cholesky().and_then(|s| s.l().try_inverse());
-        whitener.mix = root.unwrap_or_else(|| whitener.apart().mix);
+        whitener.mix = root.unwrap_or_else(|| whitener.uncorrelated().mix);
         whitener
     }
 
@@ -69,14 +71,14 @@ impl Whitener {
         whitener
     }
 
-    /// The same with each balance over its deviation alone.
-    pub fn apart(&self) -> Self {
-        let mut apart = self.clone();
-        apart.mix = Matrix3::from_diagonal(&[0, 1, 2].map(|c| 1.0 / self.sd[c]).into());
-        apart
+    /// The same without correlation between balances.
+    pub fn uncorrelated(&self) -> Self {
+        let mut uncorrelated = self.clone();
+        uncorrelated.mix = Matrix3::from_diagonal(&[0, 1, 2].map(|c| 1.0 / self.sd[c]).into());
+        uncorrelated
     }
 
-    /// The same with other deviations of the balances, what they share of their noise as it is.
+    /// The same correlation with other standard deviations.
     pub fn with_sd(&self, sd: [f64; BALANCES]) -> Self {
         let mut other = self.clone();
         for (c, sd) in sd.into_iter().enumerate() {
@@ -87,7 +89,7 @@ impl Whitener {
         other
     }
 
-    /// What a unit of a balance adds to the rows of each.
+    /// Whitened rows of a unit residual of a balance.
     pub fn shares(&self, balance: usize) -> [f64; BALANCES] {
         std::array::from_fn(|c| self.mix[(c, balance)])
     }
@@ -97,12 +99,12 @@ impl Whitener {
         -self.mix.diagonal().map(f64::ln).sum()
     }
 
-    /// `S^-1`; 1 for a balance that takes no part.
+    /// `S^-1`; 1 for an unused balance.
     pub fn inverse(&self) -> Matrix3<f64> {
         self.mix.tr_mul(&self.mix)
     }
 
-    /// Rows of the three balances, whitened in place; a balance that takes no part may be empty.
+    /// Whitens rows of the three balances in place; an unused balance may be empty.
     pub fn mix<R: AsMut<[f64]>>(&self, rows: &mut [R; BALANCES]) {
         let used = (0..BALANCES).filter(|c| self.used[*c]);
         let n = used.clone().map(|c| rows[c].as_mut().len()).max();
@@ -118,7 +120,7 @@ impl Whitener {
         }
     }
 
-    /// Residuals of the channels that take part as rows of one scale; the others are empty.
+    /// Whitened residuals of the channels in use; the others are empty.
     pub fn rows(&self, rows: &ChannelRows) -> ChannelRows {
         let mut rows = rows.clone();
         for (c, row) in rows.iter_mut().enumerate() {
@@ -134,7 +136,7 @@ impl Whitener {
         rows
     }
 
-    /// All used balances of one run, one after the other.
+    /// Whitened residuals of one run, all used balances concatenated.
     pub fn apply(&self, rows: &ChannelRows) -> Vec<f64> {
         let [along, side, yaw, _] = self.rows(rows);
         [along, side, yaw].concat()
@@ -154,7 +156,7 @@ impl Whitener {
     }
 }
 
-/// Mean products of the balances that take part, over the rows of all runs.
+/// Covariance of the balances in use over the rows of all runs.
 pub fn covariance<'a>(
     rows: impl IntoIterator<Item = &'a ChannelRows>,
     used: [bool; CHANNELS],
@@ -220,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn balances_that_are_one_and_the_same_are_not_told_apart_by_rounding() {
+    fn identical_balances_are_not_separated_by_rounding() {
         let mut rows = rows();
         rows[2] = rows[1].iter().map(|y| 2.0 * y).collect();
         let whitener = Whitener::estimate(std::slice::from_ref(&rows), [true, true, true, false]);

@@ -1,20 +1,19 @@
-//! Stretches of a track in which an effect may act.
+//! Windows: intervals of a track in which an effect may act.
 
 use crate::evidence::runs::recordings::frame::Frame;
 
 /// Widths of windows in bins.
 const WIDTHS: [usize; 5] = [1, 2, 4, 8, 16];
 
-/// A stretch of a track, for one of the local candidates.
+/// An interval of a track for one of the local candidates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Window {
-    /// Which local candidate.
+    /// Index of the local candidate.
     pub local: usize,
-    /// Track.
     pub track: String,
-    /// From [m].
+    /// Start [m].
     pub from: f64,
-    /// To [m].
+    /// End [m].
     pub to: f64,
     /// Width of the narrowest window [m].
     pub narrowest: f64,
@@ -34,7 +33,7 @@ pub fn windows(frames: &[Frame], locals: usize, narrowest: f64) -> Vec<Window> {
     let mut out = Vec::new();
     for local in 0..locals {
         for (track, low, high) in &tracks {
-            // Above 100 km a distance is a mistake that must not size anything.
+            // A distance above 100 km is a mistake and must not size an allocation.
             let bins = (((high - low) / narrowest).ceil() as usize).min(10_000);
             for width in WIDTHS {
                 for first in (0..bins.saturating_sub(width - 1)).step_by(width.div_ceil(2)) {

@@ -1,8 +1,8 @@
-//! How much of the misfit that repeats from run to run a model leaves.
+//! Share of the repeatable misfit that remains with a model.
 //!
-//! The repeatable misfit R is a mean product of different runs ([`Means`]). What noisy inputs leave in every run alike is taken off,
-//! as simulated runs of the model show it. Standard errors are by the jackknife over runs (B. Efron, C. Stein, The
-//! Annals of Statistics 9 (1981) 586).
+//! The repeatable misfit R is a mean product of different runs ([`Means`]). The repeatable bias of
+//! noisy inputs, from simulated runs of the model, is subtracted. Standard errors are by the
+//! jackknife over runs (B. Efron, C. Stein, The Annals of Statistics 9 (1981) 586).
 
 use rayon::prelude::*;
 
@@ -14,12 +14,12 @@ use crate::evidence::runs::model::residual_model::{
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::finding::{Interval, Remaining};
 
-/// Sets of simulated runs of which the part of noisy inputs is the mean.
+/// Sets of simulated runs for the bias of noisy inputs.
 const SETS: u64 = 2;
 
 impl Campaign<'_> {
-    /// What remains of the repeatable misfit of each balance given a fit with its installation errors, against that of the
-    /// refitted base; nothing where a track has a single run.
+    /// Remaining repeatable misfit of each balance with a fit including its installation errors,
+    /// relative to the refitted base; empty if a track has a single run.
     pub fn remaining(&self, base: &RunFit, last: &RunFit) -> Vec<Remaining> {
         let frames: Vec<Frame> = self.whole().iter().chain(&self.held_out).cloned().collect();
         let width = self.rules().track_bin_m;

@@ -1,4 +1,4 @@
-//! Where it disagrees: bins of every column.
+//! Significant residuals by bins of every column.
 
 use nalgebra::DMatrix;
 
@@ -9,10 +9,10 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::finding::{BIN_SHOWN, BINS_SHOWN, Bin};
 use crate::null::sign_flips::{MaxT, statistics};
 
-/// A column of a run by its name.
+/// A column of a run.
 type ColumnOf = fn(&Frame) -> &[f64];
 
-/// Columns over which residuals are examined.
+/// Columns of the bins.
 pub const COLUMNS: [(&str, ColumnOf); 9] = [
     ("v_mps", |f| &f.v),
     ("alpha_rad", |f| &f.slip),
@@ -25,8 +25,9 @@ pub const COLUMNS: [(&str, ColumnOf); 9] = [
     ("s_m", |f| &f.s),
 ];
 
-/// Bins of every column in which the whitened residual is significant, by sign-flips over runs and max-T over all bins.
-pub fn stand_out(
+/// Bins of every column with a significant whitened residual: sign-flips over runs, max-T over
+/// bins.
+pub fn significant_bins(
     residual_model: &ResidualModel,
     whitener: &Whitener,
     frames: &[Frame],
@@ -41,9 +42,9 @@ pub fn stand_out(
         sums: Vec<(f64, f64)>,
     }
     let rows = residuals(residual_model, frames);
-    // A bin is one balance's own.
-    let apart = whitener.apart();
-    let white: Vec<Vec<f64>> = rows.iter().map(|r| apart.apply(r)).collect();
+    // A bin belongs to one balance.
+    let uncorrelated = whitener.uncorrelated();
+    let white: Vec<Vec<f64>> = rows.iter().map(|r| uncorrelated.apply(r)).collect();
     let mut cells: Vec<Cell> = Vec::new();
     for (name, of) in &COLUMNS {
         let tracks: Vec<Option<String>> = if *name == "s_m" {

@@ -1,7 +1,8 @@
-//! Where it disagrees by run and by session: the mean of each run's residual, before and after.
+//! Mean residuals by run and session, before and after.
 //!
-//! Whether sessions differ is determined by a one-way analysis of variance of the runs' means: the scatter between sessions over the scatter
-//! within them, F(G - 1, R - G) for R runs in G sessions. Source: R.A. Fisher, Statistical Methods for Research Workers (1925).
+//! Differences between sessions are tested by a one-way analysis of variance of the runs' means:
+//! F(G - 1, R - G) for R runs in G sessions. Source: R.A. Fisher, Statistical Methods for Research
+//! Workers (1925).
 
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, CHANNELS, ResidualModel};
@@ -9,7 +10,7 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::levels::{f_test, group};
 use crate::finding::{ByRun, RunMean};
 
-/// One entry a used channel, runs in the order of their sessions.
+/// One entry per used channel, runs in the order of their sessions.
 pub fn by_run(
     before: &ResidualModel,
     after: &ResidualModel,
@@ -17,7 +18,7 @@ pub fn by_run(
     used: [bool; CHANNELS],
 ) -> Vec<ByRun> {
     let sessions = group(frames);
-    // In the order in which they took place, as far as the index has it.
+    // In chronological order, if the index is.
     let mut ordered: Vec<&Vec<usize>> = sessions.values().collect();
     ordered.sort();
     let rows = [residuals(before, frames), residuals(after, frames)];

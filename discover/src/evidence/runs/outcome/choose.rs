@@ -1,14 +1,16 @@
-//! The model that is written: read back, and compared with the model as given on the held-out runs.
+//! Choice of the model that is written, by comparison with the given model on the held-out runs.
 //!
-//! Two comparisons are made on runs that no part of the search has seen:
+//! Every model is read back from its text. Two comparisons are made on runs that the search has not
+//! used:
 //!
 //! - the misfit of each channel of the balances, in pieces of a run;
-//! - the replay: the model driven from each run's start with its steering, and the differences of
-//!   time, speed and yaw rate over distance.
+//! - the replay: a simulation from each run's start with its steering, and the differences of time,
+//!   speed and yaw rate over distance.
 //!
-//! A quantity is worse where its mean square grows by more than its scatter over the pieces or runs, by more
-//! than a stated share, and for a replay by more than the variance of the sensor's noise. The first model with nothing worse is written, of: base and effects, the
-//! refitted base, the model as given.
+//! A quantity is worse if its mean square grows by more than its scatter over the pieces or runs,
+//! by more than a stated share, and for a replay by more than the variance of the sensor's noise.
+//! The first model without a worse quantity is written, of: base and effects, the refitted base,
+//! the model as given.
 
 use kufe_sled::{
     Inputs, Model, SimulateOptions, Track, TrackShape, Vehicle, refuse_effects, replay,
@@ -20,22 +22,23 @@ use crate::evidence::runs::contacts::own::without_pushes;
 use crate::evidence::runs::model::residual_model::{
     BASE_NAMES, CHANNEL_NAMES, CHANNELS, ResidualModel, TRACK,
 };
-use crate::evidence::runs::outcome::lowered::with_whole_side;
+use crate::evidence::runs::outcome::misfit_decrease::with_whole_side;
 use crate::evidence::runs::outcome::next_model::next_model;
 use crate::evidence::runs::screen::track::bins::rates;
 use crate::finding::{Baseline, Fitted, ModelKind, Withheld};
 use crate::procedure::evidence::{Account, Choice};
-use crate::procedure::lowered::Lowered;
+use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::rules::SearchRules;
 
-/// Rows of a piece of a run over which held-out gaps are compared: four seconds, above which residuals no longer go together.
+/// Rows of a piece of a run for comparisons of misfits: four seconds, beyond which residuals are
+/// uncorrelated.
 pub const PIECE_ROWS: usize = 40;
 
 /// Columns of a replay that are compared, and their units.
 const REPLAYED: [(&str, &str); 3] = [("t_s", "s"), ("v_mps", "m/s"), ("yaw_rate_radps", "rad/s")];
-/// Step of the integration [s]: a run of 50 s then differs from one of 1 ms by less than 1 mm.
+/// Time step [s]: a run of 50 s then differs from one with 1 ms by less than 1 mm.
 const STEP_S: f64 = 2.5e-3;
-/// Speed below which a run counts as standing [m/s].
+/// Speed below which a run counts as at rest [m/s].
 const SLOWEST_MPS: f64 = 1.0;
 /// Rate of a replay's output [Hz].
 const RATE_HZ: f64 = 100.0;
@@ -44,7 +47,7 @@ const RATE_HZ: f64 = 100.0;
 struct Squares {
     name: String,
     unit: &'static str,
-    /// Variance of the sensor's noise; 0 where the squares contain it.
+    /// Variance of the sensor's noise; 0 if the squares include it.
     noise: f64,
     pieces: Vec<[f64; 2]>,
 }
@@ -60,11 +63,11 @@ impl Squares {
     }
 }
 
-/// How a model does on the held-out runs.
+/// Comparison quantities of a model on the held-out runs.
 struct Performance {
     channels: Vec<Squares>,
     replays: Vec<Squares>,
-    /// Places of the replayed ones among the held-out runs.
+    /// Indices of the replayed runs among the held-out ones.
     replayed: Vec<usize>,
 }
 
@@ -87,7 +90,7 @@ impl Performance {
     }
 }
 
-/// The quantities of which `after` leaves more than `before`, in words.
+/// The quantities that are worse with `after` than with `before`, in words.
 fn worse<'a>(
     after: impl Iterator<Item = &'a Squares>,
     before: impl Iterator<Item = &'a Squares>,
@@ -102,24 +105,25 @@ fn worse<'a>(
     after.zip(before).filter_map(of).collect()
 }
 
-/// Whether the mean square of `after` exceeds that of `before` by more than scatter, noise and the stated share.
+/// Whether the mean square of `after` exceeds that of `before` by more than scatter, noise and the
+/// stated share.
 ///
-/// Of fewer than three pieces the scatter is unknown: then a sum of n squares of a normal variable is
-/// taken, whose standard deviation is its mean times the root of `2 / n`.
+/// With fewer than three pieces the scatter is that of a sum of n squares of a normal variable,
+/// with a standard deviation of its mean times sqrt(2 / n).
 fn grows(after: &Squares, before: &Squares, rules: &SearchRules) -> bool {
     let both = after.pieces.iter().zip(&before.pieces);
     let falls: Vec<f64> = both.map(|(a, b)| b[0] - a[0]).collect();
-    let Some(lowered) = Lowered::over(&falls, 0.0) else {
+    let Some(decrease) = Decrease::over(&falls, 0.0) else {
         return false;
     };
     let n = falls.len() as f64;
     let sum: f64 = before.pieces.iter().map(|p| p[0]).sum();
     let error = match falls.len() {
-        ..3 => lowered.error.max(sum * (2.0 / n).sqrt()),
-        _ => lowered.error,
+        ..3 => decrease.error.max(sum * (2.0 / n).sqrt()),
+        _ => decrease.error,
     };
     let share = (1.0 + rules.material).powi(2);
-    -lowered.by > rules.interval * error && after.mean() > share * before.mean() + before.noise
+    -decrease.by > rules.interval * error && after.mean() > share * before.mean() + before.noise
 }
 
 impl Campaign<'_> {
@@ -189,14 +193,14 @@ impl Campaign<'_> {
             }
         }
         let (mut written, mut fit) = chosen.unwrap_or((ModelKind::AsGiven, as_given));
-        // What no simulation knows is in none of the three, and reported whichever is written.
+        // A dependence that simulations cannot include is reported with any model.
         fit.unwritten = last.unwritten;
         if written == ModelKind::Refitted && fit.settled.base == self.given.base {
             written = ModelKind::AsGiven;
         }
         if with_effect && written != ModelKind::WithEffect {
             let reason = withheld.first().map_or("", |w| w.reason.as_str());
-            account.are_withheld(reason);
+            account.withhold(reason);
         }
         if written == ModelKind::AsGiven
             && let Some(of_base) = withheld.iter().find(|w| w.model == ModelKind::Refitted)
@@ -225,7 +229,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// Base parameters that the refit moves by more than the plausible factor.
+    /// Base parameters that the refit changes by more than the plausible factor.
     pub fn implausible(&self, base: &[Fitted], account: &mut Account) -> Vec<Fitted> {
         let most = self.options.rules.search.plausible;
         let far = |(b, fitted): (&usize, &Fitted)| {
@@ -266,9 +270,9 @@ impl Campaign<'_> {
         }
     }
 
-    /// What a fit's model leaves of the held-out runs, read back from its file's text.
+    /// Comparison quantities of a fit's model on the held-out runs, read back from its file's text.
     ///
-    /// Of the runs those are replayed that are stated, or all that can be.
+    /// Replays the stated `runs`, or all that are possible.
     fn performance(&self, fit: &RunFit, runs: Option<&[usize]>) -> Result<Performance, String> {
         let text = next_model(self.model, &fit.settled, fit.already()).to_toml();
         let vehicle = self.read_back(&text)?;
@@ -288,7 +292,7 @@ impl Campaign<'_> {
             let vehicle = Vehicle::with_effects(&model)?;
             for frame in &self.held_out {
                 let run = format!("run {}", frame.name);
-                refuse_effects(&vehicle.effects, &frame.stated_nowhere(), &run)?;
+                refuse_effects(&vehicle.effects, &frame.unstated_conditions(), &run)?;
             }
             Ok(vehicle)
         };
@@ -323,14 +327,15 @@ impl Campaign<'_> {
         used.iter().enumerate().map(of_channel).collect()
     }
 
-    /// Squares of the replays' differences, one piece a run, and the runs; none for runs whose track has no table.
+    /// Squares of the replays' differences, one piece per run, and the indices of the runs; runs
+    /// whose track has no table are omitted.
     fn replay_squares(
         &self,
         vehicle: &Vehicle,
         stated: Option<&[usize]>,
     ) -> Result<(Vec<usize>, Vec<Squares>), String> {
         let mut vehicle = vehicle.clone();
-        // A push that differs from run to run belongs to none of them.
+        // A contact that varies from run to run is not part of a replay.
         vehicle.effects.active.retain(|effect| !effect.varies());
         let tracks: Vec<Track> = self.data.downhill_tracks();
         let all = &self.data.locked_runs;
@@ -363,7 +368,7 @@ impl Campaign<'_> {
                 let of = replay.differences.iter().find(|d| d.column == column);
                 of.map_or(0.0, |d| d.rms * d.rms)
             });
-            // A speed that is off by its noise all along the run takes it through a little earlier or later.
+            // An error of the speed shifts the time of passing.
             let late: f64 = run.columns.get("v_mps").map_or(0.0, |speeds| {
                 let moving = speeds.iter().filter(|v| **v > SLOWEST_MPS);
                 moving.map(|v| run.dt_s * inputs.noise_sd[0] / v).sum()
@@ -412,7 +417,7 @@ mod tests {
     }
 
     #[test]
-    fn a_quantity_is_worse_beyond_its_scatter_its_noise_and_the_stated_share() {
+    fn a_quantity_is_worse_above_scatter_noise_and_share() {
         let rules = SearchRules::default();
         let before = squares(&[1.0, 1.1, 0.9, 1.0], 0.0);
         let grown = |pieces: &[f64], noise| grows(&squares(pieces, noise), &before, &rules);
@@ -427,7 +432,7 @@ mod tests {
             &quiet,
             &rules
         ));
-        // A single run has no scatter of its own.
+        // The scatter of a single run is unknown.
         assert!(!grows(&squares(&[2.0], 0.0), &squares(&[1.0], 0.0), &rules));
         assert!(grows(&squares(&[5.0], 0.0), &squares(&[1.0], 0.0), &rules));
     }

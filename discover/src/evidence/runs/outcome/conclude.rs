@@ -1,4 +1,4 @@
-//! The end of a search over runs: parameters, what is closed, what is significant.
+//! Results of a search over runs: parameters, closed shares, significant bins.
 
 use kufe_sled::Model;
 use kufe_sled::effects::{Active, Kind};
@@ -7,7 +7,7 @@ use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::residual_model::{BASE_NAMES, CHANNEL_NAMES, ResidualModel};
-use crate::evidence::runs::outcome::bins::stand_out;
+use crate::evidence::runs::outcome::bins::significant_bins;
 use crate::evidence::runs::outcome::explained::explainable_closed;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::channel::TrackChannel;
@@ -18,7 +18,7 @@ use crate::procedure::evidence::Dependence;
 use crate::procedure::rules::RunRules;
 
 impl Campaign<'_> {
-    /// Sizes with their intervals, for the step that each belongs to.
+    /// Sizes with their intervals, by step.
     pub fn parameters(&self, last: &RunFit, steps: usize) -> Vec<Vec<Fitted>> {
         let (after, already) = (&last.residual_model, last.already());
         let estimates = &last.estimates[self.free.len()..];
@@ -64,7 +64,7 @@ impl Campaign<'_> {
         parameters
     }
 
-    /// The formula of each step that is one of a model's own, and what it acts on.
+    /// The formula and channel of each step that is a custom law.
     pub fn laws(&self, last: &RunFit, steps: usize) -> Vec<Option<String>> {
         let mut laws = vec![None; steps];
         let own = last.residual_model.effects.active[last.already()..].iter();
@@ -107,7 +107,7 @@ impl Campaign<'_> {
             .collect()
     }
 
-    /// How much of what could be explained on the held-out runs is.
+    /// Closed share of the explainable misfit on the held-out runs, by step.
     pub fn close(&self, base: &RunFit, last: &RunFit, steps: &[Step]) -> Vec<Interval> {
         if steps.is_empty() || base.whitener.count() == 0 || self.held_out.is_empty() {
             return Vec::new();
@@ -156,7 +156,8 @@ impl Campaign<'_> {
             .iter()
             .enumerate()
             .map(|(k, step)| match step.channel == track {
-                // The forces do not show it: what is closed shows in the track's bins, of which these runs have few.
+                // Without significance in the forces the share is that of the track's bins, of
+                // which these runs have few.
                 true => by_track(),
                 false if contacts == Some(k) => self.contacts_closed(&last.settled),
                 false => closed,
@@ -164,15 +165,16 @@ impl Campaign<'_> {
             .collect()
     }
 
-    /// Whether bins are significant that no twin shows: noisy inputs make bins significant in every run alike.
-    pub fn stands_out(&self, last: &RunFit, bins: &[Bin]) -> bool {
+    /// Whether bins are significant that are not so in any simulated run: noisy inputs bias bins in
+    /// every run alike.
+    pub fn has_significant_bins(&self, last: &RunFit, bins: &[Bin]) -> bool {
         let simulator = self.simulator(&last.settled);
         let rules = self.rules();
         let strong =
             |bins: &[crate::finding::Bin]| bins.iter().any(|b| b.p_value <= rules.alpha_levels);
         strong(bins)
             && (0..6).all(|k| {
-                let twin: Vec<Frame> = self
+                let simulated: Vec<Frame> = self
                     .training
                     .iter()
                     .enumerate()
@@ -182,17 +184,18 @@ impl Campaign<'_> {
                             .plus
                     })
                     .collect();
-                !strong(&stand_out(
+                !strong(&significant_bins(
                     &last.residual_model,
                     &last.whitener,
-                    &twin,
+                    &simulated,
                     self.options.seed,
                 ))
             })
     }
 }
 
-/// Share of the track channel's mean square, its scatter taken off, that is closed on other runs, without an error of its own.
+/// Closed share of the track channel's mean square on other runs, less its scatter; without an
+/// interval.
 fn track_closed(
     [before, after]: [&ResidualModel; 2],
     frames: &[Frame],
@@ -212,7 +215,7 @@ fn track_closed(
     }
 }
 
-/// Steps that are chance if the runs of a session share a fault, judged at this level.
+/// Steps that are not significant at this level if the runs of a session share an error.
 pub fn shared_faults(steps: &[Step], training: &[Frame], alpha: f64) -> Vec<Dependence> {
     let sessions = session_numbers(training.iter().map(|frame| frame.session.as_str()));
     let count = sessions.iter().max().map_or(0, |last| last + 1);
@@ -221,7 +224,7 @@ pub fn shared_faults(steps: &[Step], training: &[Frame], alpha: f64) -> Vec<Depe
         let p = step.p_sessions.filter(|p| *p > alpha)?;
         Some(Dependence {
             assumption: format!(
-                "{}: if the runs of a session share a fault, this is chance (p = {p:.2} with {count} sessions, {p_runs:.1e} with all runs independent)",
+                "{}: if the runs of a session share an error, this is not significant (p = {p:.2} with {count} sessions, {p_runs:.1e} with all runs independent)",
                 step.effect
             ),
             decides: format!(

@@ -1,4 +1,4 @@
-//! Plans for runs, and a run of one as the model with an effect would drive it.
+//! Plans for runs, and their simulation with a model.
 
 use kufe_sled::{
     Conditions, Driver, Model, Noise, SimulateOptions, Track, TrackShape, Vehicle, record,
@@ -14,20 +14,21 @@ use crate::evidence::runs::recordings::smooth_run::{frame, signal_kernel};
 use crate::evidence::runs::recordings::survey::Surveys;
 use crate::finding::NextRuns;
 
-/// What is changed, one thing at a time, against what was usual: what a team can change between two sessions.
+/// Changes relative to usual conditions, one at a time, as a team can make them between two
+/// sessions.
 const SPEEDS: [f64; 2] = [0.7, 1.3];
 const MASSES: [f64; 2] = [0.9, 1.1];
 const ICE_K: [f64; 2] = [-5.0, 5.0];
 const HUMIDITY_PCT: [f64; 2] = [-25.0, 25.0];
 const AIR_PA: [f64; 2] = [-3000.0, 3000.0];
-/// Noise of a better instrument, over that of the one there is.
+/// Relative noise of a better instrument.
 const QUIETER: f64 = 0.25;
-/// Longest run that is simulated [s].
+/// Longest simulated run [s].
 const MOST_S: f64 = 150.0;
-/// Largest step of the integration [s].
+/// Largest time step [s].
 const STEP_S: f64 = 2.5e-3;
 
-/// Runs of a plan, a session's worth. Any number is worth as much to the order of the plans.
+/// Runs of a plan, a session's worth; the order of the plans does not depend on it.
 pub const RUNS: usize = 3;
 
 /// Runs that could be driven next.
@@ -37,12 +38,12 @@ pub struct Plan {
     start_speed_mps: f64,
     conditions: Conditions,
     mass_kg: f64,
-    /// The sensors' noise, where one of them is a better one.
+    /// Sensor noise with a better instrument.
     pub noise: Option<Noise>,
     change: String,
 }
 
-/// The conditions that a campaign had on the whole.
+/// Mean conditions of a campaign.
 fn usual(training: &[Frame]) -> Conditions {
     let mean = |of: &dyn Fn(&Frame) -> f64| {
         training.iter().map(of).sum::<f64>() / training.len().max(1) as f64
@@ -60,7 +61,7 @@ fn usual(training: &[Frame]) -> Conditions {
     }
 }
 
-/// On each track the same again, then one thing changed.
+/// Plans for each track: unchanged conditions, then one change each.
 pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
     let mut speeds: Vec<f64> = training
         .iter()
@@ -126,7 +127,7 @@ pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
     plans
 }
 
-/// Each sensor with less noise; none where the noise is not stated.
+/// Each sensor with less noise; empty if the noise is not stated.
 fn instruments(noise: Option<Noise>) -> Vec<(&'static str, Noise)> {
     let Some(noise) = noise else {
         return Vec::new();
@@ -147,7 +148,7 @@ fn instruments(noise: Option<Noise>) -> Vec<(&'static str, Noise)> {
 }
 
 impl Plan {
-    /// The plan with what it is worth.
+    /// The plan with its expected evidence.
     pub fn next_runs(&self, [a, b]: [&str; 2], expected_evidence: f64, splits: bool) -> NextRuns {
         NextRuns {
             runs: RUNS,
@@ -167,7 +168,7 @@ impl Plan {
     }
 }
 
-/// A run of a plan, made a frame as recorded ones are; `None` where it cannot be driven.
+/// A simulated run of a plan, processed as a recorded one; `None` if it cannot be simulated.
 pub fn driven(
     campaign: &Campaign,
     model: &ResidualModel,

@@ -1,4 +1,4 @@
-//! How much of what could be explained was.
+//! Closed share of the explainable misfit on held-out runs.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -15,12 +15,13 @@ use crate::procedure::rules::RunRules;
 use crate::regression::prior::Prior;
 use crate::regression::scores::studentised;
 
-/// Share of the explainable gap that is closed.
+/// Share of the explainable misfit that is closed.
 ///
-/// On the training runs what the candidates' directions explain of the residual before is fitted, f ([`explained`]). On other
-/// runs, whose noise is independent of f, `f . r_before` measures what is explainable there and `f . r_after` what of it
-/// remains; what twins show of both (bias of noisy inputs) is taken off. The interval comes from resampling runs; it is
-/// -1 to 1 where the runs hold too little that is explainable.
+/// On the training runs f is fitted, the part of the initial residual that the candidates' columns
+/// explain ([`explained`]). On other runs, whose noise is independent of f, `f . r_before` measures
+/// the explainable part and `f . r_after` the rest of it; the bias of noisy inputs in both, from
+/// simulated runs, is subtracted. The interval comes from resampling runs; it is -1 to 1 if the
+/// explainable part is too small.
 pub fn explainable_closed(
     before: &Design,
     after: &ResidualModel,
@@ -57,13 +58,14 @@ pub fn explainable_closed(
         .enumerate()
         .map(|(i, frame)| {
             let (b, a) = pair(frame);
-            // In a twin of the final model nothing remains to be found: both products show bias alone.
-            let twins = simulator.pair(frame, after, 3_000_017, i);
-            let bias = 0.5 * (pair(&twins.plus).1 + pair(&twins.minus).1) - pair(&twins.truth).1;
+            // A simulation of the final model has no effect to find: both products are bias.
+            let simulated = simulator.pair(frame, after, 3_000_017, i);
+            let bias = 0.5 * (pair(&simulated.plus).1 + pair(&simulated.minus).1)
+                - pair(&simulated.truth).1;
             (b - bias, a - bias)
         })
         .collect();
-    // No more than all can be closed; less than -1 says no more than "worse". Without anything explainable there: NaN.
+    // Clipped to [-1, 1]; NaN if nothing is explainable.
     let closed = |picked: &mut dyn Iterator<Item = usize>| -> f64 {
         let (b, a) = picked.fold((0.0, 0.0), |(b, a), i| {
             (b + measured[i].0, a + measured[i].1)
@@ -76,8 +78,9 @@ pub fn explainable_closed(
     };
     let n = measured.len();
     let value = closed(&mut (0..n));
-    // Percentiles of few runs are too narrow by what Student's t is wider than the normal law, and by the root of n/(n - 1):
-    // T. C. Hesterberg, What teachers should know about the bootstrap, The American Statistician 69 (2015) 371.
+    // Bootstrap percentiles of few runs are too narrow by the ratio of Student's t to the normal
+    // quantile, and by sqrt(n/(n - 1)): T. C. Hesterberg, What teachers should know about the
+    // bootstrap, The American Statistician 69 (2015) 371.
     let tail = match (
         StudentsT::new(0.0, 1.0, n as f64 - 1.0),
         Normal::new(0.0, 1.0),
@@ -94,7 +97,7 @@ pub fn explainable_closed(
             closed(&mut picks.into_iter())
         })
         .collect();
-    // Where one draw in forty explains nothing the share has no bounds: these runs cannot tell.
+    // If the explainable part vanishes in one draw of forty, the share is unbounded.
     if value.is_nan() || values.iter().filter(|v| v.is_nan()).count() > 49 {
         return Interval {
             value: if value.is_nan() { 0.0 } else { value },
@@ -112,11 +115,12 @@ pub fn explainable_closed(
     }
 }
 
-/// Coefficients of all columns, base first, of what the candidates explain given the base.
+/// Coefficients of all columns, base first, of the part that the candidates explain given the base.
 ///
-/// The candidates' products given the base, scaled to a unit diagonal, are split into principal directions. A direction takes
-/// part where it is not all but collinear with others, and where its scores are significant by two errors over runs: what the rest
-/// adds to f is noise, which would hide how much of the rest is closed.
+/// The candidates' products given the base, scaled to a unit diagonal, are decomposed into
+/// principal directions. A direction is used if it is not almost collinear with others and if its
+/// scores exceed two standard errors over runs: the rest would add noise to f and conceal the
+/// closed share.
 fn explained(grams: &[DMatrix<f64>], prior: &Prior, rules: &RunRules) -> DVector<f64> {
     let m = grams[0].ncols();
     let p = prior.count();
@@ -150,8 +154,8 @@ fn explained(grams: &[DMatrix<f64>], prior: &Prior, rules: &RunRules) -> DVector
     for (k, value) in eigen.eigenvalues.iter().enumerate() {
         let along = eigen.eigenvectors.column(k);
         let of_runs = scores.iter().map(|u| along.dot(u));
-        let stands_out = studentised(of_runs.clone()).abs() >= rules.explains_beyond;
-        if *value < rules.explains_alone || !stands_out {
+        let has_significant_bins = studentised(of_runs.clone()).abs() >= rules.explains_beyond;
+        if *value < rules.explains_alone || !has_significant_bins {
             continue;
         }
         let size = of_runs.sum::<f64>() / value;

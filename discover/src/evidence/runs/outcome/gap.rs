@@ -1,4 +1,5 @@
-//! The gap by channel, before and after: of the track channel that of what the speed gains from one half of its bins to the next.
+//! Misfit by channel, before and after. For the track channel it is that of the speed's rate
+//! between the halves of its bins.
 
 use rayon::prelude::*;
 
@@ -11,7 +12,8 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::bins::rates;
 use crate::finding::ChannelGap;
 
-/// Residuals of runs as they are judged: of the track channel rates within bins so wide \[m\].
+/// Residuals of runs as they are compared; for the track channel rates within bins of this width
+/// \[m\].
 pub fn judged_rows(model: &ResidualModel, frames: &[Frame], track_bin_m: f64) -> Vec<ChannelRows> {
     let mut runs = residuals(model, frames);
     for (rows, frame) in runs.iter_mut().zip(frames) {
@@ -20,7 +22,8 @@ pub fn judged_rows(model: &ResidualModel, frames: &[Frame], track_bin_m: f64) ->
     runs
 }
 
-/// Root mean square by used channel before and after, with bins of the track channel so wide \[m\].
+/// Root mean square by used channel before and after, with bins of this width in the track channel
+/// \[m\].
 pub fn channels(
     before: &ResidualModel,
     after: &ResidualModel,

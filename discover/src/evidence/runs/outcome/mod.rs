@@ -1,4 +1,4 @@
-//! What a search over runs ends with: gaps, bins, intervals and the next model.
+//! Results of a search over runs: misfits, bins, intervals and the next model.
 
 pub(crate) mod adequacy;
 pub(crate) mod bins;
@@ -8,7 +8,7 @@ pub(crate) mod conclude;
 pub(crate) mod driven;
 pub(crate) mod explained;
 pub(crate) mod gap;
-pub(crate) mod lowered;
+pub(crate) mod misfit_decrease;
 pub(crate) mod next_model;
 pub(crate) mod pictures;
 pub(crate) mod planned;

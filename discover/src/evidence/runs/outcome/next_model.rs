@@ -1,11 +1,11 @@
-//! The model with what was found switched on.
+//! The model with the effects found.
 
 use kufe_sled::Model;
 use kufe_sled::effects::Active;
 
 use crate::evidence::runs::model::residual_model::ResidualModel;
 
-/// The given model with refitted base parameters and the model's effects after the first `already` ones.
+/// The given model with refitted base parameters and the effects after the first `already` ones.
 pub fn next_model(model: &Model, residual_model: &ResidualModel, already: usize) -> Model {
     let mut next = model.clone();
     let [front, rear] = residual_model.laws();
@@ -17,7 +17,7 @@ pub fn next_model(model: &Model, residual_model: &ResidualModel, already: usize)
     } else if let Some(mu) = keys.mu.as_mut() {
         *mu *= residual_model.base[0];
     } else {
-        // mu scales with the three coefficients of the quadratic and its cap alike.
+        // mu is proportional to the three coefficients of the quadratic and its cap.
         for key in [&mut keys.b, &mut keys.c, &mut keys.d, &mut keys.mu_cap] {
             if let Some(value) = key.as_mut() {
                 *value *= residual_model.base[0];

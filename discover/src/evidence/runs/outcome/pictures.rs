@@ -1,4 +1,4 @@
-//! Pictures of a search over runs: residuals along the track, and each effect over the column that drives it.
+//! Pictures of a search over runs: residuals along the track, and effects over columns.
 
 use std::collections::BTreeSet;
 
@@ -13,23 +13,23 @@ use crate::finding::{
     ChannelGap, Curve, Picture, Place, Plot, Scatter, Series, Step, Strip, StripRun,
 };
 
-/// Places along a track at which a strip has a value, at most.
+/// Most places of a strip along a track.
 const PLACES: usize = 240;
 /// Shortest distance between them [m].
 const SHORTEST: f64 = 2.0;
 /// Most channels that are drawn along the track.
 const MOST_CHANNELS: usize = 2;
-/// Bins of a driving column, with as many rows each.
+/// Bins of a column, with as many rows each.
 const BINS: usize = 16;
 /// Fewest rows of a bin that is drawn.
 const FEWEST: usize = 20;
 
-/// Conditions, of which a run states most once.
+/// Conditions, usually one value per run.
 const STATED: [&str; 4] = ["ice_c", "air_c", "humidity_pct", "distance_m"];
 
 impl Campaign<'_> {
-    /// Residuals along each track of the given model and of the one that was written, then each effect that acts everywhere over
-    /// its column.
+    /// Residuals along each track of the given and of the written model, then each effect that acts
+    /// everywhere over its strongest column.
     pub fn pictures(&self, last: &RunFit, steps: &[Step], gaps: &[ChannelGap]) -> Vec<Picture> {
         let frames: Vec<Frame> = self.whole().iter().chain(&self.held_out).cloned().collect();
         let rows = [&self.given, &last.settled].map(|model| residuals(model, &frames));
@@ -109,7 +109,7 @@ fn strips(
     strips
 }
 
-/// The channels of the steps, or the one that is farthest above its noise where there is none.
+/// The channels of the steps, or without steps the one farthest above its noise.
 fn shown_channels(steps: &[Step], gaps: &[ChannelGap]) -> Vec<usize> {
     let place = |channel: &str| CHANNEL_NAMES.iter().position(|c| c.0 == channel);
     let mut shown: Vec<usize> = Vec::new();
@@ -125,7 +125,7 @@ fn shown_channels(steps: &[Step], gaps: &[ChannelGap]) -> Vec<usize> {
     shown
 }
 
-/// From where to where an effect acts along the track [m]; `None` where it acts everywhere.
+/// Interval of an effect along the track [m]; `None` if it acts everywhere.
 fn window(active: &Active) -> Option<[f64; 2]> {
     match &active.kind {
         Kind::Catalogue(effect) => Some(effect.info.window()?.map(|k| active.values[k])),
@@ -141,7 +141,7 @@ fn extent(on: &[usize], frames: &[Frame]) -> Option<(f64, f64)> {
     (to > from).then_some((from, to))
 }
 
-/// Means of rows over stretches of equal length [m]; NaN where there is no row.
+/// Means of rows over intervals of equal length [m]; NaN without rows.
 fn means_along(s: &[f64], rows: &[f64], from: f64, step: f64, to: f64) -> Vec<f64> {
     let count = ((to - from) / step).ceil().max(1.0) as usize;
     let mut sums = vec![(0.0, 0.0); count];
@@ -152,11 +152,11 @@ fn means_along(s: &[f64], rows: &[f64], from: f64, step: f64, to: f64) -> Vec<f6
     sums.iter().map(|(sum, n)| sum / n).collect()
 }
 
-/// An effect's contribution to one channel over the column that explains most of it, with what the data say: the residual that is
-/// remaining when the effect alone is taken out of the model.
+/// Contribution of an effect to one channel over its strongest column, with the residual of the
+/// model without the effect.
 ///
-/// The column is the one of [`COLUMNS`] and [`STATED`] with the largest correlation ratio: the share of the contribution's variance that lies
-/// between its bins.
+/// The column is the one of [`COLUMNS`] and [`STATED`] with the largest correlation ratio: the
+/// share of the contribution's variance between its bins.
 fn driven(
     model: &ResidualModel,
     effect: usize,
@@ -197,7 +197,7 @@ fn driven(
     Some(Picture {
         title: format!("{} over {name}", active.effect_name()),
         caption: format!(
-            "Points: mean residual when {} is taken out of the model, with one standard error over runs. Line: what it adds.",
+            "Points: mean residual of the model without {}, with one standard error over runs. Line: what it adds.",
             active.effect_name()
         ),
         plot: Plot::Scatter(Scatter {
@@ -225,12 +225,10 @@ fn driven(
     })
 }
 
-/// A column of every run.
 fn each(frames: &[Frame], of: impl Fn(&Frame) -> Vec<f64>) -> Vec<Vec<f64>> {
     frames.iter().map(of).collect()
 }
 
-/// One row of one run.
 struct Row {
     run: usize,
     x: f64,
@@ -238,7 +236,7 @@ struct Row {
     contribution: f64,
 }
 
-/// Rows in order of their column, as many in each bin.
+/// Bins of equal numbers of rows, sorted by their column.
 fn bins(mut rows: Vec<Row>) -> Vec<Vec<Row>> {
     rows.sort_by(|a, b| a.x.total_cmp(&b.x));
     let count = rows.len();
@@ -288,9 +286,9 @@ mod tests {
         assert_eq!(means[2], 6.0);
     }
 
-    /// Two runs whose rows differ by 2: the mean of two means 2 apart is known to 1, however many rows there are.
+    /// The means of two runs differ by 2: the standard error is 1, however many rows there are.
     #[test]
-    fn a_bin_is_as_uncertain_as_its_runs_differ() {
+    fn the_error_of_a_bin_is_that_over_runs() {
         let rows = (0..100).map(|k| Row {
             run: k % 2,
             x: 0.0,

@@ -1,15 +1,18 @@
-//! The next runs: which ones would tell the members of a class apart, by simulating them.
+//! Experimental design: simulated runs that would discriminate between the members of a class.
 //!
-//! Every plan is driven by the model with each member at its fitted size, without noise, and examined with every other member's model, each fitted to the same
-//! runs. With r the difference of the two models' rows in units of the noise found, U the columns of what is not known (a session's own friction and grip
-//! over their deviations between the sessions there are; the other's parameters, base, installation and size, over what the runs there are leave open of
-//! them), and n runs alike in one session, the logarithm of the likelihood ratio to expect is
+//! Every plan is simulated with each member at its fitted size, without noise, and evaluated with
+//! every other member's model, each fitted to the same runs. With r the difference of the two
+//! models' whitened rows, U the columns of unknown parameters, n equal runs in one session, the
+//! expected log-likelihood ratio is
 //!
 //! ```text
 //! 1/2 (n r'r  -  n^2 r'U (1 + n U'U)^-1 U'r)
 //! ```
 //!
-//! and a plan is worth the smallest of any two members that some plan tells apart. A member of t = sqrt(2 times that) is expected to lose so much with the other.
+//! U contains a session's friction and grip, in units of the standard deviation between sessions,
+//! and the other model's parameters (base, installation, size), in units of their posterior
+//! standard deviation. The value of a plan is the smallest ratio of any two members that some plan
+//! discriminates. A member's expected t is sqrt(2 times the ratio).
 
 use kufe_sled::Noise;
 use nalgebra::{DMatrix, DVector};
@@ -34,15 +37,15 @@ use crate::regression::inverse::ridge_inverse;
 struct Member {
     effect: String,
     model: ResidualModel,
-    /// What the runs there are leave open of its parameters: a root of their covariance.
+    /// A root of the posterior covariance of its parameters.
     open: DMatrix<f64>,
 }
 
-/// Two members and the evidence to expect between them.
+/// Two members and the expected evidence between them.
 type Pair = ([usize; 2], f64);
 
 impl Campaign<'_> {
-    /// Runs that would halve the smallest sizes that can be found, which go as one over the root of their number.
+    /// Runs that would halve the smallest detectable sizes, proportional to 1 / sqrt(runs).
     pub fn runs_to_halve(&self) -> String {
         let runs = self.training.len() + self.held_out.len();
         let mut tracks: Vec<&str> = self.training.iter().map(|f| f.track.as_str()).collect();
@@ -55,11 +58,8 @@ impl Campaign<'_> {
         )
     }
 
-    /// Plans for the first step whose class has several members, the best first; none where no track is known or no two members
-    /// can be driven.
-    ///
-    /// # Errors
-    /// Those of the fits.
+    /// Plans for the first step whose class has several members, the best first; empty if no track
+    /// is known or no two members can be simulated.
     pub fn next_runs(&mut self, last: &RunFit, steps: &[Step]) -> Result<Vec<NextRuns>, Error> {
         let several = steps.iter().position(|step| step.class.len() > 1);
         let Some(step) = several.filter(|_| !self.data.tracks.is_empty()) else {
@@ -79,7 +79,7 @@ impl Campaign<'_> {
                 Some((plan, pairs))
             })
             .collect();
-        // What no plan splits takes no part in their order, unless no plan splits anything.
+        // Pairs that no plan discriminates do not affect the order, unless there are no others.
         let split = |pair: &Pair| {
             let of_plans = driven.iter().flat_map(|(_, pairs)| pairs);
             let mut same = of_plans.filter(|other| other.0 == pair.0);
@@ -99,7 +99,7 @@ impl Campaign<'_> {
         Ok(judged)
     }
 
-    /// Whether so much evidence tells two members apart nine times in ten.
+    /// Whether this evidence discriminates two members with a probability of 90 %.
     fn splits(&self, evidence: f64) -> bool {
         let (runs, levels) = (&self.rules().rivals, &self.rules().level_rivals);
         let needed = runs.needed_t.max(levels.needed_t);
@@ -135,9 +135,9 @@ impl Campaign<'_> {
         Ok(members)
     }
 
-    /// A member with what the training runs leave open of its parameters.
+    /// A member with the posterior covariance of its parameters.
     fn member(&self, effect: &str, fit: &RunFit) -> Member {
-        let model = fit.residual_model.without_discrepancy().hold(false);
+        let model = fit.residual_model.without_discrepancy().with_fixed(false);
         let design = self.design_of(&model, &fit.whitener);
         let fitted = design.fitted();
         let mut sum = DMatrix::zeros(fitted, fitted);
@@ -155,7 +155,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// The rows' derivatives for what is fitted of a model.
+    /// Derivatives of the rows for the fitted parameters of a model.
     fn design_of<'d>(&'d self, model: &'d ResidualModel, whitener: &'d Whitener) -> Design<'d> {
         Design {
             residual_model: model,
@@ -167,7 +167,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// Standard deviations of the sessions' own levels of friction and grip, as the fit leaves them.
+    /// Standard deviations of the sessions' levels of friction and grip.
     fn between_sessions(&self, last: &RunFit) -> [f64; OWN_LEVELS] {
         let design = self.design_of(&last.residual_model, &last.whitener);
         let of_run = |frame: &Frame| {
@@ -191,7 +191,8 @@ impl Campaign<'_> {
         })
     }
 
-    /// Every two members with the evidence to expect of a plan, whichever of them is true; `None` where it cannot be driven.
+    /// Expected evidence of a plan for every pair of members, the smaller of both directions;
+    /// `None` if it cannot be simulated.
     fn evidence(
         &self,
         plan: &Plan,
@@ -238,7 +239,7 @@ impl Campaign<'_> {
         finite.then_some(pairs)
     }
 
-    /// A whitener with less noise: by channel, as much less as the simulated runs have.
+    /// A whitening with less noise, reduced by channel as in the simulated runs.
     fn quieter(
         &self,
         whitener: &Whitener,
@@ -249,14 +250,14 @@ impl Campaign<'_> {
         let (before, after) = (sd(before), sd(after));
         whitener.with_sd(std::array::from_fn(|c| {
             let sd = whitener.sd[c];
-            // What is no sensor's noise stays.
+            // Model error is not reduced.
             let variance = sd * sd - before[c].powi(2) + after[c].powi(2);
             variance.max(after[c].powi(2)).sqrt().min(sd)
         }))
     }
 }
 
-/// The logarithm of the likelihood ratio that runs alike in one session make.
+/// Expected log-likelihood ratio of equal runs in one session.
 fn expected(r: &DVector<f64>, unknown: &DMatrix<f64>) -> f64 {
     let n = RUNS as f64;
     let count = unknown.ncols();
@@ -273,8 +274,9 @@ fn expected(r: &DVector<f64>, unknown: &DMatrix<f64>) -> f64 {
 mod tests {
     use super::*;
 
-    /// With levels known the ratio is half the sum of squares; with levels that nobody knows a change that resembles one is worth
-    /// nothing, however often it is driven; in between it is that of the marginal normal law, by its full covariance.
+    /// With known levels the ratio is half the sum of squares. With unknown levels a change that
+    /// resembles one has no value, however often it is driven. In between it is that of the
+    /// marginal normal law, by its full covariance.
     #[test]
     fn the_expected_ratio_is_that_of_normal_rows_with_levels_of_their_own() {
         let own = DMatrix::from_fn(6, 2, |i, k| if k == 0 { 1.0 } else { i as f64 - 2.5 });

@@ -1,33 +1,34 @@
-//! Which selected effects the others have made superfluous, and which laws do not exceed their own error.
+//! Removal of effects that are insignificant given the others, and of laws within their errors.
 
 use crate::error::Error;
-use crate::evidence::runs::campaign::{Campaign, RunFit, Unwritten};
+use crate::evidence::runs::campaign::{Campaign, RunFit, UnwrittenEffect};
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::finding::Step;
 use crate::procedure::evidence::{Account, SUPERFLUOUS};
 
 impl Campaign<'_> {
-    /// The fit with the steps that are each significant given the others, as it would be written.
-    ///
-    /// # Errors
-    /// Those of the fits.
-    pub fn with_what_lasts(&self, mut fit: RunFit, account: &mut Account) -> Result<RunFit, Error> {
+    /// The fit with the steps that are significant given the others, with final estimates.
+    pub fn with_significant_steps(
+        &self,
+        mut fit: RunFit,
+        account: &mut Account,
+    ) -> Result<RunFit, Error> {
         loop {
             self.write(&mut fit)?;
             let (step, why) = match self.superfluous(&fit, &account.steps) {
                 Some(step) => (step, SUPERFLUOUS),
                 None => match self.of_no_size(&fit, &account.steps) {
-                    Some(step) => (step, "had an interval that holds 0"),
+                    Some(step) => (step, "had an interval that contains 0"),
                     None => return Ok(fit),
                 },
             };
-            account.leave_out(step, why);
+            account.remove_step(step, why);
             fit = self.without_step(&fit, step)?;
         }
     }
 
-    /// The first step whose every amplitude has become weak: given the others, or, of a law outside the catalogue, given what its
-    /// numbers are known by with everything else free.
+    /// The first step whose amplitudes are all insignificant given the others or, for a law outside
+    /// the catalogue, given the full uncertainty of its numbers.
     fn superfluous(&self, fit: &RunFit, steps: &[Step]) -> Option<usize> {
         let residual_model = &fit.residual_model;
         let (already, track) = (fit.already(), CHANNEL_NAMES[3].0);
@@ -49,7 +50,7 @@ impl Campaign<'_> {
             .find(|step| fit.owners.contains(step) && steps[*step].channel != track && weak(*step))
     }
 
-    /// The first step of which every amplitude could as well be 0, by the intervals that are reported of it.
+    /// The first step whose amplitudes all have intervals that contain 0.
     fn of_no_size(&self, last: &RunFit, steps: &[Step]) -> Option<usize> {
         let of_forces = |step: &usize| steps[*step].channel != CHANNEL_NAMES[3].0;
         let sizes = self.parameters(last, steps.len());
@@ -62,9 +63,6 @@ impl Campaign<'_> {
     }
 
     /// The model without the effects of a step, fitted.
-    ///
-    /// # Errors
-    /// Those of the fit.
     pub fn without_step(&self, fit: &RunFit, step: usize) -> Result<RunFit, Error> {
         let already = fit.already();
         let mut residual_model = fit.residual_model.clone();
@@ -91,7 +89,7 @@ impl Campaign<'_> {
             .unwritten
             .clone()
             .filter(|unwritten| unwritten.step != step);
-        next.unwritten = unwritten.map(|unwritten| Unwritten {
+        next.unwritten = unwritten.map(|unwritten| UnwrittenEffect {
             step: unwritten.step - usize::from(unwritten.step > step),
             ..unwritten
         });

@@ -1,8 +1,8 @@
-//! What a model file can state of a fit, and what the installation was found to be off by.
+//! Final estimates of a fit, and installation errors within tolerance.
 
 use crate::error::Error;
 use crate::evidence::runs::campaign::{BESIDE_INSTALLATION, Campaign, RunFit};
-use crate::evidence::runs::fit::estimate::Estimated;
+use crate::evidence::runs::fit::estimate::FinalEstimates;
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::model::whiten::Whitener;
@@ -10,19 +10,17 @@ use crate::finding::Tolerated;
 use crate::procedure::evidence::Account;
 
 impl Campaign<'_> {
-    /// Estimates of a fit with the model that is written of it, and the model that held-out runs are compared with.
+    /// Estimates of a fit, the model that is written and the model that is compared on held-out
+    /// runs.
     ///
-    /// The first is that of the sled itself: base and effects given the installation errors, and given that the stated base is right
-    /// within the plausible factor, two standard deviations. Where the data hardly determine a parameter it stays near its stated
-    /// value.
+    /// The written model is that of the sled itself: base and effects given the installation
+    /// errors, with the stated base as prior: the plausible factor is two standard deviations.
+    /// Parameters that the data hardly determine remain near their stated values.
     ///
-    /// No model file states installation errors. To compare misfits of held-out runs as they were recorded, friction and grip are
-    /// fitted once more without them.
-    ///
-    /// # Errors
-    /// Those of the fit.
+    /// Installation errors are not part of a model file. For comparisons of held-out runs as
+    /// recorded, friction and grip are refitted without them.
     pub fn write(&self, fit: &mut RunFit) -> Result<(), Error> {
-        let model = fit.residual_model.hold(false);
+        let model = fit.residual_model.with_fixed(false);
         let mut found = self.estimates(&model, &fit.whitener);
         let installed = !fit.residual_model.installation.parts.is_empty();
         if installed {
@@ -45,7 +43,7 @@ impl Campaign<'_> {
         };
         let refitted = self.fitted(&sized, fit.owners.clone())?;
         let as_recorded = self.newton(
-            &refitted.residual_model.hold(false),
+            &refitted.residual_model.with_fixed(false),
             &refitted.whitener,
             &BESIDE_INSTALLATION,
             self.settles(),
@@ -57,8 +55,8 @@ impl Campaign<'_> {
         Ok(())
     }
 
-    /// Adds to the covariance of base and amplitudes what the installation leaves open that no fit could hold.
-    fn widen(&self, found: &mut Estimated, model: &ResidualModel, whitener: &Whitener) {
+    /// Adds the covariance of base and amplitudes due to undetermined installation errors.
+    fn widen(&self, found: &mut FinalEstimates, model: &ResidualModel, whitener: &Whitener) {
         let free = model.free();
         let amplitudes = free.iter().map(|(e, q)| model.scale(*e, *q));
         let scales: Vec<f64> = self.free.iter().map(|_| 1.0).chain(amplitudes).collect();
@@ -73,7 +71,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// What the installation is off by, where that exceeds its error significantly: within its tolerance here, outside it in the remarks.
+    /// Significant installation errors within tolerance; remarks report those outside.
     pub fn within_tolerance(&self, last: &RunFit, account: &mut Account) -> Vec<Tolerated> {
         let rules = &self.options.rules.search;
         let parts = &last.residual_model.installation.parts;
@@ -94,7 +92,7 @@ impl Campaign<'_> {
                 continue;
             }
             account.remarks.push(format!(
-                "{}: {size:.2e} {} +- {half:.1e}, outside its tolerance of {} (a standard deviation): it was allowed for and not named",
+                "{}: {size:.2e} {} +- {half:.1e}, outside its tolerance of {} (a standard deviation): it was corrected for and not named",
                 part.what, part.unit, part.sd
             ));
         }

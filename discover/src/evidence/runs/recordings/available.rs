@@ -1,16 +1,16 @@
-//! Which columns are recorded and vary.
+//! Columns that are recorded and vary.
 
 use kufe_sled::Run;
 use kufe_sled::effects::Column;
 
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::recordings::learned::Learned;
+use crate::evidence::runs::recordings::training_samples::TrainingSamples;
 
-/// The columns that effects may need, recorded in every run and varying in those that are learned from; what is missing or
-/// constant is reported in `remarks`.
+/// The columns that effects may need, recorded in every run and varying in the training runs;
+/// missing and constant ones are reported in `remarks`.
 pub fn available(
     runs: &[Run],
-    learned: &[Learned],
+    learned: &[TrainingSamples],
     frames: &[&Frame],
     remarks: &mut Vec<String>,
 ) -> Vec<Column> {
@@ -57,7 +57,7 @@ pub fn available(
             ));
         }
     }
-    // NaN, where a run does not state it, differs from itself and does not vary.
+    // NaN, the value of an unstated condition, does not vary.
     let spread = |value: fn(&Frame) -> f64| {
         frames.iter().all(|f| value(f).is_finite())
             && frames.iter().any(|f| value(f) != value(frames[0]))

@@ -1,4 +1,4 @@
-//! One run, smoothed and thinned: what all later work sees of it.
+//! One run, smoothed and thinned: the input of all later steps.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -9,23 +9,19 @@ use crate::evidence::runs::recordings::smooth::Kernel;
 /// One run, or one segment of a single long run.
 #[derive(Clone, Debug)]
 pub struct Frame {
-    /// Name for reports.
     pub name: String,
-    /// Track.
     pub track: String,
-    /// Driver.
     pub driver: String,
-    /// Session.
     pub session: String,
-    /// Ice temperature [deg C]; NaN where nothing states one for the whole run, and in `extra` where it differs from place to place.
+    /// Ice temperature [deg C]; NaN if not stated, and in `extra` if it varies within the run.
     pub ice_c: f64,
     /// Air temperature [deg C].
     pub air_c: f64,
     /// Air pressure [Pa].
     pub air_pa: f64,
-    /// Mass of the sled with its crew [kg], where it is not the model's.
+    /// Mass of the sled with its crew [kg]; `None`: the model's.
     pub mass_kg: Option<f64>,
-    /// Relative humidity [%]; NaN where nothing states it.
+    /// Relative humidity [%]; NaN if not stated.
     pub humidity_pct: f64,
     /// Distance run on this finish of the runners before this run [m].
     pub distance_before: f64,
@@ -33,9 +29,9 @@ pub struct Frame {
     pub recorded_dt: f64,
     /// Low pass from retained samples to rows.
     pub sieve: Kernel,
-    /// Which retained samples take part; the others are next to a gap, with numbers across it of which no row is made.
+    /// Whether each retained sample is used; those next to a gap are interpolated and unused.
     pub taking_part: Vec<bool>,
-    /// Retained samples around which rows are centred.
+    /// Retained samples at which rows are centred.
     pub centres: Vec<usize>,
     /// Time [s].
     pub t: Vec<f64>,
@@ -47,7 +43,7 @@ pub struct Frame {
     pub rate: [Vec<f64>; 3],
     /// Their derivatives [rad/s2].
     pub rate_slope: [Vec<f64>; 3],
-    /// Speed [m/s] and its derivative [m/s2].
+    /// Speed [m/s].
     pub v: Vec<f64>,
     /// Derivative of the speed [m/s2].
     pub v_slope: Vec<f64>,
@@ -61,24 +57,23 @@ pub struct Frame {
     pub steer_rate: Vec<f64>,
     /// Roll-split [rad].
     pub roll_split: Vec<f64>,
-    /// Slope of the track as surveyed [rad]; empty where there is no survey.
+    /// SurveyedTrack slope of the track [rad]; empty without a survey.
     pub slope: Vec<f64>,
-    /// The survey itself, slope [rad] over distance [m].
+    /// The survey, slope [rad] over distance [m].
     pub survey: Vec<(f64, f64)>,
-    /// Whether the distance is the speed's sum, so that a speed that is off has led to other places.
+    /// Whether the distance is integrated from the speed, so that an error of the speed changes it.
     pub s_of_speed: bool,
-    /// The run's own contacts with walls, once places of such are known.
+    /// The run's own contacts with walls, if places of contacts are known.
     pub contacts: Vec<OwnContact>,
-    /// Stretches on which something pushed this run alone, from and to \[m\].
+    /// Intervals in which this run alone was pushed \[m\].
     pub pushed: Vec<[f64; 2]>,
-    /// A piece of it with noise of both signs upon it, by which a model's criterion knows what noise makes of its residuals.
+    /// A piece of it with added noise of both signs, for the noise of the residuals.
     pub noisy: Option<Arc<[Frame; 2]>>,
     /// Further columns of the file.
     pub extra: BTreeMap<String, Vec<f64>>,
 }
 
 impl Frame {
-    /// Number of retained samples.
     pub fn len(&self) -> usize {
         self.t.len()
     }
@@ -91,7 +86,7 @@ impl Frame {
         }
     }
 
-    /// A condition sample by sample: a column of the run's file, else what is stated once; NaN where nothing states it.
+    /// A condition by sample: a column of the run, else its stated value; NaN if not stated.
     pub fn condition(&self, name: &str) -> Vec<f64> {
         let once = match name {
             "ice_c" => self.ice_c,
@@ -105,8 +100,8 @@ impl Frame {
         own.unwrap_or_else(|| vec![once; self.len()])
     }
 
-    /// Columns that effects may ask for and that nothing states for this run.
-    pub fn stated_nowhere(&self) -> Vec<&'static str> {
+    /// Columns that effects may need and that are not stated for this run.
+    pub fn unstated_conditions(&self) -> Vec<&'static str> {
         let stated = [
             ("humidity_pct", self.humidity_pct),
             ("ice_c", self.ice_c),
@@ -127,24 +122,23 @@ impl Frame {
         self.sieve.smooth_at(x, &self.centres)
     }
 
-    /// The same where rows are omitted next to gaps.
-    pub fn rows_left_out(&self, x: &[f64]) -> Vec<f64> {
+    /// The same with rows next to gaps omitted.
+    pub fn rows_without_gaps(&self, x: &[f64]) -> Vec<f64> {
         let left_out = |i: &usize| self.centres.binary_search(i).is_err();
         let centres: Vec<usize> = self.sieve.centres(self.len()).filter(left_out).collect();
         self.sieve.smooth_at(x, &centres)
     }
 
-    /// The retained samples that take part.
+    /// The retained samples that are used.
     pub fn samples(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.len()).filter(|i| self.taking_part[*i])
     }
 
-    /// Number of rows.
     pub fn row_count(&self) -> usize {
         self.centres.len()
     }
 
-    /// The same with a row at every sample: a sum of squares of such rows does not change with where they begin.
+    /// The same with a row at every sample: sums of squares are independent of the rows' phase.
     pub fn at_every_sample(&self) -> Self {
         let mut dense = self.clone();
         dense.sieve.stride = 1;
@@ -182,11 +176,9 @@ impl Frame {
     }
 }
 
-/// Columns that every run has and that the model has no name for: those that vary within a run, or
-/// those that only differ from run to run (the covariates of an index, and channels that never
-/// change).
+/// Columns outside the model that every run has: those that vary within a run, or those that differ
+/// from run to run only (covariates of an index, and constant channels).
 pub fn further_columns(frames: &[Frame], within_runs: bool) -> Vec<String> {
-    /// What conditions are made of.
     const CONDITIONS: [&str; 3] = ["humidity_pct", "distance_m", "ice_c"];
     let Some(first) = frames.first() else {
         return Vec::new();

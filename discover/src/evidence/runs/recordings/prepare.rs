@@ -1,4 +1,4 @@
-//! Runs made ready: smoothed alike, decimated, with derivatives and conditions.
+//! Signal processing of runs: smoothing, decimation, derivatives and conditions.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,23 +8,23 @@ use kufe_sled::{Entry, Model, Noise, Run, SampleCoverage, Track, covariates, gap
 use crate::error::Error;
 use crate::evidence::runs::recordings::available::available;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::recordings::learned::Learned;
 use crate::evidence::runs::recordings::noise::sensors::{
     NoiseFrom, SensorNoise, doubted, estimate, estimate_below, louder, quieter,
 };
 use crate::evidence::runs::recordings::smooth_run::{LEAST_ROWS, frame, signal_kernel};
 use crate::evidence::runs::recordings::survey::{Surveys, turn_slopes};
-use crate::procedure::lock::{LockRules, Locked, Place};
+use crate::evidence::runs::recordings::training_samples::TrainingSamples;
+use crate::procedure::lock::{LockRules, Place, Split};
 use crate::procedure::rules::Rules;
 
-/// All runs with what is known of the whole set.
+/// All runs, prepared.
 #[derive(Clone, Debug)]
 pub struct Data {
     /// The runs, or the segments of a single one.
     pub frames: Vec<Frame>,
     /// Noise of each sensor at the recorded rate.
     pub noise: SensorNoise,
-    /// How it is known.
+    /// Source of the noise.
     pub noise_from: NoiseFrom,
     /// Columns that were recorded and vary.
     pub available: Vec<Column>,
@@ -34,13 +34,13 @@ pub struct Data {
     pub tracks: Vec<Track>,
     /// Whether these tables count the slope positive uphill.
     pub uphill: bool,
-    /// Which frames are learned from and which are held out.
-    pub(crate) locked: Locked,
-    /// The held-out runs as recorded, which models are replayed on; empty for segments of one run.
+    /// Training and held-out frames.
+    pub(crate) locked: Split,
+    /// The held-out runs as recorded, for replays; empty for segments of one run.
     pub(crate) locked_runs: Vec<Run>,
-    /// Runs with gaps: what is not there, and how much takes part.
+    /// Runs with gaps, and how much of them is used.
     pub gaps: Vec<SampleCoverage>,
-    /// What a reader should know: constant columns, segments, remarks of the reader.
+    /// Remarks: constant columns, segments, remarks of the reader.
     pub remarks: Vec<String>,
 }
 
@@ -59,18 +59,19 @@ impl Data {
         tracks
     }
 
-    /// The frames that are learned from.
+    /// The training frames.
     pub(crate) fn training(&self) -> impl Iterator<Item = &Frame> {
         self.locked.training.iter().map(|i| &self.frames[*i])
     }
 }
 
-/// Smooths, decimates and completes runs that are already read.
+/// Smooths and decimates runs and completes their conditions.
 ///
-/// A part is held out by `lock` before noise, signs and availability are examined: these come from the rest.
+/// A part is held out by `lock` before noise, signs and availability are examined: these come from
+/// the rest.
 ///
 /// # Errors
-/// [`Error::TooFew`] where a run is shorter than the smoothing needs.
+/// [`Error::TooFew`] if a run is shorter than the smoothing needs.
 pub fn prepare(
     runs: &[Run],
     model: &Model,
@@ -128,13 +129,16 @@ pub fn prepare(
             frames = cut(&frame);
             if frames.is_empty() {
                 return Err(Error::TooFew {
-                    what: format!("run {}: segments that gaps leave enough of", run.entry.run),
+                    what: format!(
+                        "run {}: segments with enough samples between gaps",
+                        run.entry.run
+                    ),
                     found: 0,
                     needed: 2,
                 });
             }
             remarks.push(format!(
-                "one run only: it is cut into {} segments of {:.0} s that serve as runs; what differs from run to run cannot be seen",
+                "one run only: it is cut into {} segments of {:.0} s that serve as runs; differences between runs cannot be detected",
                 frames.len(),
                 frames[0].t.last().unwrap_or(&0.0) - frames[0].t[0]
             ));
@@ -184,14 +188,14 @@ pub fn prepare(
     if frames.iter().all(|f| f.slope.len() == f.len()) {
         available.push(Column::Slope);
     }
-    // Such tables are over the ice's temperature as a rule.
+    // Such tables are usually functions of the ice temperature.
     let friction = &model.friction.longitudinal;
     let tables = friction.front_table.is_some() && friction.rear_table.is_some();
     if friction.mu.is_some()
         && tables
         && frames
             .iter()
-            .all(|f| !f.stated_nowhere().contains(&"ice_c"))
+            .all(|f| !f.unstated_conditions().contains(&"ice_c"))
     {
         available.push(Column::Film);
     }
@@ -214,7 +218,7 @@ pub fn prepare(
     })
 }
 
-/// What of a run with gaps takes part.
+/// Used part of a run with gaps.
 fn taking_part(run: &Run, frame: &Frame) -> SampleCoverage {
     let begins = |i: &usize| *i == 0 || !frame.taking_part[i - 1];
     SampleCoverage {
@@ -226,7 +230,7 @@ fn taking_part(run: &Run, frame: &Frame) -> SampleCoverage {
     }
 }
 
-fn locked(frames: &[Frame], segmented: bool, lock: &LockRules) -> Locked {
+fn locked(frames: &[Frame], segmented: bool, lock: &LockRules) -> Split {
     if segmented {
         return lock.segments(frames.len());
     }
@@ -241,24 +245,24 @@ fn locked(frames: &[Frame], segmented: bool, lock: &LockRules) -> Locked {
     lock.runs(&places)
 }
 
-/// The recorded samples that are learned from.
+/// The recorded training samples.
 fn learned<'a>(
     runs: &'a [Run],
     frames: &[Frame],
     segmented: bool,
-    locked: &Locked,
-) -> Vec<Learned<'a>> {
+    locked: &Split,
+) -> Vec<TrainingSamples<'a>> {
     let piece = |i: &usize| {
         if !segmented {
             let run = &runs[*i];
-            return Learned {
+            return TrainingSamples {
                 run,
                 rows: 0..run.len(),
             };
         }
         let (run, t) = (&runs[0], &frames[*i].t);
         let at = |t: Option<&f64>| (t.unwrap_or(&0.0) / run.dt_s).round() as usize;
-        Learned {
+        TrainingSamples {
             run,
             rows: at(t.first())..(at(t.last()) + 1).min(run.len()),
         }
@@ -266,8 +270,8 @@ fn learned<'a>(
     locked.training.iter().map(piece).collect()
 }
 
-/// Cuts one long run into segments of at least 10 s, about 24 of them, with a second omitted between neighbours; those that gaps leave
-/// next to nothing of are omitted.
+/// Cuts one long run into about 24 segments of at least 10 s, with 1 s omitted between neighbours;
+/// segments that are mostly gaps are omitted.
 fn cut(frame: &Frame) -> Vec<Frame> {
     let n = frame.len();
     let gap = ((n as f64 / (frame.t[n - 1] - frame.t[0]).max(1e-9)).round() as usize).max(1);

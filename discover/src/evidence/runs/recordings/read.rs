@@ -1,4 +1,4 @@
-//! Runs from their index.
+//! Reading runs from their index.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use crate::evidence::runs::recordings::prepare::{Data, prepare};
 use crate::evidence::runs::recordings::survey::TrackTables;
 use crate::options::Options;
 
-/// What no search can do without.
+/// Columns that every search needs.
 const INDISPENSABLE: Needs = Needs {
     by: "a search",
     columns: &[
@@ -24,12 +24,14 @@ const INDISPENSABLE: Needs = Needs {
     forces: true,
 };
 
-/// Reads an index and its runs, locks a part of them away and makes them ready.
+/// Reads an index and its runs, holds out a part of them and prepares them.
 ///
-/// A column other than the indispensable ones may be missing; effects that need it are then not testable.
+/// A column other than the indispensable ones may be missing; effects that need it are then not
+/// testable.
 ///
 /// # Errors
-/// Those of the sled's readers; [`Error::Duplicate`] where two runs hold the same samples; [`Error::TooFew`].
+/// Those of the sled's readers; [`Error::Duplicate`] if two runs have the same samples;
+/// [`Error::TooFew`].
 pub fn read(index: &Path, model: &Model, options: &Options) -> Result<Data, Error> {
     let entries: Vec<Entry> = read_index(index)?;
     let mut runs = Vec::with_capacity(entries.len());

@@ -1,19 +1,20 @@
 //! Zero-phase low pass, derivative and decimation in one pass.
 //!
-//! Every channel is convolved with the same Gaussian kernel, so that linear relations between channels survive; the
-//! derivative is the convolution with the kernel's derivative. The amplitude at the corner is 1/sqrt(2).
+//! Every channel is convolved with the same Gaussian kernel, so that linear relations between
+//! channels are preserved; the derivative is the convolution with the kernel's derivative. The
+//! amplitude at the corner is 1/sqrt(2).
 
 /// A Gaussian kernel on a uniform grid.
 #[derive(Clone, Debug)]
 pub struct Kernel {
     weights: Vec<f64>,
     slopes: Vec<f64>,
-    /// Output every so many samples.
+    /// Samples per output.
     pub stride: usize,
 }
 
 impl Kernel {
-    /// A kernel for signals with `dt` [s] between samples, corner `cutoff` [Hz], output at about `rate` [Hz].
+    /// A kernel for `dt` [s] between samples, corner `cutoff` [Hz], output at about `rate` [Hz].
     pub fn new(dt: f64, cutoff: f64, rate: f64) -> Self {
         // |H(f)| = exp(-2 pi^2 f^2 sigma^2) = 2^-1/2 at the corner.
         let sigma = (0.5_f64.ln().abs() / 4.0).sqrt() / (std::f64::consts::PI * cutoff);
@@ -35,7 +36,7 @@ impl Kernel {
         }
     }
 
-    /// Samples at each end that have no full kernel around them.
+    /// Samples at each end without a full kernel around them.
     pub fn margin(&self) -> usize {
         self.weights.len() / 2
     }
@@ -56,12 +57,12 @@ impl Kernel {
         self.convolve(x, self.centres(x.len()), &self.slopes)
     }
 
-    /// The smoothed signal around some of [`Kernel::centres`].
+    /// The smoothed signal at some of [`Kernel::centres`].
     pub fn smooth_at(&self, x: &[f64], centres: &[usize]) -> Vec<f64> {
         self.convolve(x, centres.iter().copied(), &self.weights)
     }
 
-    /// Those of [`Kernel::centres`] whose whole window takes part.
+    /// Those of [`Kernel::centres`] whose whole window is used.
     pub fn clear_centres(&self, taking_part: &[bool]) -> Vec<usize> {
         let half = self.margin();
         let clear = |i: &usize| taking_part[i - half..=i + half].iter().all(|t| *t);

@@ -1,4 +1,4 @@
-//! A recorded run, made a frame: every signal low-passed and thinned alike, with its derivative.
+//! Frames from recorded runs: every signal low-passed and thinned alike, with its derivative.
 
 use std::collections::BTreeMap;
 
@@ -19,15 +19,16 @@ pub fn signal_kernel(dt: f64, rules: &RecordingRules) -> Kernel {
     )
 }
 
-/// Fewest rows that a run may have: a second of them.
+/// Fewest rows of a run: one second.
 pub const LEAST_ROWS: usize = 10;
-/// How far a recorded distance may be from the sum of the speed that it is said to be [m]; below the length of a sled.
+/// Largest difference between a recorded distance and the integral of the speed for them to be the
+/// same [m]; below the length of a sled.
 const SAME_PLACE_M: f64 = 1.0;
-/// Retained samples next to one that does not take part that take none either: an installation's delay moves a channel by less
-/// than a retained sample, by a cubic through the two on each side.
+/// Samples next to an unused one that are unused as well: an installation's delay shifts a channel
+/// by less than a retained sample, by a cubic through two samples on each side.
 const DELAY_REACH: usize = 2;
 
-/// Which retained samples no gap reaches: their whole window was recorded, and that of their neighbours.
+/// Whether each retained sample is used: its window and those of its neighbours contain no gap.
 fn taking_part(kernel: &Kernel, recorded: &[bool]) -> Vec<bool> {
     let clear = kernel.clear_centres(recorded);
     let all: Vec<usize> = kernel.centres(recorded.len()).collect();
@@ -43,7 +44,7 @@ fn taking_part(kernel: &Kernel, recorded: &[bool]) -> Vec<bool> {
 /// A recorded run as a frame.
 ///
 /// # Errors
-/// [`Error::TooFew`] where it is shorter than the smoothing needs.
+/// [`Error::TooFew`] if it is shorter than the smoothing needs.
 pub fn frame(
     run: &Run,
     kernel: &Kernel,
@@ -61,7 +62,7 @@ pub fn frame(
         rules.row_cutoff_hz.min(0.2 / kept_dt),
         rules.row_rate_hz,
     );
-    // A second of rows at least.
+    // At least a second of rows.
     let needed =
         2 * kernel.margin() + (2 * sieve.margin() + LEAST_ROWS * sieve.stride) * kernel.stride;
     if n < needed {
@@ -71,7 +72,7 @@ pub fn frame(
             needed,
         });
     }
-    // Across a gap a straight line: a number for every formula, of which no row is made.
+    // Gaps are interpolated linearly: a finite number for every formula, but no row.
     let raw = |name: &str, default: f64| -> Vec<f64> {
         let column = run.columns.get(name).map(|column| bridged(column));
         column.unwrap_or_else(|| vec![default; n])
@@ -87,7 +88,7 @@ pub fn frame(
         })
         .collect();
     let s_raw = run.columns.get("s_m").map(|s| bridged(s));
-    let s_of_speed = s_raw.as_ref().is_none_or(|s| goes_with(s, &summed));
+    let s_of_speed = s_raw.as_ref().is_none_or(|s| is_integrated(s, &summed));
     let s_raw = s_raw.unwrap_or(summed);
     let s = kernel.smooth(&s_raw);
     let known: Vec<&str> = kufe_sled::COLUMNS.iter().copied().chain(["s_m"]).collect();
@@ -114,7 +115,7 @@ pub fn frame(
     let centres = sieve.clear_centres(&taking_part);
     if centres.len() < LEAST_ROWS {
         return Err(Error::TooFew {
-            what: format!("run {}: rows that no gap reaches", run.entry.run),
+            what: format!("run {}: rows without gaps in their windows", run.entry.run),
             found: centres.len(),
             needed: LEAST_ROWS,
         });
@@ -168,8 +169,8 @@ pub fn frame(
     })
 }
 
-/// Whether a recorded distance is no more than the sum of the speed: what it departs by is below the breadth of a place.
-fn goes_with(s: &[f64], summed: &[f64]) -> bool {
+/// Whether a recorded distance is the integral of the speed, to within the resolution of a place.
+fn is_integrated(s: &[f64], summed: &[f64]) -> bool {
     let (Some(first), Some(begun)) = (s.first(), summed.first()) else {
         return false;
     };
@@ -238,12 +239,13 @@ mod tests {
     }
 
     #[test]
-    fn rows_beside_a_gap_are_left_out_and_all_others_are_those_of_the_whole_run() {
+    fn rows_next_to_a_gap_are_omitted_and_all_others_unchanged() {
         let gone = 1500..1620;
         let (whole, holed) = (framed(&run(0..0)), framed(&run(gone.clone())));
         assert_eq!(whole.len(), holed.len());
         assert_eq!(whole.row_count(), whole.sieve.centres(whole.len()).count());
-        // Plainly: a row is what the sieve's window of retained samples and the two with it make, each of the kernel's window.
+        // Explicitly: a row depends on the sieve's window of retained samples and the two around
+        // it, each on the kernel's window.
         let rules = Rules::default().runs.recordings;
         let kernel = signal_kernel(0.01, &rules);
         let reach = kernel.margin() + (DELAY_REACH + whole.sieve.margin()) * kernel.stride;
@@ -264,10 +266,10 @@ mod tests {
             let (all, retained) = (of(&whole), of(&holed));
             let same = whole.centres.iter().zip(all).filter(|(i, _)| far(i));
             assert!(same.map(|(_, x)| x).eq(retained.iter().copied()));
-            // Across the gap there is a number all the same.
+            // Samples in the gap are finite.
             assert!(holed.v.iter().all(|v| (18.0..22.0).contains(v)));
         }
-        let left_out = holed.rows_left_out(&holed.s).len();
+        let left_out = holed.rows_without_gaps(&holed.s).len();
         assert_eq!(left_out + holed.row_count(), whole.row_count());
         let piece = holed.piece(holed.len() / 4, holed.len() / 2);
         assert!(piece.row_count() > 0 && piece.samples().count() < piece.len());

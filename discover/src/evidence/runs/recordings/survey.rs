@@ -12,19 +12,19 @@ use crate::input::table::Table;
 /// Slope over distance, by track.
 pub type Surveys = BTreeMap<String, Vec<(f64, f64)>>;
 
-/// What the tables of the runs' tracks say.
+/// Tables of the runs' tracks.
 pub struct TrackTables {
     /// The surveyed slope of each track that has a table.
     pub slopes: Surveys,
-    /// The tables that hold all that a simulation drives on; a survey of the slope alone does not.
+    /// The tables with all columns of a simulation, not the slope alone.
     pub whole: Vec<Track>,
 }
 
 impl TrackTables {
-    /// Reads `track_NAME.csv` from the folder of the index, where there is one.
+    /// Reads `track_NAME.csv` from the folder of the index, if present.
     ///
     /// # Errors
-    /// Those of the table; [`Error::File`] where s_m does not increase.
+    /// Those of the table; [`Error::File`] if s_m does not increase.
     pub fn in_folder(folder: &Path, runs: &[Run]) -> Result<TrackTables, Error> {
         let mut tables = TrackTables {
             slopes: Surveys::new(),
@@ -53,8 +53,8 @@ impl TrackTables {
     }
 }
 
-/// A track table may count slope uphill: the sign that the speeds of these frames agree with is taken, downhill positive from
-/// here on; whether it was turned.
+/// Makes the slope positive downhill. A track table may count it uphill: the sign is the one that
+/// agrees with the speeds of these frames. Returns whether it was reversed.
 pub fn turn_slopes(frames: &mut [Frame], learned: &[usize], remarks: &mut Vec<String>) -> bool {
     let mut agreement = 0.0;
     for frame in learned.iter().map(|i| &frames[*i]) {

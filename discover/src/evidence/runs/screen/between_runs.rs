@@ -1,4 +1,4 @@
-//! Selection from session to session and from run to run.
+//! Selection of effects between sessions and between runs.
 
 use kufe_sled::effects::Level;
 
@@ -10,15 +10,15 @@ use crate::evidence::runs::shared_effects::between;
 use crate::finding::Rival;
 use crate::procedure::evidence::{Account, Randomised, Selection};
 use crate::procedure::rivals::NamedEffect;
-use crate::procedure::shared_effects::Chance;
+use crate::procedure::shared_effects::ScreenEstimate;
 
 impl Campaign<'_> {
-    /// The selected effect between sessions or runs, where one is significant, and what every candidate shows.
+    /// The selected effect between sessions or runs, if any, and the estimates of every candidate.
     pub fn between_runs(
         &self,
         at: &Current,
         account: &mut Account,
-    ) -> (Option<Selection<Amplitude>>, Vec<Chance>) {
+    ) -> (Option<Selection<Amplitude>>, Vec<ScreenEstimate>) {
         let list = self.fresh(at.residual_model, &self.candidates.levels);
         if list.is_empty() || at.whitener.count() == 0 {
             return (None, Vec::new());
@@ -34,7 +34,7 @@ impl Campaign<'_> {
             rules.alpha_levels,
             self.options.seed,
         );
-        let chances = between(&list, &levels.seen);
+        let screen_estimates = between(&list, &levels.seen);
         let best = (0..list.len())
             .filter(|c| {
                 let s = &levels.seen[*c];
@@ -50,11 +50,11 @@ impl Campaign<'_> {
                 .count();
             if differ < rules.alpha_column && untestable > 0 && account.unexplained.is_none() {
                 account.unexplained = Some(format!(
-                    "sessions differ (p = {differ:.1e}), but {} sessions are too few to say with what: at least 5 at spread temperatures and humidities are needed",
+                    "sessions differ (p = {differ:.1e}), but {} sessions are too few to identify the cause: at least 5 at spread temperatures and humidities are needed",
                     levels.sessions
                 ));
             }
-            return (None, chances);
+            return (None, screen_estimates);
         };
         let others = (0..list.len()).filter(|j| *j != named).map(|j| {
             let s = &levels.seen[j];
@@ -104,6 +104,6 @@ impl Campaign<'_> {
             remark: None,
             parameters: Vec::new(),
         };
-        (Some(selection), chances)
+        (Some(selection), screen_estimates)
     }
 }

@@ -1,11 +1,11 @@
-//! What could be distinguished: the smallest size of each effect, and what resembles it most.
+//! Detectable size of each effect, and its most similar rival.
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::screen::residual_screen::RunScreen;
 use crate::finding::Detectable;
 use crate::procedure::candidate::Candidate;
 
-/// One row a candidate that can be judged.
+/// One row per candidate that can be judged.
 pub fn detectable(screen: &RunScreen, list: &[Candidate<Amplitude>]) -> Vec<Detectable> {
     list.iter()
         .enumerate()

@@ -1,12 +1,14 @@
-//! A selected effect judged once more, at the fit that contains it.
+//! Re-evaluation of a selected effect at the fit that contains it.
 //!
-//! A large effect bends the base at which it was first seen, and with it the scores of every candidate. At the fit with the effect, of
-//! amplitude a and column c, the residual without it is `r + a c` to first order. Every candidate is scored on that residual, the effect
-//! among them. Where another explains more, and its own fit leaves less, it takes the effect's place: a model is a sum of single
-//! effects, each selected given the others.
+//! A large effect biases the base of the screen that selected it, and with it the scores of every
+//! candidate. At the fit with the effect, of amplitude a and column c, the residual without it is
+//! `r + a c` to first order. Every candidate, the effect included, is scored on that residual. A
+//! candidate that explains more, and whose own fit has a smaller misfit, replaces the effect: a
+//! model is a sum of single effects, each selected given the others.
 //!
-//! Source: G. Wang, A. Sarkar, P. Carbonetto, M. Stephens, A simple new approach to variable selection in regression, with application
-//! to genetic fine mapping, Journal of the Royal Statistical Society B 82 (2020) 1273.
+//! Source: G. Wang, A. Sarkar, P. Carbonetto, M. Stephens, A simple new approach to variable
+//! selection in regression, with application to genetic fine mapping, Journal of the Royal
+//! Statistical Society B 82 (2020) 1273.
 
 use nalgebra::DMatrix;
 
@@ -14,26 +16,23 @@ use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, Current, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::model::design::OWN_LEVELS;
-use crate::evidence::runs::screen::residual_screen::{Tested, screen_runs};
+use crate::evidence::runs::screen::residual_screen::{CandidateProducts, screen_runs};
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{Account, Evidence, Selected, Selection};
+use crate::procedure::evidence::{Account, Evidence, SelectedFit, Selection};
 
-/// Times that one effect takes another's place at most.
+/// Largest number of replacements.
 const MOST: usize = 3;
 
 impl Campaign<'_> {
-    /// A selected effect with its fit, or the one that takes its place with its own.
-    ///
-    /// # Errors
-    /// Those of the fit.
+    /// A selected effect or its replacement, with its fit.
     pub fn exchanged(
         &mut self,
         before: &RunFit,
-        (mut selection, mut added): Selected<Amplitude, RunFit>,
+        (mut selection, mut added): SelectedFit<Amplitude, RunFit>,
         step: usize,
         account: &Account,
-    ) -> Result<Selected<Amplitude, RunFit>, Error> {
-        // A law must leave less than the effect that it was selected instead of, each fitted in full.
+    ) -> Result<SelectedFit<Amplitude, RunFit>, Error> {
+        // The full fit of a law must have a smaller misfit than that of the effect it replaces.
         if let Some(other) = self.runner_up.take() {
             let next = self.add(before, &other, step)?;
             if self.gained(&added.fit, &next.fit) > -self.rules().laws.number {
@@ -41,14 +40,14 @@ impl Campaign<'_> {
             }
         }
         for _ in 0..MOST {
-            let Some(again) = self.judged_again(&added.fit, &selection.candidate, account) else {
+            let Some(again) = self.reevaluated(&added.fit, &selection.candidate, account) else {
                 break;
             };
             if again.candidate.is(&selection.candidate) {
                 selection = again;
                 break;
             }
-            // Another amplitude of an effect that is named already belongs to that step: the next screen selects it.
+            // Another amplitude of a named effect belongs to that step: the next screen selects it.
             if account
                 .steps
                 .iter()
@@ -68,14 +67,14 @@ impl Campaign<'_> {
         Ok((selection, added))
     }
 
-    /// What is selected of all candidates on the residual without the last effect of a fit, which `named` is.
-    fn judged_again(
+    /// The selection on the residual without the last effect of a fit, `named`.
+    fn reevaluated(
         &self,
         fit: &RunFit,
         named: &Candidate<Amplitude>,
         account: &Account,
     ) -> Option<Selection<Amplitude>> {
-        let model = &fit.residual_model.hold(false);
+        let model = &fit.residual_model.with_fixed(false);
         let last = model.effects.active.len().checked_sub(1)?;
         let free = model.free();
         let amplitude = free.iter().position(|(e, _)| *e == last)?;
@@ -90,15 +89,15 @@ impl Campaign<'_> {
         let others = self.everywhere(model);
         let design = at.design(&others);
         let options = self.screen_options(&at, account);
-        let mut tested = Tested::new(&design, &self.training, &simulator, options.pairs);
-        // Behind the other effects of the catalogue, or behind all columns outside it.
+        let mut tested = CandidateProducts::new(&design, &self.training, &simulator, options.pairs);
+        // After the other effects of the catalogue, or after all columns outside it.
         let place = match named.is_column() {
             true => others.len(),
             false => others.partition_point(|c| !c.is_column()),
         };
         let mut list = others.clone();
         list.insert(place, named);
-        let out = TakenOut {
+        let out = MovedColumn {
             from: OWN_LEVELS + self.free.len() + amplitude,
             to: OWN_LEVELS + design.fitted() - 1 + place,
             size: model.effects.active[last].values[free[amplitude].1] / scale,
@@ -119,17 +118,17 @@ impl Campaign<'_> {
 }
 
 /// A fitted column that becomes a candidate.
-struct TakenOut {
-    /// Its place among all columns.
+struct MovedColumn {
+    /// Its index among all columns.
     from: usize,
-    /// Its place among the others.
+    /// Its index after the move.
     to: usize,
-    /// Its fitted size.
     size: f64,
 }
 
-impl TakenOut {
-    /// Products of the columns in their new order, the residual, which is last, without what the column took of it.
+impl MovedColumn {
+    /// Products of the columns in their new order; the column's contribution is added to the
+    /// residual, which is last.
     fn of(&self, products: &DMatrix<f64>) -> DMatrix<f64> {
         let n = products.nrows();
         let last = n - 1;
@@ -154,7 +153,7 @@ mod tests {
     #[test]
     fn products_are_those_of_the_residual_without_the_effect() {
         let x = DMatrix::from_fn(30, 7, |i, k| (i as f64 * (0.37 + 0.81 * k as f64)).sin());
-        let out = TakenOut {
+        let out = MovedColumn {
             from: 3,
             to: 4,
             size: 0.7,

@@ -1,4 +1,4 @@
-//! What differs from session to session or run to run: friction and grip levels against the weather and the order of runs.
+//! Friction and grip levels of sessions and runs against weather and order.
 
 use std::collections::BTreeMap;
 
@@ -16,37 +16,34 @@ use crate::null::random::{shuffle, stream};
 use crate::procedure::candidate::Candidate;
 use crate::regression::inverse::ridge_inverse;
 
-/// A candidate on the level of sessions or runs, judged.
+/// Scores of a candidate between sessions or runs.
 #[derive(Clone, Debug)]
 pub struct LevelScore {
     /// Correlation of the levels with the candidate.
     pub correlation: f64,
     /// p-value by permutation, over all candidates of its kind.
     pub p_value: f64,
-    /// Size in its own unit.
     pub size: f64,
-    /// Standard error of the size.
     pub error: f64,
-    /// What it explains of the whitened rows.
+    /// Explained sum of squares of the whitened rows.
     pub gain: f64,
-    /// Whether a smallest p-value at or below the selected effect's threshold exists with these sessions.
+    /// Whether the smallest p-value of these sessions is below the threshold of selection.
     pub testable: bool,
 }
 
-/// LevelScreen by run, their sessions and the candidates' covariates.
+/// Levels by run, their sessions and the candidates' covariates.
 pub struct LevelScreen {
-    /// Judgements in the order of the candidates.
+    /// Scores in the order of the candidates.
     pub seen: Vec<LevelScore>,
-    /// Number of sessions.
     pub sessions: usize,
-    /// Whether sessions differ by more than their runs scatter (F test), for friction and for grip: p-values.
+    /// p-values of an F test of differences between sessions, for friction and for grip.
     pub sessions_differ: [f64; OWN_LEVELS],
     covariates: Vec<Vec<f64>>,
     level_of: Vec<usize>,
     means: [Vec<f64>; OWN_LEVELS],
 }
 
-/// Judges the candidates of `design`, which must be the session and run level ones.
+/// Scores the candidates of `design`, which must be those between sessions and runs.
 pub fn judge(
     design: &Design,
     frames: &[Frame],
@@ -108,7 +105,7 @@ pub fn judge(
             .map(|c| session_covariates[*c].clone())
             .collect();
         let judged = by_session_permutation(&means[k], &xs, 3999, seed);
-        // The order and its reverse are the only two that tie in a small set.
+        // In a small set only the order and its reverse tie.
         let least = 2.0 / (1..=means[k].len().min(10)).product::<usize>() as f64;
         for ((c, x), (_, p)) in mine.iter().zip(&xs).zip(&judged) {
             let weight: f64 = weights.iter().map(|w| w[k]).sum::<f64>() / means[k].len() as f64;
@@ -179,8 +176,7 @@ pub fn judge(
 }
 
 impl LevelScreen {
-    /// Whether `a` still explains session levels once `b` is there too: t of a in a regression on both, its own where the two
-    /// act on different levels.
+    /// t of session-level candidate `a` given `b`; unchanged if they act on different levels.
     pub fn t_given(&self, a: usize, b: usize) -> f64 {
         if self.level_of[a] != self.level_of[b] {
             return self.seen[a].size / self.seen[a].error.max(1e-300);
@@ -204,7 +200,6 @@ impl LevelScreen {
     }
 }
 
-/// Indices of the runs of each session.
 pub fn group(frames: &[Frame]) -> BTreeMap<&str, Vec<usize>> {
     members(frames.iter().map(|frame| frame.session.as_str()))
 }
@@ -249,7 +244,7 @@ fn slope(y: &[f64], x: &[f64], typical: f64, weight: f64) -> LevelScore {
     }
 }
 
-/// One-way analysis of variance: probability that sessions of one level differ this much by chance.
+/// One-way analysis of variance: p-value of the differences between sessions.
 pub fn f_test(x: &[f64], sessions: &BTreeMap<&str, Vec<usize>>) -> f64 {
     use statrs::distribution::{ContinuousCDF, FisherSnedecor};
     let (n, g) = (x.len() as f64, sessions.len() as f64);

@@ -1,4 +1,4 @@
-//! Who it could be: every candidate against what chance shows, within runs, between them and on the track.
+//! Screens: scores and p-values of candidates within runs, between them and on the track.
 
 pub(crate) mod between_runs;
 mod detectable;

@@ -1,4 +1,4 @@
-//! Where a candidate acts, and in which channel it shows most.
+//! Place and strongest channel of a candidate.
 
 use kufe_sled::effects::Kind;
 
@@ -33,7 +33,7 @@ impl Campaign<'_> {
         if candidate.is_column() {
             return format!("all runs{form}");
         }
-        // The share of samples that carries half of the effect tells where it acts.
+        // The share of samples with half of the effect indicates where it acts.
         let Some(frame) = self.training.first() else {
             return "all runs".to_owned();
         };
@@ -74,7 +74,7 @@ impl Campaign<'_> {
         )
     }
 
-    /// The channel that a candidate changes most, relative to what remains there.
+    /// The channel that a candidate changes most, relative to the residual.
     pub fn strongest_channel(
         &self,
         residual_model: &ResidualModel,
@@ -93,7 +93,7 @@ impl Campaign<'_> {
         };
         let energies: Vec<[f64; CHANNELS]> = match candidate.act.carrier {
             None => few.iter().map(of_run).collect(),
-            // No simulation knows its column.
+            // Simulations do not have its column.
             Some(_) => {
                 let whitener = Whitener::estimate(&residuals(residual_model, few), self.used);
                 let of_run = |frame: &Frame| {
@@ -112,8 +112,7 @@ impl Campaign<'_> {
             .unwrap_or(1)
     }
 
-    /// What a typical amplitude of a candidate takes from the whitened rows of each channel, to
-    /// first order.
+    /// First-order change of the whitened rows of each channel by a typical amplitude.
     pub fn direction(
         &self,
         residual_model: &ResidualModel,
@@ -130,7 +129,7 @@ impl Campaign<'_> {
             windows: &[],
         };
         let columns = design.columns(frame);
-        // The candidate, and the residual behind it.
+        // The candidate, and the residual after it.
         let own = columns.column(columns.ncols() - 2);
         let mut used = own.as_slice().chunks_exact(frame.row_count().max(1));
         let row = |c: usize| match c < BALANCES && self.used[c] {

@@ -1,4 +1,4 @@
-//! Edges of a window, found to a few metres.
+//! Refinement of a window's edges.
 
 use std::slice::from_ref;
 
@@ -11,7 +11,7 @@ use crate::procedure::candidate::Candidate;
 use crate::regression::scores::Scores;
 
 impl Campaign<'_> {
-    /// A window of a `local` candidate with its edges moved to where it explains most.
+    /// A window of a `local` candidate with the edges of largest gain.
     pub fn refined(
         &self,
         at: &Current,
@@ -20,7 +20,7 @@ impl Campaign<'_> {
     ) -> Candidate<Amplitude> {
         /// Grid of edges [m].
         const STEP: f64 = 2.5;
-        /// An edge moves by so many steps at most, either way.
+        /// Largest number of steps of an edge, either way.
         const MOST: usize = 9;
         let there = self.training.iter().filter(|f| f.track == window.track);
         let there: Vec<Frame> = there.cloned().collect();

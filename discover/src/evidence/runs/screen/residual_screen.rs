@@ -1,4 +1,4 @@
-//! One screen of the residuals: every candidate against sign-flips, what noisy inputs add taken off.
+//! One screen of the residuals: corrected scores of every candidate, tested by sign-flips.
 
 use nalgebra::DMatrix;
 
@@ -15,63 +15,56 @@ use crate::procedure::candidate::Candidate;
 use crate::regression::prior::Prior;
 use crate::regression::scores::{Scores, cross_information};
 
-/// How a screen is made.
 #[derive(Clone, Copy, Debug)]
 pub struct ScreenOptions {
-    /// Pairs of twins a run.
+    /// Pairs of simulated runs per run.
     pub pairs: u64,
-    /// Number of sign-flips.
     pub flips: usize,
     /// Largest p-value of a selected effect.
     pub alpha: f64,
-    /// Largest p-value of a selected effect about a window of distance.
+    /// The same for an effect in a window of distance.
     pub alpha_local: f64,
-    /// Largest p-value of a selected effect outside the catalogue.
+    /// The same for an effect outside the catalogue.
     pub alpha_column: f64,
-    /// Factors of what noise adds between which a selected effect must hold: how far the sensors' noise is trusted.
+    /// Trusted range of the noise correction, over which a selected effect must be significant.
     pub trust: [f64; 2],
-    /// Share of its critical T that a selected effect must retain over the trusted range: within runs, in windows.
+    /// Share of its critical T that a selected effect must reach over it: within runs, in windows.
     pub holds: [f64; 2],
-    /// Shares of a direction: remaining after a refit of the base, and not noise.
+    /// Smallest shares of a column: remaining after a refit of the base, and not noise.
     pub least: [f64; 2],
-    /// What a size must exceed its critical value by to be selected nine times in ten, in errors.
+    /// Excess over the critical value of a size with a power of 90 %, in standard errors.
     pub nine_in_ten: f64,
-    /// Seed.
     pub seed: u64,
 }
 
-/// One candidate, or one window of a local one, after a screen.
+/// Scores of a candidate or window.
 #[derive(Clone, Debug)]
 pub struct CandidateScore {
-    /// Share of its direction that a refit of the base leaves.
+    /// Share of its column that remains after a refit of the base.
     pub remaining_share: f64,
-    /// Size in its own unit.
     pub size: f64,
-    /// Standard error of the size.
     pub error: f64,
-    /// T: the sum of its scores over their deviation.
+    /// T: the sum of its scores over their standard deviation.
     pub t: f64,
-    /// T of what was taken off: what noisy inputs alone produce.
+    /// T of the noise correction.
     pub bias_t: f64,
     /// Whether it is significant over the whole trusted range of the noise, with one sign.
     pub holds: bool,
-    /// The same for a further place of an effect that is known to act in some.
+    /// The same for a further place of an effect that is already named.
     pub holds_again: bool,
     /// p-value by sign-flips, max-T over its kind.
     pub p_value: f64,
     /// The same with the runs of a session weighted together; absent with a single session.
     pub p_sessions: Option<f64>,
-    /// What it explains, in units of the noise's variance.
+    /// Explained sum of squares, in units of the noise's variance.
     pub gain: f64,
-    /// The same by sizes fitted on other runs.
-    pub held_gain: f64,
-    /// Smallest size that would be selected nine times in ten.
+    pub cross_validated_gain: f64,
+    /// Smallest size that would be selected with a probability of 90 %.
     pub detectable: f64,
-    /// Whether it can be judged at all.
+    /// Whether it can be judged.
     pub usable: bool,
 }
 
-/// A whole screen.
 pub struct RunScreen {
     /// Regular candidates, then windows.
     pub seen: Vec<CandidateScore>,
@@ -81,24 +74,20 @@ pub struct RunScreen {
     pub cross: DMatrix<f64>,
 }
 
-/// Products of all columns with one another, and what they belong to.
-pub struct Tested<'a> {
-    /// Candidates that act everywhere.
+/// Products of all columns, with their candidates.
+pub struct CandidateProducts<'a> {
     pub regular: &'a [Candidate<Amplitude>],
-    /// Candidates that act in windows.
     pub local: &'a [Candidate<Amplitude>],
-    /// The windows.
     pub windows: &'a [Window],
-    /// What is known of the fitted parameters.
+    /// Prior of the fitted parameters.
     pub prior: Prior,
-    /// Products by run.
     pub products: Vec<Products>,
-    /// What noisy inputs add to them.
+    /// Noise correction of the products.
     pub noise: Vec<DMatrix<f64>>,
 }
 
-impl<'a> Tested<'a> {
-    /// The candidates of a design, what noise adds found from so many pairs of twins a run.
+impl<'a> CandidateProducts<'a> {
+    /// The candidates of a design, with a noise correction from so many pairs of simulated runs.
     pub fn new(
         design: &Design<'a>,
         frames: &[Frame],
@@ -123,9 +112,12 @@ impl<'a> Tested<'a> {
     }
 }
 
-/// Judges every candidate.
-pub fn screen_runs(tested: &Tested, frames: &[Frame], options: &ScreenOptions) -> RunScreen {
-    let Tested {
+pub fn screen_runs(
+    tested: &CandidateProducts,
+    frames: &[Frame],
+    options: &ScreenOptions,
+) -> RunScreen {
+    let CandidateProducts {
         prior,
         products,
         noise,
@@ -156,7 +148,7 @@ pub fn screen_runs(tested: &Tested, frames: &[Frame], options: &ScreenOptions) -
                 .filter(|i| scores.information[(c, *i)] > 1e-9)
                 .count();
             let enough = if c < regular {
-                // A direction that is mostly noise says nothing.
+                // A direction that is mostly noise is excluded.
                 touched >= 4 && information > options.least[1] * plain.total_information(c)
             } else {
                 let window = &tested.windows[c - regular];
@@ -179,7 +171,7 @@ pub fn screen_runs(tested: &Tested, frames: &[Frame], options: &ScreenOptions) -
         tested.regular[named..].iter().all(Candidate::is_column),
         "candidates outside the catalogue come last"
     );
-    // Three families, each with a probability of a false positive of its own: the catalogue, what lies outside it, places.
+    // Three families of candidates: the catalogue, columns outside it, places.
     let nulls = [
         (part(&u, 0, named, options.seed), options.alpha),
         (
@@ -252,7 +244,7 @@ pub fn screen_runs(tested: &Tested, frames: &[Frame], options: &ScreenOptions) -
                 p_value: if usable[c] { null.p_value(t) } else { 1.0 },
                 p_sessions: p_sessions[c],
                 gain: sum * sum / information,
-                held_gain: held_gain(&scores, c),
+                cross_validated_gain: cross_validated_gain(&scores, c),
                 detectable: (critical + options.nine_in_ten) * error * scale,
                 usable: usable[c],
             }
@@ -265,10 +257,11 @@ pub fn screen_runs(tested: &Tested, frames: &[Frame], options: &ScreenOptions) -
     }
 }
 
-/// Scores with each window's own size taken out, scaled for the freedom that takes.
+/// Scores less each window's own size, rescaled for the lost degree of freedom.
 ///
-/// The few runs on a track have few sign patterns, and the windows' norms are shared: an effect in the data would appear in
-/// its own null, with seven ninths of its T where one of nine signs is turned. What remains after its size scatters as noise does.
+/// The few runs on a track have few sign patterns, and the windows share their norms: an effect in
+/// the data would otherwise appear in its own null, with seven ninths of its T if one of nine signs
+/// is flipped. The rest scatters as noise does.
 fn scattered(scores: &Scores, regular: usize) -> DMatrix<f64> {
     let mut u = scores.u.clone();
     for c in regular..u.nrows() {
@@ -299,9 +292,10 @@ fn ts(scores: &Scores, norms: &[f64]) -> Vec<f64> {
     norms.iter().enumerate().map(t).collect()
 }
 
-/// What sums of scores are measured in: a regular candidate's own scatter; a window's information times what the windows
-/// of its kind scatter by in the median, because the few runs on one track tell too little of their own.
-fn norms(scores: &Scores, usable: &[bool], tested: &Tested) -> Vec<f64> {
+/// Standard deviations of the sums of scores: of a regular candidate from its own scatter; of a
+/// window from its information times the median scatter of its kind, because the few runs on one
+/// track do not determine their own.
+fn norms(scores: &Scores, usable: &[bool], tested: &CandidateProducts) -> Vec<f64> {
     let regular = tested.regular.len();
     let mut norms: Vec<f64> = (0..scores.u.nrows())
         .map(|c| match usable[c] {
@@ -325,15 +319,16 @@ fn norms(scores: &Scores, usable: &[bool], tested: &Tested) -> Vec<f64> {
             norms[*c] = (middle * scores.total_information(*c)).sqrt();
         }
     }
-    // What the installation may add goes with every run alike.
+    // The contribution of installation errors is common to all runs.
     for (c, norm) in norms.iter_mut().enumerate().filter(|(_, n)| **n > 0.0) {
         *norm = norm.hypot(scores.shared_variance(c).sqrt());
     }
     norms
 }
 
-/// What sizes fitted on four fifths of the runs explain on the rest; of what the installation adds each run has its share.
-fn held_gain(scores: &Scores, c: usize) -> f64 {
+/// Cross-validated gain with sizes fitted on four fifths of the runs; the installation's
+/// contribution is divided among the runs.
+fn cross_validated_gain(scores: &Scores, c: usize) -> f64 {
     let (u, information) = (&scores.u, &scores.information);
     let runs = u.ncols();
     let folds = 5.min(runs);
@@ -354,34 +349,35 @@ fn held_gain(scores: &Scores, c: usize) -> f64 {
 }
 
 impl RunScreen {
-    /// Some of the regular candidates alone.
-    pub fn only(&self, retained: &[usize]) -> Self {
-        let pairs = |i: usize, j: usize| self.cross[(retained[i], retained[j])];
+    /// Some of the regular candidates.
+    pub fn only(&self, selected: &[usize]) -> Self {
+        let pairs = |i: usize, j: usize| self.cross[(selected[i], selected[j])];
         Self {
-            seen: retained.iter().map(|c| self.seen[*c].clone()).collect(),
-            sums: self.sums.only(retained),
-            cross: DMatrix::from_fn(retained.len(), retained.len(), pairs),
+            seen: selected.iter().map(|c| self.seen[*c].clone()).collect(),
+            sums: self.sums.only(selected),
+            cross: DMatrix::from_fn(selected.len(), selected.len(), pairs),
         }
     }
 
-    /// T of regular candidate `a` once `b` has taken its part.
+    /// T of regular candidate `a` given `b`.
     pub fn t_given(&self, a: usize, b: usize) -> f64 {
         let share = self.cross[(a, b)] / self.cross[(b, b)].max(1e-300);
         self.sums.t_less(a, b, share)
     }
 
-    /// Correlation of two regular candidates given the base, freed of the noise of their inputs.
+    /// Correlation of two regular candidates given the base, corrected for noise.
     ///
-    /// Products less their noise are estimates: of two columns that are all but the same, what remains of each by itself may come out
-    /// smaller than their product. The nearest matrix that products of two columns can form has a correlation of 1 then.
+    /// Corrected products are estimates: for two almost collinear columns the corrected squares may
+    /// be smaller than their product. The nearest matrix of products of two columns then has a
+    /// correlation of 1.
     pub fn correlation(&self, a: usize, b: usize) -> f64 {
         correlation([self.cross[(a, a)], self.cross[(a, b)], self.cross[(b, b)]])
     }
 
     /// Whether a candidate may be selected.
     ///
-    /// `again` says that its effect has already been named in another place.
-    pub fn claimable(
+    /// `again`: its effect is already named in another place.
+    pub fn is_selectable(
         &self,
         c: usize,
         candidate: &Candidate<Amplitude>,
@@ -392,12 +388,12 @@ impl RunScreen {
         s.usable
             && s.p_value <= alpha
             && (s.holds || again && s.holds_again)
-            && s.held_gain > 0.0
+            && s.cross_validated_gain > 0.0
             && candidate.admits(s.size)
     }
 }
 
-/// The window of each local candidate that explains most, with its place in the screen.
+/// The window of largest gain of each local candidate, with its index in the screen.
 pub fn best_windows<'w>(
     screen: &RunScreen,
     windows: &'w [Window],
@@ -416,7 +412,7 @@ pub fn best_windows<'w>(
         .collect()
 }
 
-/// Correlation of two columns by their products, at most 1 in size.
+/// Correlation of two columns by their products, at most 1 in magnitude.
 fn correlation([aa, ab, bb]: [f64; 3]) -> f64 {
     match aa > 0.0 && bb > 0.0 {
         true => (ab / (aa * bb).sqrt()).clamp(-1.0, 1.0),
@@ -430,7 +426,7 @@ mod tests {
 
     #[test]
     fn no_correlation_exceeds_one_however_much_noise_is_taken_off() {
-        // Of products [1, -1, 1] and [4, 2, 4] a noise of 0.05 and nothing is taken off.
+        // From products [1, -1, 1] and [4, 2, 4] noises of 0.05 and 0 are subtracted.
         assert_eq!(correlation([0.95, -1.0, 0.95]), -1.0);
         assert_eq!(correlation([4.0, 2.0, 4.0]), 0.5);
         assert_eq!(correlation([-0.1, 0.2, 1.0]), 0.0);

@@ -1,22 +1,20 @@
-//! Sums of scores: what runs give and what the installation, the same in all runs, adds.
+//! Sums of scores: contributions of runs, and of the installation, common to all runs.
 
 use nalgebra::DMatrix;
 
 use crate::regression::scores::Scores;
 
-/// What the sums of scores of several candidates are made of.
+/// Sums of scores of several candidates.
 #[derive(Clone)]
 pub struct ScoreSums {
-    /// Candidates by runs.
     pub u: DMatrix<f64>,
-    /// What the installation, as it is fitted, adds to each sum.
+    /// Contribution of the fitted installation errors to each sum.
     pub shared: Vec<f64>,
-    /// By how much each installation error may move it: candidates by errors.
+    /// Derivative of each sum by each installation error: candidates by errors.
     pub common: DMatrix<f64>,
 }
 
 impl ScoreSums {
-    /// Those of scores.
     pub fn of(scores: &Scores) -> Self {
         Self {
             u: scores.u.clone(),
@@ -25,12 +23,12 @@ impl ScoreSums {
         }
     }
 
-    /// Some candidates alone.
-    pub fn only(&self, retained: &[usize]) -> Self {
+    /// Some of the candidates.
+    pub fn only(&self, selected: &[usize]) -> Self {
         Self {
-            u: self.u.select_rows(retained),
-            shared: retained.iter().map(|c| self.shared[*c]).collect(),
-            common: self.common.select_rows(retained),
+            u: self.u.select_rows(selected),
+            shared: selected.iter().map(|c| self.shared[*c]).collect(),
+            common: self.common.select_rows(selected),
         }
     }
 

@@ -1,4 +1,4 @@
-//! Selection within runs: the candidate that explains most, and its best window where it acts on a stretch.
+//! Selection within runs: the candidate of largest gain, and its best window.
 
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
@@ -11,10 +11,10 @@ use crate::evidence::runs::model::windows::{Window, windows};
 use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
 use crate::evidence::runs::screen::detectable::detectable;
 use crate::evidence::runs::screen::residual_screen::{
-    RunScreen, ScreenOptions, Tested, best_windows, screen_runs,
+    CandidateProducts, RunScreen, ScreenOptions, best_windows, screen_runs,
 };
 use crate::evidence::runs::screen::score_sums::ScoreSums;
-use crate::evidence::runs::screen::track::on_track::Surveyed;
+use crate::evidence::runs::screen::track::on_track::SurveyedTrack;
 use crate::evidence::runs::shared_effects::within;
 use crate::options::OUTSIDE_CATALOGUE;
 use crate::procedure::candidate::Candidate;
@@ -22,11 +22,11 @@ use crate::procedure::evidence::{Account, Randomised, Screen, Selection};
 use crate::regression::scores::{Scores, cross_information};
 
 impl Campaign<'_> {
-    /// The selected effect within runs, where one is significant, and what could have been seen.
+    /// The selected effect within runs, if one is significant, and detectable sizes.
     pub fn within_runs(
         &mut self,
         at: &Current,
-        track: Option<&Surveyed>,
+        track: Option<&SurveyedTrack>,
         account: &Account,
     ) -> Screen<Amplitude> {
         if at.whitener.count() == 0 {
@@ -48,10 +48,10 @@ impl Campaign<'_> {
             ..at.design(&regular)
         };
         let options = self.screen_options(at, account);
-        let tested = Tested::new(&design, &self.training, at.simulator, options.pairs);
+        let tested = CandidateProducts::new(&design, &self.training, at.simulator, options.pairs);
         let mut screen = screen_runs(&tested, &self.training, &options);
         let named = regular.iter().filter(|c| !c.is_column()).count();
-        // Where no p-value can pass there is no size that would be selected.
+        // If no p-value can reach the threshold, no size is detectable.
         let detectable = match self.least_p() > options.alpha {
             true => Vec::new(),
             false => detectable(&screen, &regular[..named]),
@@ -62,26 +62,28 @@ impl Campaign<'_> {
             .filter(|(_, seen)| seen.usable && seen.remaining_share > 0.05)
             .map(|(c, seen)| (c.clone(), seen.size, seen.error))
             .collect();
-        self.chances = within(&regular, &screen.seen);
-        // An accelerometer's fault shows in the track channel, too: what that contradicts is neither selected nor a rival.
+        self.screen_estimates = within(&regular, &screen.seen);
+        // Errors of the accelerometer are also tested in the track channel: contradicted ones are
+        // neither selected nor rivals.
         for (candidate, seen) in regular.iter().zip(&mut screen.seen) {
             seen.usable &= track.is_none_or(|t| t.agrees(candidate, seen.size, seen.error));
         }
         let places = best_windows(&screen, &all_windows, regular.len());
         let selection = self.choose(at, &screen, &regular, &places, account);
-        let found = self.contacts_beside(at.residual_model);
-        // What walls leave bends the base, with which much seems to explain something in some runs: what is significant is a rival.
+        let found = self.find_contacts(at.residual_model);
+        // Contacts bias the base, so that many candidates seem to explain something: the
+        // significant ones are rivals.
         let standing = regular
             .iter()
             .enumerate()
-            .filter(|(c, candidate)| screen.claimable(*c, candidate, options.alpha, false))
+            .filter(|(c, candidate)| screen.is_selectable(*c, candidate, options.alpha, false))
             .map(|(c, _)| screen.seen[c].gain)
             .fold(0.0, f64::max);
         let required = found
             .as_ref()
             .map_or(0.0, |found| found.gain / self.rules().contacts.over);
         if let Some(found) = found.filter(|_| required > standing) {
-            let selection = self.claim_contacts(&found);
+            let selection = self.select_contacts(&found);
             self.selected_contacts = Some(found);
             return Screen {
                 selection,
@@ -109,18 +111,18 @@ impl Campaign<'_> {
         }
     }
 
-    /// The candidates that act everywhere and are not in the model, those outside the catalogue last.
+    /// The global candidates that are not in the model, those outside the catalogue last.
     pub fn everywhere(&self, model: &ResidualModel) -> Vec<Candidate<Amplitude>> {
         let mut regular = self.fresh(model, &self.candidates.regular);
         if self.options.looks_for(OUTSIDE_CATALOGUE) {
             regular.extend(unknown(self.data, self.model.sled.mass_kg, self.used[0]));
         }
-        // A person's own effect may bear such a name, too.
+        // A custom effect may have such a name, too.
         regular.sort_by_key(Candidate::is_column);
         regular
     }
 
-    /// How a screen of a model is made.
+    /// Options of a screen of a model.
     pub fn screen_options(&self, at: &Current, account: &Account) -> ScreenOptions {
         let (rules, share) = (self.rules(), self.share(account));
         ScreenOptions {
@@ -133,7 +135,7 @@ impl Campaign<'_> {
                 NoiseFrom::Model => rules.noise_trust,
                 NoiseFrom::Spectra => rules.spectral_noise_trust,
                 NoiseFrom::Differences => rules.estimated_noise_trust,
-                // All that is known is that it makes no more than the residual.
+                // Only an upper bound of the noise is known: that of the residual.
                 NoiseFrom::Doubted => {
                     let [low, high] = rules.estimated_noise_trust;
                     [low, high.max(at.simulator.most_noise(self.used))]
@@ -182,26 +184,26 @@ impl Campaign<'_> {
         let most = everywhere
             .chain(whole)
             .filter(|(candidate, c)| {
-                screen.claimable(*c, candidate, alpha_of(candidate), again(candidate))
+                screen.is_selectable(*c, candidate, alpha_of(candidate), again(candidate))
             })
             .map(|(_, c)| gain(c))
             .fold(0.0, f64::max);
-        // Windows that compete, with edges found to a few metres, are judged as ordinary candidates with all others.
+        // Competing windows, with refined edges, are compared as regular candidates.
         let close: Vec<(Candidate<Amplitude>, usize)> = places
             .iter()
             .filter(|(_, c)| most > 0.0 && gain(*c) > rules.window_competes * most)
             .map(|(window, c)| (self.refined(at, local(window), window), *c))
             .collect();
-        // Those that may be selected or be a rival.
-        let retained: Vec<usize> = (0..regular.len())
+        // Candidates that may be selected or be a rival.
+        let selected: Vec<usize> = (0..regular.len())
             .filter(|c| screen.seen[*c].usable && screen.seen[*c].t.abs() >= rules.rivals.least_t)
             .collect();
-        let of_kept = retained.iter().map(|c| &regular[*c]);
+        let of_kept = selected.iter().map(|c| &regular[*c]);
         let list: Vec<Candidate<Amplitude>> = of_kept
             .chain(close.iter().map(|(candidate, _)| candidate))
             .cloned()
             .collect();
-        let mut together = screen.only(&retained);
+        let mut together = screen.only(&selected);
         if !close.is_empty() {
             let design = at.design(&list);
             let noise = noise_products(&design, &self.training, at.simulator, 0);
@@ -214,7 +216,7 @@ impl Campaign<'_> {
             let scores = Scores::new(&grams, &design.prior());
             together.cross = cross_information(&grams, &design.prior());
             let sums = ScoreSums::of(&scores);
-            for (k, (candidate, c)) in (retained.len()..).zip(&close) {
+            for (k, (candidate, c)) in (selected.len()..).zip(&close) {
                 together.sums.push(&sums, k);
                 let information = scores.total_information(k).max(1e-300);
                 let sum = scores.sum(k);
@@ -229,17 +231,18 @@ impl Campaign<'_> {
                 .filter(|c| list[*c].is_column() == wanted)
                 .filter(|c| {
                     let candidate = &list[*c];
-                    together.claimable(*c, candidate, alpha_of(candidate), again(candidate))
+                    together.is_selectable(*c, candidate, alpha_of(candidate), again(candidate))
                 })
                 .max_by(|a, b| together.seen[*a].gain.total_cmp(&together.seen[*b].gain))
         };
-        // What the catalogue knows comes first, unless a column in addition to it takes all that the name explains and more.
+        // The catalogue has precedence, unless a column explains in addition to it all that the
+        // named effect does, and more.
         let mut named = match (best(false), best(true)) {
             (Some(known), Some(other)) => {
                 let more = together.seen[other].gain > together.seen[known].gain;
                 let t = |a: usize, b: usize| together.t_given(a, b) * together.seen[a].t.signum();
-                let [lost, retained] = rules.column_wins;
-                if more && t(known, other) < lost && t(other, known) > retained {
+                let [lost, selected] = rules.column_wins;
+                if more && t(known, other) < lost && t(other, known) > selected {
                     other
                 } else {
                     known
@@ -248,8 +251,8 @@ impl Campaign<'_> {
             (known, other) => known.or(other)?,
         };
         let (mut class, mut rivals) = self.rivals(&together, &list, named);
-        // Of a class of places, the effect that already acts elsewhere is the simpler account.
-        let known = (retained.len()..list.len()).find(|c| {
+        // In a class of places, an effect that already acts elsewhere is the simpler explanation.
+        let known = (selected.len()..list.len()).find(|c| {
             list[named].act.track.is_some()
                 && *c != named
                 && class.contains(&list[*c].effect)
@@ -277,7 +280,7 @@ impl Campaign<'_> {
             },
             remark: (bias.abs() > 1.0).then(|| {
                 format!(
-                    "{}: noisy inputs alone would show T = {bias:.1}; it was taken off",
+                    "{}: the bias of noisy inputs, T = {bias:.1}, was subtracted",
                     list[named].effect
                 )
             }),

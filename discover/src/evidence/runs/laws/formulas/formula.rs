@@ -1,4 +1,4 @@
-//! The simplest formula that does as well as the best of many.
+//! The simplest formula that is as good as the best of many.
 
 use kufe_sled::effects::Channel;
 use nalgebra::DMatrix;
@@ -6,32 +6,34 @@ use nalgebra::DMatrix;
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::laws::formulas::shape::Shape;
 use crate::evidence::runs::laws::formulas::shapes::{around, formulas};
-use crate::evidence::runs::laws::judged::Smooth;
+use crate::evidence::runs::laws::judged::SmoothLaw;
 use crate::evidence::runs::laws::sums::difference;
 use crate::evidence::runs::laws::term::Term;
 use crate::evidence::runs::laws::terms::Terms;
 
-/// A formula on a channel with what it explains on runs that did not set its size.
+/// A formula on a channel with its cross-validated gain.
 #[derive(Clone)]
 pub struct Formula {
-    /// The formula.
     pub term: Term,
-    /// Places of the columns whose law it represents.
+    /// Indices of the columns of the smooth law that it represents.
     pub columns: Vec<usize>,
-    /// By run.
     pub gains: Vec<f64>,
 }
 
 impl Formula {
-    /// The sum over runs.
     pub fn gain(&self) -> f64 {
         self.gains.iter().sum()
     }
 }
 
 impl Campaign<'_> {
-    /// The simplest formula that does as well as the best of all those tried.
-    pub fn simplest(&self, terms: &Terms, channels: &[Channel], law: &Smooth) -> Option<Formula> {
+    /// The simplest formula that is as good as the best of all those tried.
+    pub fn simplest(
+        &self,
+        terms: &Terms,
+        channels: &[Channel],
+        law: &SmoothLaw,
+    ) -> Option<Formula> {
         let rules = &self.rules().laws;
         let judged = |list: Vec<Term>| -> Vec<Formula> {
             let parts: Vec<&[Term]> = list.chunks(32).collect();
@@ -39,7 +41,7 @@ impl Campaign<'_> {
                 return Vec::new();
             };
             let none = DMatrix::zeros(1, 1);
-            // As in the screen: a direction that is mostly noise says nothing.
+            // As in the screen, a direction that is mostly noise is excluded.
             let [signal, all] =
                 [sums, plain].map(|sums| move |k: usize| sums.of(&[k], 0..sums.m.len()).m[(0, 0)]);
             let least = self.rules().least_signal;
@@ -49,7 +51,7 @@ impl Campaign<'_> {
                 .map(|(k, term)| Formula {
                     term,
                     columns: law.columns.clone(),
-                    gains: sums.held_gains(&[k], &none),
+                    gains: sums.cross_validated_gains(&[k], &none),
                 })
                 .collect()
         };
@@ -72,7 +74,7 @@ impl Campaign<'_> {
         });
         let list = shapes.into_iter().map(on).collect();
         let mut all = judged(list);
-        // Each kind of formula gets a refinement before they are compared with one another.
+        // Each kind of formula is refined before they are compared with one another.
         for numbers in 2..=3 {
             let of_kind = |f: &&Formula| f.term.shape.numbers() == numbers;
             let most = all

@@ -1,4 +1,4 @@
-//! Formulas of laws: how each depends on its columns, which are tried, and the simplest that does as well as the best.
+//! Formulas of laws: shapes, the set that is tried, and the selection among them.
 
 pub(crate) mod formula;
 pub(crate) mod shape;

@@ -1,21 +1,21 @@
-//! How a law depends on its columns: basis functions of a smooth curve, and formulas.
+//! Shapes of laws: basis functions of a smooth curve, and formulas.
 
 use std::borrow::Cow;
 
 use kufe_sled::effects::Expression;
 
-/// A function of one column or two, by their places among the columns.
+/// A function of one or two columns, by their indices.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// 1 everywhere.
     One,
-    /// A cubic B-spline of a column: its middle and the distance of its knots.
+    /// A cubic B-spline of a column: its centre and the distance of its knots.
     Bump(usize, f64, f64),
     /// The column.
     Line(usize),
-    /// Its size.
+    /// Its absolute value.
     Size(usize),
-    /// Its size over a scale, to a power.
+    /// Its absolute value over a scale, to a power.
     Power(usize, f64, f64),
     /// `exp(x / scale)`.
     Exponential(usize, f64),
@@ -28,7 +28,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// The value at a sample, `columns` giving each column's.
+    /// The value at a sample; `columns` returns each column's value.
     pub fn value(&self, columns: impl Fn(usize) -> f64) -> f64 {
         match *self {
             Shape::One => 1.0,
@@ -43,7 +43,7 @@ impl Shape {
         }
     }
 
-    /// The formula as a model has it.
+    /// The formula as a model states it.
     pub fn text(&self, names: &[String]) -> String {
         let name = |x: &usize| Expression::quoted(&names[*x]);
         match self {
@@ -61,7 +61,7 @@ impl Shape {
         }
     }
 
-    /// How many numbers a reader must take in besides the amplitude: formulas are tried from the simplest on.
+    /// Numbers of the formula in addition to the amplitude: formulas are tried in this order.
     pub fn numbers(&self) -> usize {
         match self {
             Shape::One => 0,
@@ -86,7 +86,7 @@ impl Shape {
         }
     }
 
-    /// The columns over whose units its amplitude's unit is; of the others the formula takes the unit out itself.
+    /// The columns whose units divide the amplitude's unit; the others are dimensionless.
     pub fn per(&self) -> Vec<usize> {
         match self {
             Shape::Line(x) | Shape::Size(x) => vec![*x],
@@ -106,7 +106,7 @@ fn cubic(t: f64) -> f64 {
     }
 }
 
-/// The formula of an amplitude's unit: that of the channel over those of the columns.
+/// The unit of an amplitude: that of the channel over those of the columns.
 pub fn unit(channel: &str, columns: &[&str]) -> String {
     let (mut above, mut below) = match channel.split_once('/') {
         Some((of, over)) => (vec![of], vec![over]),
@@ -142,7 +142,7 @@ pub fn unit(channel: &str, columns: &[&str]) -> String {
     }
 }
 
-/// The unit of a column, as one over which an amplitude goes: of a temperature that of its differences.
+/// The unit of a column as a divisor: for a temperature that of its differences.
 pub fn unit_of(name: &str) -> Cow<'static, str> {
     match kufe::plot::unit_of(name) {
         unit if unit == "deg C" => Cow::Borrowed("K"),

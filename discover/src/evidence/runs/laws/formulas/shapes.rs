@@ -1,8 +1,8 @@
-//! The formulas that are tried for a column, and a refinement around the best.
+//! The set of formulas tried for a column, and their refinement.
 
 use crate::evidence::runs::laws::formulas::shape::Shape;
 
-/// Bumps of a spline over a column whose values are `sorted`.
+/// B-splines of a column whose values are `sorted`.
 pub fn bumps(column: usize, sorted: &[f64], count: usize) -> Vec<Shape> {
     let [low, high] = [0.01, 0.99].map(|share| quantile(sorted, share));
     let knots = (high - low) / (count - 3) as f64;
@@ -43,7 +43,7 @@ pub fn formulas(column: usize, sorted: &[f64]) -> Vec<Shape> {
     shapes
 }
 
-/// The same kind of formula with other numbers, within a share of the column's span; none where it has no number.
+/// The same kind of formula with numbers nearby; empty without numbers.
 pub fn around(shape: &Shape, span: f64, share: f64) -> Vec<Shape> {
     let moves = [-1.0, -0.5, 0.0, 0.5, 1.0];
     let factors = moves.map(|m: f64| (3.0 * share * m).exp());
@@ -68,7 +68,7 @@ pub fn around(shape: &Shape, span: f64, share: f64) -> Vec<Shape> {
     }
 }
 
-/// The value below which a share of them lies.
+/// A quantile of sorted values.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     let last = sorted.len().saturating_sub(1);
     sorted
@@ -77,7 +77,7 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
         .unwrap_or(0.0)
 }
 
-/// A number with so many digits that count.
+/// A number with so many significant digits.
 pub fn rounded(x: f64, digits: i32) -> f64 {
     if x == 0.0 || !x.is_finite() {
         return 0.0;

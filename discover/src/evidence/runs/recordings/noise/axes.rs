@@ -1,26 +1,25 @@
-//! Noise of an instrument's axes, each by its own spectrum.
+//! Noise of an instrument's axes by their spectra.
 
-use crate::evidence::runs::recordings::learned::Learned;
 use crate::evidence::runs::recordings::noise::colour::Colour;
 use crate::evidence::runs::recordings::noise::periodogram::Periodogram;
+use crate::evidence::runs::recordings::training_samples::TrainingSamples;
 
 /// Noise of one recorded column.
 #[derive(Clone, Copy, Debug)]
 pub struct ColumnNoise {
-    /// Its deviation at the recorded rate.
+    /// Standard deviation at the recorded rate.
     pub sd: f64,
-    /// How it is coloured.
     pub colour: Colour,
 }
 
 /// Noise of each axis of an instrument, by its spectrum.
 pub fn of_instrument(
-    learned: &[Learned],
+    learned: &[TrainingSamples],
     axes: &[&str],
     from_hz: f64,
     quietest: f64,
 ) -> Option<Vec<ColumnNoise>> {
-    // What is constant all the time, as a roll split of zeros, is no sensor.
+    // A column that is always constant, as a roll split of zeros, is not a sensor's.
     let moves = |name: &str| learned.iter().any(|piece| piece.moves(name));
     if !axes.iter().any(|name| moves(name)) {
         let still = ColumnNoise {
@@ -30,7 +29,7 @@ pub fn of_instrument(
         return Some(vec![still; axes.len()]);
     }
     let dt = learned.first()?.run.dt_s;
-    let alike: Vec<&Learned> = learned.iter().filter(|p| p.run.dt_s == dt).collect();
+    let alike: Vec<&TrainingSamples> = learned.iter().filter(|p| p.run.dt_s == dt).collect();
     let spectrum = |name: &&str| {
         let columns: Vec<&[f64]> = alike.iter().filter_map(|p| p.column(name)).collect();
         Periodogram::of(&columns, dt, from_hz).filter(|_| moves(name))
@@ -39,7 +38,7 @@ pub fn of_instrument(
     of_axes(&seen, dt, quietest)
 }
 
-/// Noise of each axis: its own, or the quietest one's where it shows its motion or nothing.
+/// Noise of each axis; that of the quietest axis for one that is dominated by motion or constant.
 fn of_axes(seen: &[Option<Periodogram>], dt: f64, quietest: f64) -> Option<Vec<ColumnNoise>> {
     let power = |axis: &Periodogram| axis.lowest();
     let less = |a: &&Periodogram, b: &&Periodogram| power(a).total_cmp(&power(b));
@@ -62,16 +61,16 @@ mod tests {
     use super::*;
     use crate::null::random::{normal, stream};
 
-    /// A column of this deviation that falls off above a corner, of an Ornstein-Uhlenbeck process in steps of a tenth of a row.
+    /// Spectrum of an Ornstein-Uhlenbeck process, in steps of a tenth of a row.
     fn spectrum(knee_hz: f64, sd: f64, axis: u64) -> Option<Periodogram> {
         const DT: f64 = 0.001;
-        let keep = (-2.0 * std::f64::consts::PI * knee_hz * DT).exp();
+        let decay = (-2.0 * std::f64::consts::PI * knee_hz * DT).exp();
         let columns: Vec<Vec<f64>> = (0..20)
             .map(|run| {
                 let rng = &mut stream(7, axis, run);
                 let mut own = normal(rng);
                 let mut next = || {
-                    own = keep * own + (1.0 - keep * keep).sqrt() * normal(rng);
+                    own = decay * own + (1.0 - decay * decay).sqrt() * normal(rng);
                     sd * own
                 };
                 let fine: Vec<f64> = (0..18_000).map(|_| next()).collect();
@@ -83,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn axes_have_noise_of_their_own_but_for_one_that_shows_its_motion() {
+    fn an_axis_dominated_by_motion_takes_the_quietest_noise() {
         let seen = [
             spectrum(14.0, 1.0, 0),
             spectrum(3.5, 1.0, 1),
@@ -96,7 +95,7 @@ mod tests {
             let off = noise.colour.knee_hz / knee_hz;
             assert!((0.7..1.4).contains(&off), "{own:?}");
         }
-        // Without the bound all of it is noise.
+        // Without the bound the whole spectrum is taken for noise.
         let all = of_axes(&seen, 0.01, f64::INFINITY).unwrap();
         assert!((18.0..22.0).contains(&all[2].sd), "{all:?}");
     }

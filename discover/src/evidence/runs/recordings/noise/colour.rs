@@ -1,16 +1,17 @@
-//! How a sensor's noise is coloured, from what the recordings hold above the motion.
+//! Spectral model of a sensor's noise, fitted to the recordings above the frequencies of the
+//! motion.
 //!
-//! Noise is white noise of the recorded rate through a first-order low pass of its own and a recorder's second-order one. Above the motion,
-//! of which a steep power of the frequency remains, a spectrum shows all three numbers:
+//! Noise is white noise of the recorded rate through a first-order low pass of its own and a
+//! recorder's second-order one. The motion is represented by a steep power of the frequency:
 //!
 //! ```text
 //! S(f) = a A(f) B(f) + c f^-q
-//! A = 1/(1 + (f/knee)^2),    B = 1/(1 + (f/corner)^4)                        through a recorder's filter: nothing is folded back
+//! A = 1/(1 + (f/knee)^2),    B = 1/(1 + (f/corner)^4)                        with a recorder's filter: no aliasing
 //! A = (1 - k)^2/(1 + k^2 - 2 k cos(2 pi f dt)),    k = exp(-2 pi knee dt)    without one
 //! ```
 //!
-//! They make `sum_f (ln S + P/S)` least, P being the periodogram (P. Whittle, Ark. Mat. 2 (1953) 423): the shapes by trying, the amplitudes
-//! by Fisher's scoring.
+//! Minimises the Whittle likelihood `sum_f (ln S + P/S)`, P being the periodogram (P. Whittle, Ark.
+//! Mat. 2 (1953) 423): the corners by a pattern search, the amplitudes by Fisher scoring.
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -28,37 +29,37 @@ pub struct Colour {
     pub corner_hz: f64,
 }
 
-/// Steps from each corner tried to the next, as a factor.
+/// Initial step of the corners, as a factor.
 const STEP: f64 = 1.3;
-/// The last of ever smaller ones.
+/// Final step.
 const FINEST: f64 = 1.01;
 
 impl Colour {
-    /// Noise as it is at every frequency.
+    /// White noise.
     pub const WHITE: Self = Self {
         knee_hz: f64::INFINITY,
         corner_hz: f64::INFINITY,
     };
 
-    /// Power at a frequency, of noise with power 1 at the lowest.
+    /// Power at a frequency, relative to the lowest.
     fn power(self, f: f64, dt: f64) -> f64 {
         match self.corner_hz.is_finite() {
             true => {
                 1.0 / ((1.0 + (f / self.knee_hz).powi(2)) * (1.0 + (f / self.corner_hz).powi(4)))
             }
             false => {
-                let keep = self.keep(dt);
+                let decay = self.decay(dt);
                 let turn = (2.0 * PI * f * dt).cos();
-                (1.0 - keep).powi(2) / (1.0 + keep * keep - 2.0 * keep * turn)
+                (1.0 - decay).powi(2) / (1.0 + decay * decay - 2.0 * decay * turn)
             }
         }
     }
 
-    fn keep(self, dt: f64) -> f64 {
+    fn decay(self, dt: f64) -> f64 {
         (-2.0 * PI * self.knee_hz * dt).exp()
     }
 
-    /// tan(pi corner dt) of the bilinear transform; infinite where the corner is none below half the rate.
+    /// tan(pi corner dt) of the bilinear transform; infinite above half the rate.
     fn warped(self, dt: f64) -> f64 {
         match self.corner_hz * dt < 0.5 {
             true => (PI * self.corner_hz * dt).tan(),
@@ -66,29 +67,29 @@ impl Colour {
         }
     }
 
-    /// Noise of deviation 1, so many samples of it.
+    /// Samples of noise of unit variance.
     pub fn noise(self, n: usize, dt: f64, rng: &mut impl Rng) -> Vec<f64> {
         if self == Self::WHITE {
             return (0..n).map(|_| normal(rng)).collect();
         }
-        /// Samples after which the filter has forgotten that it began at rest.
+        /// Samples after which the filter's initial state is negligible.
         const BEGIN: usize = 64;
-        let keep = self.keep(dt);
+        let decay = self.decay(dt);
         let over = self.variance(dt).sqrt();
-        // As if it had always run.
-        let own = (1.0 - keep) / (over * (1.0 - keep * keep).sqrt()) * normal(rng);
+        // Starts in the stationary state.
+        let own = (1.0 - decay) / (over * (1.0 - decay * decay).sqrt()) * normal(rng);
         let white = (0..n + BEGIN).map(|_| normal(rng) / over);
         self.through(white, own, dt).skip(BEGIN).collect()
     }
 
-    /// What both filters make of samples, the first of them holding `own` before.
+    /// Applies both filters; `own` is the initial state of the first.
     fn through(
         self,
         samples: impl Iterator<Item = f64>,
         own: f64,
         dt: f64,
     ) -> impl Iterator<Item = f64> {
-        let keep = self.keep(dt);
+        let decay = self.decay(dt);
         let k = self.warped(dt);
         let norm = 1.0 / (1.0 + SQRT_2 * k + k * k);
         let (gain, a1, a2) = (
@@ -98,7 +99,7 @@ impl Colour {
         );
         let (mut own, mut x, mut y) = (own, [0.0; 2], [0.0; 2]);
         samples.map(move |now| {
-            own = keep * own + (1.0 - keep) * now;
+            own = decay * own + (1.0 - decay) * now;
             if k.is_infinite() {
                 return own;
             }
@@ -108,8 +109,8 @@ impl Colour {
         })
     }
 
-    /// Variance of noise that is white noise of deviation 1 at the lowest frequencies: the sum of squares of what the filters answer to an
-    /// impulse, over some time constants of the slower.
+    /// Variance of filtered white noise of unit variance at the lowest frequencies: the sum of
+    /// squares of the impulse response, over some time constants of the slower filter.
     fn variance(self, dt: f64) -> f64 {
         const TIMES: f64 = 12.0;
         let slower = self.knee_hz.min(self.corner_hz);
@@ -120,7 +121,7 @@ impl Colour {
             .sum()
     }
 
-    /// The colour of the noise that a sensor's recordings show above the motion, and its deviation; `None` where none is seen.
+    /// Colour and standard deviation of the noise above the motion; `None` if no noise is visible.
     pub fn of(seen: &Periodogram, dt: f64) -> Option<(Self, f64)> {
         let (first, last) = (*seen.frequency_hz.first()?, *seen.frequency_hz.last()?);
         let corners = |from: f64, to: f64| {
@@ -128,7 +129,7 @@ impl Colour {
             let tried = (0..=steps as i32).map(move |k| from * STEP.powi(k));
             tried.chain([f64::INFINITY])
         };
-        // Schwarz's price of a number.
+        // Penalty per parameter of Schwarz's criterion.
         let price = 0.5 * (seen.pieces * seen.power.len() as f64).ln();
         let numbers = |colour: &Self, power: Option<i32>| {
             let corners = [colour.knee_hz, colour.corner_hz];
@@ -141,7 +142,7 @@ impl Colour {
             (cost, colour, level)
         };
         let less = |a: (f64, Self, f64), b: (f64, Self, f64)| if b.0 < a.0 { b } else { a };
-        // A knee below what is seen shows as a slope alone, and a slope may be the motion's.
+        // A knee below the visible range has the slope of the motion and is not identifiable.
         let lowest = 0.5 * first;
         let knees = corners(lowest, 2.0 * last);
         let pairs = knees.flat_map(|knee_hz| {
@@ -153,7 +154,7 @@ impl Colour {
         let best = powers.into_iter().filter_map(|power| {
             let tried = pairs.iter().map(|colour| cost(*colour, power));
             let mut best = tried.reduce(less)?;
-            // From the tried one on by ever smaller steps.
+            // Pattern search with decreasing steps.
             let mut step = STEP;
             while step > FINEST {
                 let neighbours = best.1.neighbours(step).into_iter();
@@ -172,7 +173,7 @@ impl Colour {
         (sd.is_finite() && sd > 0.0).then_some((colour, sd))
     }
 
-    /// One corner moved by a factor, the other as it is.
+    /// One corner changed by a factor.
     fn neighbours(self, step: f64) -> [Self; 4] {
         let of = |knee: f64, corner: f64| Self {
             knee_hz: knee * self.knee_hz,
@@ -186,7 +187,7 @@ impl Colour {
         ]
     }
 
-    /// Least misfit of this colour given what a power of the frequency leaves of the motion, and the white noise's density.
+    /// Least misfit of this colour given the exponent of the motion, and the white noise's density.
     fn fitted(self, seen: &Periodogram, dt: f64, power: Option<i32>) -> (f64, f64) {
         const ROUNDS: usize = 8;
         let first = seen.frequency_hz[0];
@@ -239,8 +240,9 @@ mod tests {
     use super::*;
     use crate::null::random::stream;
 
-    /// Runs of noise under a motion that ends at 3 Hz: of an Ornstein-Uhlenbeck process of variance 1 through x'' + sqrt 2 w x' + w^2 x = w^2 u,
-    /// both in steps of a fiftieth of a row; white at the rows without a knee.
+    /// Noise under a motion that ends at 3 Hz: an Ornstein-Uhlenbeck process of variance 1 through
+    /// x'' + sqrt 2 w x' + w^2 x = w^2 u, both in steps of a fiftieth of a row; white at the rows
+    /// without a knee.
     fn columns(knee_hz: f64, corner_hz: f64, dt: f64) -> Vec<Vec<f64>> {
         const FINE: usize = 50;
         let h = dt / FINE as f64;
@@ -275,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn power_where_the_motion_is_comes_from_what_is_above_it() {
+    fn power_at_the_motion_is_extrapolated_from_above() {
         let none = f64::INFINITY;
         for (knee_hz, corner_hz, dt) in [
             (none, none, 0.01),

@@ -1,4 +1,4 @@
-//! The sensors' noise: as stated, from differences of the recordings, from their spectra.
+//! Sensor noise: as stated, from differences of the recordings, or from their spectra.
 
 pub(crate) mod axes;
 pub(crate) mod colour;

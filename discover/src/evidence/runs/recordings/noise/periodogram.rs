@@ -2,21 +2,20 @@
 
 use std::f64::consts::PI;
 
-/// A periodogram at evenly spaced frequencies, one-sided: unit squared a hertz.
+/// A one-sided periodogram at evenly spaced frequencies, unit squared per hertz.
 pub struct Periodogram {
-    /// Frequencies \[Hz\].
     pub frequency_hz: Vec<f64>,
-    /// Power at them.
+    /// Power spectral density.
     pub power: Vec<f64>,
-    /// Pieces behind it that no other shares rows with.
+    /// Effective number of independent pieces.
     pub pieces: f64,
 }
 
-/// Seconds of a piece that a periodogram is made of; its frequencies are 0.4 Hz apart.
+/// Length of a piece [s]; frequencies are 0.4 Hz apart.
 const PIECE_S: f64 = 2.5;
-/// Highest frequency examined, over the rate.
+/// Highest frequency, relative to the sampling rate.
 const HIGHEST: f64 = 0.3;
-/// Fewest frequencies that five numbers are fitted to.
+/// Fewest frequencies for a fit of five numbers.
 const FEWEST: usize = 20;
 
 impl Periodogram {
@@ -25,7 +24,8 @@ impl Periodogram {
         self.power.iter().take(4).sum()
     }
 
-    /// The mean over pieces of all columns, half of each in the next, under a Hann window; a piece with a gap is omitted.
+    /// Welch's mean over pieces of all columns that overlap by half, with a Hann window; pieces
+    /// with a gap are omitted.
     pub fn of(columns: &[&[f64]], dt: f64, from_hz: f64) -> Option<Self> {
         let n = (PIECE_S / dt).round() as usize;
         let lowest = (from_hz * PIECE_S).ceil() as usize;
@@ -33,7 +33,7 @@ impl Periodogram {
         if n < 4 || highest < lowest + FEWEST {
             return None;
         }
-        // What is above twelve times the lowest tells nothing of the noise where the motion is.
+        // Frequencies above twelve times the lowest are irrelevant for the noise of the motion.
         let highest = highest.min(12 * lowest);
         let window: Vec<f64> = (0..n)
             .map(|i| (PI * (i as f64 + 0.5) / n as f64).sin().powi(4))
@@ -48,7 +48,7 @@ impl Periodogram {
                 .map(|from| &column[from..from + n])
                 .filter(|piece| piece.iter().all(|x| x.is_finite()))
             {
-                // From the piece's line, so that a drift does not leak.
+                // The line through the ends is subtracted, so that a drift does not leak.
                 let rise = (piece[n - 1] - piece[0]) / (n - 1) as f64;
                 let mean = piece.iter().sum::<f64>() / n as f64;
                 let middle = 0.5 * (n - 1) as f64;
@@ -76,7 +76,7 @@ impl Periodogram {
         let frequency_hz = (lowest..=highest)
             .map(|k| k as f64 / (n as f64 * dt))
             .collect();
-        // Under this window pieces that share half of their rows are as good as two thirds of them apart.
+        // With this window and overlap the pieces count for two thirds of independent ones.
         let pieces = 2.0 / 3.0 * pieces;
         Some(Self {
             frequency_hz,
@@ -86,10 +86,10 @@ impl Periodogram {
     }
 }
 
-/// Coefficients whose recurrences are computed together: each alone waits for its own last step.
+/// Coefficients computed together, as each recurrence waits for its own last step.
 const TOGETHER: usize = 8;
 
-/// Squared magnitudes of the coefficients of a discrete Fourier transform from the `first` on, by Goertzel's recurrence.
+/// Squared magnitudes of discrete Fourier coefficients from `first` on (Goertzel's recurrence).
 fn magnitudes_squared(x: &[f64], first: usize) -> [f64; TOGETHER] {
     let angle = |k: usize| 2.0 * PI * (first + k) as f64 / x.len() as f64;
     let twice: [f64; TOGETHER] = std::array::from_fn(|k| 2.0 * angle(k).cos());
@@ -111,7 +111,7 @@ mod tests {
     fn white_noise_has_its_variance_over_half_the_rate() {
         let rng = &mut stream(3, 1, 1);
         let mut x: Vec<f64> = (0..20_000).map(|_| 2.0 * normal(rng)).collect();
-        // A piece with a gap is omitted, a drift is none of the noise.
+        // A piece with a gap is omitted, a drift is not noise.
         x[300] = f64::NAN;
         x.iter_mut()
             .enumerate()
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn short_or_slow_recordings_tell_no_colour() {
+    fn short_or_slow_recordings_have_no_colour() {
         let x = vec![1.0; 100];
         assert!(Periodogram::of(&[&x], 0.01, 4.0).is_none());
         let x = vec![1.0; 4000];

@@ -1,45 +1,38 @@
-//! Noise of each sensor: as stated, or as the recordings show it.
+//! Noise of each sensor: as stated, or as estimated from the recordings.
 
 use kufe_sled::Noise;
 use rayon::prelude::*;
 
-use crate::evidence::runs::recordings::learned::Learned;
 use crate::evidence::runs::recordings::noise::axes::{ColumnNoise, of_instrument};
 use crate::evidence::runs::recordings::noise::colour::Colour;
+use crate::evidence::runs::recordings::training_samples::TrainingSamples;
 
-/// How the sensors' noise is known.
+/// Source of the sensors' noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoiseFrom {
-    /// Stated in the model, and the recordings agree.
+    /// Stated in the model, in agreement with the recordings.
     Model,
-    /// From the recordings' spectra: nothing is stated, or the recordings contradict it.
+    /// From the recordings' spectra: not stated, or contradicted by the recordings.
     Spectra,
-    /// From differences of the recordings, taken for white: nothing is stated, and they are too short or too slow to show a spectrum.
+    /// White noise from differences, without a spectrum: not stated, and recordings are too short.
     Differences,
-    /// Stated, but the recordings contradict it and are too short or too slow to show a spectrum.
+    /// Stated, but contradicted by recordings that are too short or too slow for a spectrum.
     Doubted,
 }
 
-/// The sensors' noise, column by column.
+/// The sensors' noise, by column.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorNoise {
-    /// Of the accelerometer's axes.
     pub accel_mps2: [ColumnNoise; 3],
-    /// Of the gyroscope's.
     pub rate_radps: [ColumnNoise; 3],
-    /// Of the speed.
     pub speed_mps: ColumnNoise,
-    /// Of the slip sensor.
     pub slip_rad: ColumnNoise,
-    /// Of the steering angle.
     pub steer_rad: ColumnNoise,
-    /// Of the roll split.
     pub roll_split_rad: ColumnNoise,
 }
 
-/// Kinds of sensors.
 const SENSORS: usize = 6;
-/// What they are called, and in which unit their noise is.
+/// Names of the sensors, with the unit of their noise.
 const NAMES: [&str; SENSORS] = [
     "accelerometer [m/s2]",
     "rates [rad/s]",
@@ -48,7 +41,7 @@ const NAMES: [&str; SENSORS] = [
     "steering [rad]",
     "roll split [rad]",
 ];
-/// What their axes are called.
+/// Names of their axes.
 const AXES: [&[&str]; SENSORS] = [
     &["x", "y", "z"],
     &["roll", "pitch", "yaw"],
@@ -58,7 +51,7 @@ const AXES: [&[&str]; SENSORS] = [
     &[""],
 ];
 
-/// Deviations by sensor.
+/// Standard deviations by sensor.
 fn each(noise: &Noise) -> [f64; SENSORS] {
     [
         noise.accel_mps2,
@@ -70,7 +63,7 @@ fn each(noise: &Noise) -> [f64; SENSORS] {
     ]
 }
 
-/// Noise of these deviations.
+/// Noise of these standard deviations.
 fn of_each(sd: [f64; SENSORS]) -> Noise {
     let [
         accel_mps2,
@@ -91,7 +84,7 @@ fn of_each(sd: [f64; SENSORS]) -> Noise {
 }
 
 impl SensorNoise {
-    /// White noise of these deviations.
+    /// White noise of these standard deviations.
     pub fn white(sd: Noise) -> Self {
         let of = |sd| ColumnNoise {
             sd,
@@ -107,9 +100,10 @@ impl SensorNoise {
         }
     }
 
-    /// As the recordings' spectra show it from this frequency on; `None` where they hold too little. An axis with more than so many times
-    /// the power of the quietest of its instrument shows its motion, and is taken to be as noisy as that one.
-    pub fn of_spectra(learned: &[Learned], from_hz: f64, quietest: f64) -> Option<Self> {
+    /// Noise from the recordings' spectra above this frequency; `None` if they are insufficient. An
+    /// axis with more than `quietest` times the power of the quietest one of its instrument is
+    /// dominated by motion and takes that one's noise.
+    pub fn of_spectra(learned: &[TrainingSamples], from_hz: f64, quietest: f64) -> Option<Self> {
         let each: Vec<Option<Vec<ColumnNoise>>> = INSTRUMENTS
             .par_iter()
             .map(|axes| of_instrument(learned, axes, from_hz, quietest))
@@ -126,7 +120,7 @@ impl SensorNoise {
         })
     }
 
-    /// Noise that is nowhere less than this.
+    /// The same with a lower bound.
     pub fn at_least(self, least: &Noise) -> Self {
         let of = |noise: ColumnNoise, least: f64| ColumnNoise {
             sd: noise.sd.max(least),
@@ -142,7 +136,7 @@ impl SensorNoise {
         }
     }
 
-    /// White noise as loud, of each instrument's loudest axis.
+    /// Standard deviation of each instrument's noisiest axis, as white noise.
     pub fn sd(&self) -> Noise {
         of_each(self.instruments().map(|axes| loudest(axes).sd))
     }
@@ -159,7 +153,7 @@ impl SensorNoise {
         ]
     }
 
-    /// A sentence on noise that is taken from spectra, where the model states other or none.
+    /// A remark on noise from spectra, if the model states other or none.
     pub fn remark(&self, stated: bool) -> String {
         let why = match stated {
             true => "the sensors' noise is not the white noise that [noise] states",
@@ -212,7 +206,7 @@ const INSTRUMENTS: [&[&str]; SENSORS] = [
     &["gamma_rad"],
 ];
 
-/// The column that each sensor's noise is learned from by differences.
+/// The column from which each sensor's noise is estimated by differences.
 const COLUMNS: [&str; SENSORS] = [
     "ay_mps2",
     "yaw_rate_radps",
@@ -222,37 +216,39 @@ const COLUMNS: [&str; SENSORS] = [
     "gamma_rad",
 ];
 
-/// What is stated, where the recordings are not quieter still.
+/// The stated noise, or that of the recordings if smaller.
 pub fn quieter(stated: &Noise, seen: &Noise, remarks: &mut Vec<String>) -> Noise {
     let both = each(stated).into_iter().zip(each(seen));
-    let lowered: Vec<String> = NAMES
+    let smaller: Vec<String> = NAMES
         .iter()
         .zip(both)
         .filter(|(_, (stated, seen))| *seen < 0.9 * stated)
-        .map(|(name, (stated, seen))| format!("{name} {stated:.2e} stated, {seen:.2e} seen"))
+        .map(|(name, (stated, seen))| format!("{name} {stated:.2e} stated, {seen:.2e} observed"))
         .collect();
-    if !lowered.is_empty() {
+    if !smaller.is_empty() {
         remarks.push(format!(
-            "sensors quieter than [noise] states are taken as they are: {}",
-            lowered.join("; ")
+            "sensors with less noise than [noise] states; the smaller value is used: {}",
+            smaller.join("; ")
         ));
     }
     by_sensor(stated, seen, f64::min)
 }
 
-/// One noise of two, sensor by sensor.
+/// One of two noises, by sensor.
 fn by_sensor(a: &Noise, b: &Noise, pick: fn(f64, f64) -> f64) -> Noise {
     let (a, b) = (each(a), each(b));
     of_each(std::array::from_fn(|k| pick(a[k], b[k])))
 }
 
-/// The larger of two noises, sensor by sensor: what is quiet from sample to sample may be filtered, and what is quiet below a corner white.
+/// The larger of two noises, by sensor: noise with small differences may be filtered, and noise
+/// with little power below a corner may be white.
 pub fn louder(a: &Noise, b: &Noise) -> Noise {
     by_sensor(a, b, f64::max)
 }
 
-/// Whether a sensor that forces are computed from is noisier or quieter from sample to sample than stated: its noise is not
-/// white, or was filtered, or is not what is stated, so that little is known of it at the frequencies of the motion.
+/// Whether the differences of a sensor that forces are computed from disagree with its stated
+/// noise: the noise is then coloured, filtered or misstated, and uncertain at the frequencies of
+/// the motion.
 pub fn doubted(stated: &Noise, seen: &Noise, [low, high]: [f64; 2]) -> bool {
     [
         (stated.rate_radps, seen.rate_radps),
@@ -265,19 +261,24 @@ pub fn doubted(stated: &Noise, seen: &Noise, [low, high]: [f64; 2]) -> bool {
     .any(|(stated, seen)| *seen > 0.0 && !(low..=high).contains(&(seen / stated.max(1e-300))))
 }
 
-/// White noise from third differences at the recorded rate, the median over runs: var = mean(d3^2)/20.
-pub fn estimate(learned: &[Learned]) -> Noise {
+/// White noise from third differences, the median over runs: var = mean(d3^2)/20.
+pub fn estimate(learned: &[TrainingSamples]) -> Noise {
     by_third_differences(learned, &|_| 1)
 }
 
-/// White noise with the power that the recordings hold between the motion and this corner \[Hz\], the median over runs: third
-/// differences of means over a quarter of the corner's period, `var = m mean(d3^2)/20` for means over m samples.
-pub fn estimate_below(learned: &[Learned], corner_hz: f64) -> Noise {
-    let samples = |piece: &Learned| (0.5 / (corner_hz * piece.run.dt_s)).round().max(1.0) as usize;
+/// White noise with the power of the recordings between the motion and this corner \[Hz\], the
+/// median over runs: third differences of means over half the corner's period, `var = m
+/// mean(d3^2)/20` for means over m samples.
+pub fn estimate_below(learned: &[TrainingSamples], corner_hz: f64) -> Noise {
+    let samples =
+        |piece: &TrainingSamples| (0.5 / (corner_hz * piece.run.dt_s)).round().max(1.0) as usize;
     by_third_differences(learned, &samples)
 }
 
-fn by_third_differences(learned: &[Learned], samples: &dyn Fn(&Learned) -> usize) -> Noise {
+fn by_third_differences(
+    learned: &[TrainingSamples],
+    samples: &dyn Fn(&TrainingSamples) -> usize,
+) -> Noise {
     let sd = |name: &str| -> f64 {
         let mut each: Vec<f64> = learned
             .iter()
@@ -286,7 +287,7 @@ fn by_third_differences(learned: &[Learned], samples: &dyn Fn(&Learned) -> usize
                 let mean = |part: &[f64]| part.iter().sum::<f64>() / m as f64;
                 let means: Vec<f64> = x.chunks_exact(m).map(mean).collect();
                 let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).powi(2);
-                // Across a gap there is no difference.
+                // Differences across a gap are omitted.
                 let squares = means
                     .windows(4)
                     .map(third)

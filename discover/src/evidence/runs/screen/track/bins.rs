@@ -5,15 +5,14 @@ use std::collections::BTreeMap;
 use crate::evidence::runs::recordings::frame::Frame;
 
 /// A driver and the mean of one of his runs in a bin.
-pub type OfDriver<'a> = (&'a str, f64);
+pub type DriverMean<'a> = (&'a str, f64);
 
-/// Runs that a bin must have.
+/// Fewest runs of a bin.
 const LEAST_RUNS: usize = 3;
 
 /// Means of runs by track and bin.
-pub type ByBin<'a> = BTreeMap<(&'a str, i64), Vec<OfDriver<'a>>>;
+pub type ByBin<'a> = BTreeMap<(&'a str, i64), Vec<DriverMean<'a>>>;
 
-/// Means of these rows of runs, by track and bin.
 pub fn by_bin<'a>(frames: &'a [Frame], rows: &[Vec<f64>], width: f64) -> ByBin<'a> {
     let mut by_bin = ByBin::new();
     for (frame, rows) in frames.iter().zip(rows) {
@@ -26,8 +25,8 @@ pub fn by_bin<'a>(frames: &'a [Frame], rows: &[Vec<f64>], width: f64) -> ByBin<'
     by_bin
 }
 
-/// Means of a run's rows by bin, but for bins of which it has a part: where it begins and ends, and next to a gap, a mean is one of few
-/// samples, noisier than the others.
+/// Means of a run's rows by bin, without incomplete bins (at the ends of a run and next to a gap),
+/// whose few samples are noisier.
 pub fn of_run(frame: &Frame, rows: &[f64], width: f64) -> Vec<(i64, f64)> {
     let bin_of = |s: &f64| (s / width).floor() as i64;
     let mut sums: BTreeMap<i64, (f64, f64)> = BTreeMap::new();
@@ -37,20 +36,22 @@ pub fn of_run(frame: &Frame, rows: &[f64], width: f64) -> Vec<(i64, f64)> {
     }
     let ends = [sums.keys().next(), sums.keys().last()];
     let mut parts: Vec<i64> = ends.into_iter().flatten().copied().collect();
-    parts.extend(frame.rows_left_out(&frame.s).iter().map(bin_of));
+    parts.extend(frame.rows_without_gaps(&frame.s).iter().map(bin_of));
     let whole = sums.into_iter().filter(|(bin, _)| !parts.contains(bin));
     whole
         .map(|(bin, (count, sum))| (bin, sum / count))
         .collect()
 }
 
-/// What the speed gains from one half of a bin to the next, a second: with e the sum of a run's rows over time, and means over the halves k,
+/// Rate of the speed between the halves of each bin: with e the integral of a run's rows over time,
+/// and means over the halves k,
 ///
 /// ```text
 /// (e_k+1 - e_k) / (t_k+1 - t_k)
 /// ```
 ///
-/// A mean of the rows themselves is a difference of two readings of the speed; here that of two means of many.
+/// A mean of the rows themselves is a difference of two readings of the speed; here it is one of
+/// two means of many readings.
 pub fn gains(frame: &Frame, rows: &[f64], width: f64) -> Vec<(i64, f64)> {
     let t = frame.rows(&frame.t);
     let steps = t.windows(2).zip(rows.windows(2));
@@ -67,19 +68,18 @@ pub fn gains(frame: &Frame, rows: &[f64], width: f64) -> Vec<(i64, f64)> {
         .collect()
 }
 
-/// The same without the bins' numbers: the rows of the track channel that runs are judged by.
+/// The same without the bins' numbers: the rows of the track channel in comparisons of runs.
 pub fn rates(frame: &Frame, rows: &[f64], width: f64) -> Vec<f64> {
     let gains = gains(frame, rows, width).into_iter();
     gains.map(|(_, rate)| rate).collect()
 }
 
-/// Over the runs of a bin.
-pub fn mean(runs: &[OfDriver]) -> f64 {
+pub fn mean(runs: &[DriverMean]) -> f64 {
     runs.iter().map(|(_, r)| r).sum::<f64>() / runs.len() as f64
 }
 
-/// Variance of a bin's mean by the scatter between its drivers; `None` where there is but one.
-pub fn between_drivers(runs: &[OfDriver]) -> Option<f64> {
+/// Variance of a bin's mean by the scatter between its drivers; `None` with a single driver.
+pub fn between_drivers(runs: &[DriverMean]) -> Option<f64> {
     let mut drivers: BTreeMap<&str, (f64, f64)> = BTreeMap::new();
     for (driver, run) in runs {
         let sum = drivers.entry(driver).or_default();

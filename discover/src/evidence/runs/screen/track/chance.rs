@@ -1,8 +1,8 @@
-//! What is significant by chance where a candidate turns with its size, and where it leaves least.
+//! Significance of a nonlinear candidate, and a line search.
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// Angle between two changes of the bins, whatever their signs \[rad\].
+/// Angle between two changes of the bins, up to sign \[rad\].
 pub fn angle(a: &[f64], b: &[f64], w: &[f64]) -> f64 {
     let dot =
         |x: &[f64], y: &[f64]| -> f64 { x.iter().zip(y).zip(w).map(|((x, y), w)| x * y * w).sum() };
@@ -10,8 +10,9 @@ pub fn angle(a: &[f64], b: &[f64], w: &[f64]) -> f64 {
     (dot(a, b).abs() / square.sqrt()).min(1.0).acos()
 }
 
-/// Probability that the best of the directions between which a candidate turns by so much is significant by `z` or more, either way: that of
-/// one, and a bound on how often `z` is crossed on the way (Davies 1987, `turn / pi * exp(-z^2 / 2)`).
+/// Two-sided p-value of the best of the directions that a candidate takes over its sizes: that of
+/// one direction, plus a bound on the expected number of crossings of `z` (Davies 1987, `turn / pi
+/// * exp(-z^2 / 2)`).
 pub fn by_chance(z: f64, turn: f64) -> f64 {
     two_sided(z) + turn / std::f64::consts::PI * (-0.5 * z * z).exp()
 }
@@ -20,8 +21,7 @@ pub fn two_sided(z: f64) -> f64 {
     Normal::new(0.0, 1.0).map_or(1.0, |law| 2.0 * law.cdf(-z.abs()))
 }
 
-/// How much larger the variance of a mean over bins is for what neighbours have in common, by the correlation of these values from one bin
-/// to the next: `(1 + rho) / (1 - rho)`.
+/// Inflation of the variance of a mean over bins by autocorrelation: `(1 + rho) / (1 - rho)`.
 pub fn inflation(bins: &[(String, f64, f64, f64)], values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -36,7 +36,7 @@ pub fn inflation(bins: &[(String, f64, f64, f64)], values: &[f64]) -> f64 {
     (1.0 + rho) / (1.0 - rho)
 }
 
-/// Where a function is least between two sizes, within this, by the golden section.
+/// Minimum of a function between two sizes, to this accuracy, by golden-section search.
 pub fn least(of: impl Fn(f64) -> f64, [mut from, mut to]: [f64; 2], within: f64) -> f64 {
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
     let inner = |from: f64, to: f64| [to - ratio * (to - from), from + ratio * (to - from)];
@@ -60,10 +60,10 @@ pub fn least(of: impl Fn(f64) -> f64, [mut from, mut to]: [f64; 2], within: f64)
 mod tests {
     use super::*;
 
-    /// Half a turn in a plane meets every direction of it: what is most significant is the length of two normal variates, which is above `z`
-    /// with probability `exp(-z^2 / 2)`.
+    /// Half a turn in a plane meets every direction of it: the maximum is the length of two normal
+    /// variates, which exceeds `z` with probability `exp(-z^2 / 2)`.
     #[test]
-    fn what_the_best_of_all_directions_of_a_plane_shows_by_chance_is_bounded_closely() {
+    fn the_bound_for_all_directions_of_a_plane_is_tight() {
         for z in [2.5, 3.5, 5.0] {
             let exact = f64::exp(-0.5 * z * z);
             let bound = by_chance(z, std::f64::consts::PI);

@@ -1,8 +1,10 @@
-//! The track channel: slope errors against the accelerometer's, with the surveyed profile as a random effect.
+//! The track channel: slope errors against the accelerometer's, with the surveyed profile as a
+//! random effect.
 //!
-//! In `dv/dt - g sin(slope) - a_x cos(beta) - a_y sin(beta)` no friction remains. Residuals are averaged over runs in
-//! bins of distance; a bin's mean has the variance of its runs' scatter plus that of the survey, (g sd)^2, which more runs
-//! do not lower. Neighbouring bins are correlated by what their lag-1 correlation says.
+//! `dv/dt - g sin(slope) - a_x cos(beta) - a_y sin(beta)` contains no friction. Residuals are
+//! averaged over runs in bins of distance. A bin's mean has the variance of its runs' scatter plus
+//! that of the survey, (g sd)^2, which does not decrease with the number of runs. Neighbouring bins
+//! are correlated; their lag-1 correlation is estimated.
 
 use kufe_sled::GRAVITY;
 use nalgebra::{DMatrix, DVector};
@@ -21,34 +23,31 @@ use crate::procedure::rules::RunRules;
 /// Bins on either side from which the scatter between drivers is taken.
 const NEAR: usize = 3;
 
-/// A candidate of the track channel, judged at one survey deviation.
+/// Scores of a candidate of the track channel, for one survey deviation.
 #[derive(Clone, Debug)]
 pub struct TrackScore {
-    /// Size in its own unit.
     pub size: f64,
-    /// Standard error.
     pub error: f64,
     /// Two-sided p-value times the number of candidates.
     pub p_value: f64,
 }
 
-/// The averaged channel.
 #[derive(Clone)]
 pub struct TrackChannel {
     /// Bin means, by bin: track, from [m], mean [m/s2], variance of the mean.
     bins: Vec<(String, f64, f64, f64)>,
     /// Rows of each run.
     rows: Vec<Vec<f64>>,
-    /// What each candidate changes in each bin, per unit, as it does at the size that it has by the channel itself.
+    /// Change of each bin by each candidate per unit, at the candidate's fitted size.
     directions: Vec<Vec<f64>>,
-    /// How far the direction of each candidate turns over the sizes that it may have [rad].
+    /// Angle through which the direction of each candidate turns over its sizes [rad].
     turns: Vec<f64>,
-    /// Standard deviation that an installation leaves open of each candidate, in its unit.
+    /// Standard deviation of each candidate due to installation errors, in its unit.
     tolerances: Vec<f64>,
-    /// By how much more the bins' means scatter together than single ones do.
+    /// Inflation of the variance of means over bins by their correlation.
     inflation: f64,
     scatter: f64,
-    /// Of a bin [m].
+    /// Width of a bin [m].
     width: f64,
 }
 
@@ -58,7 +57,7 @@ fn rows_of(residual_model: &ResidualModel, frames: &[Frame]) -> Vec<Vec<f64>> {
 }
 
 impl TrackChannel {
-    /// Averages residuals; `None` where there is no survey.
+    /// Averages residuals; `None` without a survey.
     pub fn new(residual_model: &ResidualModel, frames: &[Frame], rules: &RunRules) -> Option<Self> {
         let (width, reach) = (rules.track_bin_m, NEAR);
         if frames.iter().any(|f| f.slope.len() != f.len()) {
@@ -78,7 +77,7 @@ impl TrackChannel {
             return None;
         }
         let common = scatter.iter().sum::<f64>() / scatter.len() as f64;
-        // Drivers who take lines of their own, run after run, count as one run each, by their scatter near the bin.
+        // A driver repeats his line: each driver counts as one run, by the scatter near the bin.
         for k in 0..bins.len() {
             let near = k.saturating_sub(reach)..(k + reach + 1).min(bins.len());
             let there: Vec<f64> = near
@@ -101,8 +100,9 @@ impl TrackChannel {
         })
     }
 
-    /// Takes a candidate in, of which an installation leaves `tolerance` open: what it changes per unit, at the size from which its exact
-    /// form leaves least. To first order a speed that is late by a tenth of a second is another fault than it is.
+    /// Adds a candidate, of which installation errors have a standard deviation of `tolerance`. Its
+    /// change per unit is evaluated at its best nonlinear size: a speed that is late by a tenth of
+    /// a second is poorly approximated to first order.
     pub fn take(
         &mut self,
         residual_model: &ResidualModel,
@@ -110,9 +110,10 @@ impl TrackChannel {
         candidate: &Candidate<Amplitude>,
         [tolerance, slope_sd]: [f64; 2],
     ) {
-        /// From one size that is tried to the next: a wave of the slope that is ten times as long as a shift of it stays with it.
+        /// Ratio of successive trial sizes: a wave of the slope that is ten times as long as its
+        /// shift remains resolved.
         const RATIO: f64 = 1.4;
-        /// Share of a size to which the best is found: far less than its error.
+        /// Relative accuracy of the best size, far below its error.
         const FOUND: f64 = 0.01;
         let small = 0.01 * candidate.typical;
         let of = |size: f64| self.change(residual_model, frames, candidate, size);
@@ -131,7 +132,7 @@ impl TrackChannel {
         let mut sizes = vec![score / information.max(1e-300)];
         let [low, high] = [candidate.low, candidate.high].map(|bound| 0.5 * bound);
         let farthest = if high > -low { high } else { low };
-        // What goes with its size is as it is at any.
+        // A linear candidate is the same at any size.
         let far = per_unit(farthest);
         let both = far.iter().zip(&direct).zip(&w);
         let bends: f64 = both.map(|((far, d), w)| w * (far - d).powi(2)).sum();
@@ -160,7 +161,7 @@ impl TrackChannel {
         self.directions.push(exact.unwrap_or(direct));
     }
 
-    /// What a candidate of this size takes off each bin's mean.
+    /// Change of each bin's mean by a candidate of this size.
     fn change(
         &self,
         residual_model: &ResidualModel,
@@ -171,7 +172,7 @@ impl TrackChannel {
         self.change_to(&residual_model.with(candidate.active(size)), frames)
     }
 
-    /// What another model takes off each bin's mean.
+    /// Change of each bin's mean by another model.
     fn change_to(&self, moved: &ResidualModel, frames: &[Frame]) -> Vec<f64> {
         let moved = rows_of(moved, frames);
         let of_run = |(rest, moved): (&Vec<f64>, &Vec<f64>)| {
@@ -182,7 +183,7 @@ impl TrackChannel {
         means.values().map(|runs| mean(runs)).collect()
     }
 
-    /// Root mean square of the bins' means as a slope [rad], their own scatter taken off: how well the channel closes.
+    /// Closure error: root mean square of the bins' means as a slope [rad], less their scatter.
     pub fn closure(&self) -> f64 {
         let n = self.bins.len() as f64;
         let square = self.bins.iter().map(|b| b.2 * b.2 - b.3).sum::<f64>() / n;
@@ -194,11 +195,12 @@ impl TrackChannel {
         self.scatter
     }
 
-    /// What the bins say of those parts of an installation that move the accelerometer as a slope does, the model having none of it.
+    /// Information on tilt-like installation errors, for a model with none of them.
     ///
-    /// With d what one standard deviation of a part takes off each bin's mean y, W the inverse of the covariance of the means (their
-    /// scatter, the survey's error place by place, and once more alike at all places), the information is `d' W d` and the score
-    /// `d' W y`, both over the factor by which the means scatter in addition.
+    /// With d the change of each bin's mean y by one standard deviation of a part, W the inverse
+    /// covariance of the means (their scatter, the survey's error place by place, and once more
+    /// common to all places), the information is `d' W d` and the score `d' W y`, both divided by
+    /// the excess scatter of the means.
     pub fn information(
         &self,
         bare: &ResidualModel,
@@ -245,7 +247,7 @@ impl TrackChannel {
             .collect()
     }
 
-    /// Judges candidate `c` at a survey deviation [rad].
+    /// Scores candidate `c` for a survey deviation [rad].
     pub fn judge(&self, c: usize, slope_sd: f64) -> TrackScore {
         let w = self.weights(slope_sd);
         let d = &self.directions[c];
@@ -257,7 +259,7 @@ impl TrackChannel {
             .map(|((d, w), b)| d * w * b.2)
             .sum();
         let size = score / information.max(1e-300);
-        let [scatter, by_chance_alone] = self.scatter_beside(d, size, &w);
+        let [scatter, by_chance_alone] = self.excess_scatter(d, size, &w);
         let error = |scatter: f64| {
             let own = (scatter / information.max(1e-300)).sqrt();
             own.hypot(self.tolerances[c])
@@ -270,10 +272,13 @@ impl TrackChannel {
         }
     }
 
-    /// How much more the bins scatter about a candidate of this size than their own scatter and the survey's allow, 1 at least (Birge's
-    /// ratio, squared), and how much more they do together than alone: a profile that is off along the track goes with any candidate by chance.
-    /// Then the same were it nothing but chance: of the best of many sizes neighbours have less in common than without it.
-    fn scatter_beside(&self, direction: &[f64], size: f64, w: &[f64]) -> [f64; 2] {
+    /// Excess variance about a candidate of this size: Birge's ratio squared, at least 1, times the
+    /// inflation by correlation, as a profile error along the track correlates with any candidate
+    /// by chance.
+    ///
+    /// The second value is the same under the null, where neighbours are less correlated after
+    /// fitting the best of many sizes.
+    fn excess_scatter(&self, direction: &[f64], size: f64, w: &[f64]) -> [f64; 2] {
         let both = self.bins.iter().zip(direction);
         let residual: Vec<f64> = both.map(|(b, d)| b.2 - d * size).collect();
         let squares: f64 = residual
@@ -286,7 +291,7 @@ impl TrackChannel {
         [alone * inflated, alone * inflated.max(self.inflation)]
     }
 
-    /// z of candidate `a` once `b` has taken its part.
+    /// z of candidate `a` given `b`.
     pub fn t_given(&self, a: usize, b: usize, slope_sd: f64) -> f64 {
         let w = self.weights(slope_sd);
         let dot = |x: &[f64], y: &[f64]| -> f64 {
@@ -300,7 +305,7 @@ impl TrackChannel {
             return 0.0;
         }
         let size = dot(x, &y) / dot(x, x);
-        let [scatter, _] = self.scatter_beside(x, size, &w);
+        let [scatter, _] = self.excess_scatter(x, size, &w);
         (dot(x, &y) - dot(x, z) * dot(z, &y) / zz) / (information * scatter).sqrt()
     }
 
@@ -314,9 +319,11 @@ impl TrackChannel {
         dot(x, z) / (dot(x, x) * dot(z, z)).sqrt().max(1e-300)
     }
 
-    /// Whether the profile departs by more than the survey allows, given a common slope, as a whole or in one stretch (Bonferroni over
-    /// all): p-value, the stretch with the
-    /// largest mean departure (track, from, to [m], slope error [rad]) and the deviation that would explain it [rad].
+    /// Tests the profile against the survey, given a common slope, as a whole and in every interval
+    /// (Bonferroni).
+    ///
+    /// Returns the p-value, the interval of largest mean departure (track, from, to [m], slope
+    /// error [rad]) and the survey deviation that would explain it [rad].
     pub fn profile(&self, slope_sd: f64) -> (f64, String, f64, f64, f64, f64) {
         let w = self.weights(slope_sd);
         let total: f64 = w.iter().sum();
@@ -327,7 +334,7 @@ impl TrackChannel {
             .zip(&w)
             .map(|(b, w)| (b.2 - mean).powi(2) * w)
             .sum();
-        // Correlated bins count for fewer: the statistic and its freedom shrink alike.
+        // Correlated bins count for fewer: statistic and degrees of freedom are divided alike.
         let n = self.bins.len() as f64;
         let freedom = ((n - 1.0) / self.inflation).max(2.0);
         let p =
@@ -341,7 +348,8 @@ impl TrackChannel {
                     continue;
                 }
                 let m = window.iter().map(|b| b.2 - mean).sum::<f64>() / width as f64;
-                // A survey may err alike all along a stretch; of runs, only neighbouring bins go together.
+                // A survey error may be common to an interval; errors of runs are correlated in
+                // neighbouring bins only.
                 let own = window.iter().map(|b| b.3).sum::<f64>() / (width * width) as f64;
                 let reach = (width as f64).min(self.inflation);
                 largest = largest.max(m.abs() / (survey + own * reach).sqrt());
@@ -364,7 +372,7 @@ impl TrackChannel {
             .map(|b| (b.2 - mean).powi(2) - b.3)
             .sum::<f64>()
             / n;
-        // A single stretch hardly moves the sum over all bins: the largest departure counts by itself.
+        // A single interval hardly changes the sum: the largest departure is tested separately.
         let p = p.min(two_sided(largest) * count);
         // The residual is dv/dt - g slope: a residual of +1 is a slope stated too small.
         (

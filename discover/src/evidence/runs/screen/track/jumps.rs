@@ -1,16 +1,17 @@
-//! A speed whose reading jumps where it passes a value: what it says more on one side of the crossing than the accelerometer and the
-//! slope of the track have led it to.
+//! Jumps of the speed's reading at a threshold, detected against accelerometer and slope.
 //!
-//! With r the track channel's residual of a run and the sum of it over time what the speed has gained too much, a crossing of x at t says
+//! With r the track channel's residual of a run and e its integral over time, the error of the
+//! speed, a crossing of the threshold x at t gives
 //!
 //! ```text
-//! e(t) = sum r dt       h = +- sum k_j e(t + j dt)       k odd, without a part that goes with j
+//! e(t) = sum r dt       h = +- sum k_j e(t + j dt)       k odd, orthogonal to a linear trend
 //! ```
 //!
-//! Neither a survey that is off alike around a crossing nor one that bends shows in h. Runs that cross at one place of a track share what
-//! the survey is off by there: the variance of a place's mean is `a + b / n`, both pooled over all values that are crossed. What a survey
-//! is off by may be far more at a few places (where curves end, drivers leave their lines up the banks): of K places it has the tails of
-//! Student's law whose excess kurtosis is that of their mean, e / K, with degrees of freedom
+//! Survey errors that are constant or linear around a crossing do not enter h. Runs that cross at
+//! the same place share the survey error there: the variance of a place's mean is `a + b / n`, both
+//! pooled over all thresholds. Survey errors may be much larger at a few places (at the ends of
+//! curves drivers leave their lines up the banks). The mean of K places has the tails of Student's
+//! t with the excess kurtosis e / K and the degrees of freedom
 //!
 //! ```text
 //! 4 + 6 K / e        e = (mean m^4 - 3 (mean m^2)^2) / a^2
@@ -31,29 +32,29 @@ use crate::procedure::rules::RunRules;
 
 /// A jump of the speed's reading.
 pub struct Jump {
-    /// The speed above which it reads more [m/s].
+    /// Threshold [m/s].
     pub above: f64,
-    /// How much more [m/s].
+    /// Size [m/s].
     pub size: f64,
     /// Standard error [m/s].
     pub error: f64,
-    /// Two-sided p-value, times the number of speeds that were examined.
+    /// Two-sided p-value, times the number of thresholds.
     pub p_value: f64,
 }
 
-/// From one speed that is examined to the next [m/s], and how many are at most.
+/// Step of the thresholds [m/s].
 const STEP: f64 = 0.1;
 const MOST: usize = 2000;
 /// Time on either side over which the low pass of the signals spreads a jump [s].
 const SPREAD_S: f64 = 0.05;
-/// Speeds that are crossed so near to another share its moments [m/s].
+/// Thresholds within this distance share crossings [m/s].
 const NEAR: f64 = 1.5;
-/// Fewest places that a speed must be crossed at, and crossings.
+/// Fewest places of a threshold, and fewest crossings.
 const LEAST_PLACES: usize = 3;
 const LEAST_CROSSINGS: usize = 6;
 
-/// What the speed of a run has gained too much, and the speed without it: as it reads in the middle of a window, so that it passes a jump
-/// half way up and no noise of its own.
+/// Error of a run's speed, and the speed corrected for it in the middle of a window: it passes a
+/// jump half way up and has no noise of its own.
 struct OnRun<'a> {
     frame: &'a Frame,
     kernel: Kernel,
@@ -61,7 +62,7 @@ struct OnRun<'a> {
     passed: Vec<f64>,
 }
 
-/// Crossings of one speed, by track and place.
+/// Crossings of one threshold, by track and place.
 type Crossings<'a> = BTreeMap<(&'a str, i64), Vec<f64>>;
 
 impl<'a> OnRun<'a> {
@@ -85,7 +86,7 @@ impl<'a> OnRun<'a> {
         }
     }
 
-    /// How much more the reading says above `x` than below, by crossings, with where they are.
+    /// Jumps at the crossings of `x`, with their places.
     fn crossings(&self, x: f64, width: f64) -> Vec<(i64, f64)> {
         let (v, taking) = (&self.passed, &self.frame.taking_part);
         let reach = self.kernel.weights.len();
@@ -108,13 +109,13 @@ impl<'a> OnRun<'a> {
     }
 }
 
-/// Weights of the samples behind a crossing; those ahead of it have the opposite ones.
+/// Weights of the samples before a crossing; those after it have the opposite sign.
 struct Kernel {
     weights: Vec<f64>,
 }
 
 impl Kernel {
-    /// Of a jump on a straight line, by least squares; where the low pass spreads it, nothing.
+    /// Least-squares weights of a jump on a linear trend; 0 within the spread of the low pass.
     fn new(sample_s: f64, reach_s: f64) -> Self {
         let count = |time: f64| (time / sample_s).round() as usize;
         let (reach, spread) = (count(reach_s).max(4), count(SPREAD_S));
@@ -130,7 +131,7 @@ impl Kernel {
     }
 }
 
-/// The jump that is most significant, where any speed is crossed often enough.
+/// The most significant jump, if any threshold is crossed often enough.
 pub fn find(model: &ResidualModel, frames: &[Frame], rules: &RunRules) -> Option<Jump> {
     let runs: Vec<OnRun> = frames
         .par_iter()
@@ -165,7 +166,7 @@ pub fn find(model: &ResidualModel, frames: &[Frame], rules: &RunRules) -> Option
         })
         .collect();
     let (first, _) = Scatter::of(&examined, None)?.strongest(&examined)?;
-    // What a jump leaves at the speeds with it is no scatter.
+    // Thresholds near the jump are excluded from the scatter.
     let scatter = Scatter::of(&examined, Some(first.passed))?;
     let (best, crossed) = scatter.strongest(&examined)?;
     let window_m = 2.0 * rules.jump_reach_s * best.passed;
@@ -180,18 +181,18 @@ pub fn find(model: &ResidualModel, frames: &[Frame], rules: &RunRules) -> Option
     })
 }
 
-/// Variances of crossings about the mean of their place, and of these means apart from them.
+/// Variances of crossings within a place and of places.
 struct Scatter {
     within: f64,
     between: f64,
-    /// How many crossings tell of the first.
+    /// Degrees of freedom of the first.
     crossings: f64,
-    /// How many places tell of the second, and the excess kurtosis that it has over them.
+    /// Degrees of freedom of the second, and the excess kurtosis over places.
     places: f64,
     excess: f64,
 }
 
-/// The mean jump of a speed that is passed, with the standard error that it has if no two places share what the survey is off by.
+/// The mean jump at a threshold, with its standard error for independent places.
 struct Mean {
     passed: f64,
     size: f64,
@@ -199,7 +200,7 @@ struct Mean {
 }
 
 impl Scatter {
-    /// Pooled over all speeds that are not near `with`.
+    /// Pooled over all thresholds that are not near `near`.
     fn of(examined: &[(f64, Crossings)], near: Option<f64>) -> Option<Self> {
         let apart = |x: f64| near.is_none_or(|near| (x - near).abs() > NEAR);
         let apart = || examined.iter().filter(|(x, _)| apart(*x));
@@ -212,7 +213,7 @@ impl Scatter {
             means += m * m;
             fourth += m.powi(4);
             count += 1.0;
-            // As far as a window reaches, places are one.
+            // Places within a window are one.
             places.insert((place.0, place.1 / 2));
         }
         if crossings < LEAST_CROSSINGS as f64 {
@@ -232,7 +233,7 @@ impl Scatter {
         })
     }
 
-    /// The speed whose jump is most significant, and where it is crossed.
+    /// The threshold with the most significant jump.
     fn strongest<'c, 'f>(
         &self,
         examined: &'c [(f64, Crossings<'f>)],
@@ -245,11 +246,14 @@ impl Scatter {
         })
     }
 
-    /// Standard error of a mean whose places share what the survey is off by where they lie within so many bins, as those within one window
-    /// do, and its degrees of freedom, those of a sum of two variances (Welch 1947) of which that of places has tails.
+    /// Standard error and degrees of freedom of a mean, with places within so many bins sharing
+    /// their survey error, as those within one window do.
+    ///
+    /// The degrees of freedom are those of a sum of two variances (Welch 1947), with the tails of
+    /// that of places.
     fn error_and_freedom(&self, all: &Crossings, bins: f64) -> [f64; 2] {
         let [mut weight, mut own] = [0.0; 2];
-        // What places that are one weigh together, with the first of them.
+        // Joint weight of shared places, with the first of them.
         let mut shared: Vec<((&str, i64), f64)> = Vec::new();
         for ((track, place), values) in all {
             let noise = self.within / values.len() as f64;
@@ -273,7 +277,7 @@ impl Scatter {
         [(of_places + own).sqrt() / weight, freedom]
     }
 
-    /// Over the places where a speed is passed.
+    /// The mean jump of one threshold over its places.
     fn mean(&self, passed: f64, all: &Crossings) -> Mean {
         let [mut sum, mut weight] = [0.0; 2];
         for values in all.values() {
@@ -293,8 +297,8 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// The law that a jump is: a sensor of speed that reads more above a value. It rises over a third of itself, so that what it says still
-/// tells what is true, and over what the low pass of the signals leaves sharp.
+/// The effect of a jump: a speed sensor that reads more above a threshold. It rises over a third of
+/// itself, so that the reading remains monotonic, and over the spread of the low pass.
 pub fn law(jump: &Jump) -> Option<Candidate<Amplitude>> {
     const SHARP: f64 = 0.05;
     let width = rounded((jump.size.abs() / 3.0).max(SHARP), 2);
@@ -311,10 +315,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_jump_beside_a_straight_line_is_what_a_crossing_says() {
+    fn a_crossing_measures_a_jump_on_a_linear_trend() {
         let kernel = Kernel::new(0.02, 0.8);
         let (hidden, spread) = (0.03, 2);
-        // What the low pass leaves of the jump's own edge says nothing.
+        // The edge of the jump, spread by the low pass, is excluded.
         let gained = |j: i32| {
             let edge = if j < -spread {
                 0.0
@@ -331,7 +335,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_mean_is_known_by_is_what_its_scatter_is_of() {
+    fn degrees_of_freedom_follow_the_source_of_the_scatter() {
         let at = |places: &[&[f64]]| -> Crossings {
             let all = places.iter().zip(0..);
             all.map(|(values, k)| (("a", 10 * k), values.to_vec()))
@@ -351,17 +355,17 @@ mod tests {
         let own = scatter(0.25, 0.0);
         assert!((own.mean(21.0, &three).size - 2.5).abs() < 1e-12);
         assert!(near(own.error_and_freedom(&three, 1.0), [0.25, 400.0]));
-        // Places of their own: the mean of three, as well known as the places are many.
+        // Places of their own: the mean of three; the degrees of freedom are those of the places.
         let mut shared = scatter(0.0, 0.75);
         assert!((shared.mean(21.0, &three).size - 8.0 / 3.0).abs() < 1e-12);
         assert!(near(shared.error_and_freedom(&three, 1.0), [0.5, 20.0]));
-        // Two of the three within one window: five of nine parts of a variance in place of three.
+        // Two of the three within one window: five ninths of a variance in place of three.
         let shared_error = (0.75 * 5.0 / 9.0_f64).sqrt();
         assert!(near(
             shared.error_and_freedom(&three, 11.0),
             [shared_error, 20.0]
         ));
-        // As far off as Student's law of 10 degrees, whose excess is 1: the mean of two has half of it.
+        // Student's t of 10 degrees has an excess of 1: the mean of two has half of it.
         shared.excess = 1.0;
         assert!(near(
             shared.error_and_freedom(&three, 11.0),
@@ -370,8 +374,9 @@ mod tests {
     }
 
     #[test]
-    fn variances_within_and_between_places_are_told_apart() {
-        // Places at -2 and 2 whose crossings lie 1 to either side: 2 within, and 4 less half of that between.
+    fn variances_within_and_between_places_are_separated() {
+        // Places at -2 and 2 with crossings of 1 to either side: a variance of 2 within, and of 4
+        // less half of that between.
         let examined: Vec<(f64, Crossings)> = (0..40)
             .map(|k| {
                 let middle = if k % 2 == 0 { 2.0 } else { -2.0 };
@@ -382,7 +387,7 @@ mod tests {
         let scatter = Scatter::of(&examined, None).expect("crossings");
         assert!((scatter.within - 2.0).abs() < 1e-12 && (scatter.between - 3.0).abs() < 1e-12);
         assert_eq!((scatter.crossings, scatter.places), (40.0, 20.0));
-        // Two values alone have no tails.
+        // Two values have no excess.
         assert_eq!(scatter.excess, 0.0);
     }
 }

@@ -1,4 +1,4 @@
-//! Selection in the track channel: slope, profile, and the faults of the accelerometer and of the speed that resemble them.
+//! Selection in the track channel: slope, profile, and similar errors of accelerometer and speed.
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -18,20 +18,21 @@ use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Dependence, Randomised, Selection};
 use crate::procedure::rivals::NamedEffect;
 
-/// The track channel of a screen, where it can be used.
+/// The track channel of a screen, if it is used.
 #[derive(Clone)]
-pub struct Surveyed {
+pub struct SurveyedTrack {
     channel: TrackChannel,
-    /// Slope and the sensors' faults that resemble it.
+    /// Slope and similar sensor errors.
     list: Vec<Candidate<Amplitude>>,
-    /// How well the slope is known \[rad\].
+    /// Standard deviation of the surveyed slope \[rad\].
     sd: f64,
-    /// Standard deviations within which the channel and the forces agree.
+    /// Standard errors within which the channel and the forces agree.
     within: f64,
 }
 
-impl Surveyed {
-    /// Whether the channel and what the forces say of a candidate go together; a candidate that it knows nothing of does.
+impl SurveyedTrack {
+    /// Whether the channel agrees with the forces' estimate of a candidate; true for candidates
+    /// that are not in the channel.
     pub fn agrees(&self, candidate: &Candidate<Amplitude>, size: f64, error: f64) -> bool {
         let same =
             |c: &Candidate<Amplitude>| c.effect == candidate.effect && c.key == candidate.key;
@@ -51,8 +52,8 @@ fn on_survey(assumption: String) -> Dependence {
 }
 
 impl Campaign<'_> {
-    /// What the track channel says of an installation with a model: nothing where there is none, or where a slope fitted in it has already
-    /// taken what it says.
+    /// Information of the track channel on installation errors; `None` without a channel, or if a
+    /// slope fitted in it has already used it.
     pub fn track_information(
         &self,
         model: &ResidualModel,
@@ -70,8 +71,9 @@ impl Campaign<'_> {
         Some(channel.information(&bare, &self.training, stated, slope_sd.max(1e-6)))
     }
 
-    /// Whether a tilt of the accelerometer is larger than the tolerances allow: friction follows it, so that it comes before the forces.
-    pub fn is_tilted(&self, track: &Surveyed) -> bool {
+    /// Whether a tilt of the accelerometer exceeds its tolerance: friction depends on it, so that
+    /// it is selected before effects on forces.
+    pub fn is_tilted(&self, track: &SurveyedTrack) -> bool {
         let is_significant = |(c, candidate): (usize, &Candidate<Amplitude>)| {
             let seen = track.channel.judge(c, track.sd);
             let tolerance = self.tolerance(candidate);
@@ -81,14 +83,15 @@ impl Campaign<'_> {
         track.list.iter().enumerate().any(is_significant)
     }
 
-    /// The channel, unless there is none, its runs disagree, or a slope fitted in it has already taken what it says. It holds no
-    /// force: as long as no effect changes what a sensor reads it is as it was.
+    /// The channel; `None` without a survey, if its runs disagree, or if a slope fitted in it has
+    /// already used its information. It contains no force and is cached until an effect on a sensor
+    /// changes.
     pub fn surveyed(
         &mut self,
         residual_model: &ResidualModel,
         simulator: &RunSimulator,
         account: &mut Account,
-    ) -> Option<Surveyed> {
+    ) -> Option<SurveyedTrack> {
         if !residual_model.frozen.is_empty() {
             return None;
         }
@@ -112,7 +115,7 @@ impl Campaign<'_> {
         residual_model: &ResidualModel,
         simulator: &RunSimulator,
         account: &mut Account,
-    ) -> Option<Surveyed> {
+    ) -> Option<SurveyedTrack> {
         if !self.used[3] {
             return None;
         }
@@ -123,7 +126,7 @@ impl Campaign<'_> {
             .collect();
         let stated = self.model.survey.map(|s| s.slope_sd_rad);
         let sd = stated.unwrap_or(self.rules().slope_sd_rad);
-        // A tilt that the channel itself has identified would hide what it shows.
+        // A tilt that was estimated from the channel itself would conceal its signal.
         let residual_model = &ResidualModel {
             installation: residual_model.installation.without_tilt(),
             ..residual_model.clone()
@@ -136,13 +139,13 @@ impl Campaign<'_> {
             ));
         }
         let quiet = simulator.sensors_only();
-        let twins: Vec<Frame> = self
+        let simulated: Vec<Frame> = self
             .training
             .iter()
             .enumerate()
             .map(|(i, frame)| quiet.pair(frame, residual_model, 5_000_003, i).plus)
             .collect();
-        let expected = TrackChannel::new(residual_model, &twins, self.rules())?.scatter();
+        let expected = TrackChannel::new(residual_model, &simulated, self.rules())?.scatter();
         if channel.scatter() > self.rules().track_agrees * expected {
             let message = format!(
                 "from run to run the speed's derivative, the accelerometer and the track's slope disagree by {:.3} m/s2, the sensors' noise explains {expected:.3}: the track channel is not used, and slope, track-profile and the accelerometer's pitch are not judged",
@@ -157,7 +160,7 @@ impl Campaign<'_> {
             let known = [self.tolerance(candidate), sd];
             channel.take(residual_model, &self.training, candidate, known);
         }
-        Some(Surveyed {
+        Some(SurveyedTrack {
             channel,
             list,
             sd,
@@ -165,7 +168,8 @@ impl Campaign<'_> {
         })
     }
 
-    /// What tolerances of accelerometer and clocks leave open of a candidate of the track channel, a standard deviation in its unit.
+    /// Standard deviation of a candidate of the track channel due to tolerances of accelerometer
+    /// and clocks, in its unit.
     fn tolerance(&self, candidate: &Candidate<Amplitude>) -> f64 {
         let known = self.model.tolerances.unwrap_or_default();
         match candidate.unit.as_str() {
@@ -173,8 +177,8 @@ impl Campaign<'_> {
             "m/s2" => known
                 .accel_bias_mps2
                 .hypot(GRAVITY * known.misalignment_rad),
-            // Of the speed with the accelerometer, each of which may be late; and with the slope,
-            // which no low pass spreads over its time constant as it does the signals.
+            // Delays of the speed and of the accelerometer; and relative to the slope, which is not
+            // low-passed as the signals are.
             "s" => {
                 let spread = 0.5 / (PI * self.rules().recordings.signal_cutoff_hz);
                 (known.delay_s * SQRT_2).hypot(spread)
@@ -183,9 +187,10 @@ impl Campaign<'_> {
         }
     }
 
-    /// Twice the log density that a size loses against a size of 0 by what is stated of it: Student's t of four degrees of freedom, with
-    /// the survey's deviation for a slope and the tolerance for a sensor; 0 where nothing is stated.
-    fn surprise(&self, candidate: &Candidate<Amplitude>, size: f64, slope_sd: f64) -> f64 {
+    /// Twice the log density of a size relative to a size of 0 under its prior: Student's t of four
+    /// degrees of freedom, scaled by the survey's deviation for a slope and the tolerance for a
+    /// sensor; 0 without a prior.
+    fn prior_penalty(&self, candidate: &Candidate<Amplitude>, size: f64, slope_sd: f64) -> f64 {
         const FREEDOM: f64 = 4.0;
         let known = self.model.tolerances.unwrap_or_default();
         let sd = match candidate.unit.as_str() {
@@ -200,19 +205,19 @@ impl Campaign<'_> {
         }
     }
 
-    /// The selected effect in the track channel, where one is significant.
+    /// The selected effect in the track channel, if one is significant.
     pub fn on_the_track(
         &self,
         residual_model: &ResidualModel,
-        track: &Surveyed,
+        track: &SurveyedTrack,
         account: &mut Account,
     ) -> Option<Selection<Amplitude>> {
         let rules = self.rules();
-        let Surveyed {
+        let SurveyedTrack {
             channel, list, sd, ..
         } = track;
         let sd = *sd;
-        // A sensor's fault also shows in the forces: what they contradict is no candidate.
+        // A sensor error also acts on the forces: candidates that these contradict are excluded.
         let agrees = |c: usize| {
             self.by_forces
                 .iter()
@@ -232,10 +237,10 @@ impl Campaign<'_> {
             able.iter().copied().filter(out).collect()
         };
         let standing = significant(1.0);
-        // What the forces say of a size that the channel gives.
+        // Evidence of the forces for a size estimated by the channel.
         let mut of_forces = vec![0.0; list.len()];
         if standing.len() > 1 {
-            let without = self.left_by_forces(residual_model);
+            let without = self.force_misfit(residual_model);
             for c in standing {
                 let (candidate, size) = (&list[c], channel.judge(c, sd).size);
                 of_forces[c] = self.of_forces(residual_model, without, candidate, size);
@@ -244,7 +249,7 @@ impl Campaign<'_> {
         let best = |among: Vec<usize>, factor: f64| -> Option<usize> {
             let both = |c: usize| {
                 let size = channel.judge(c, sd * factor).size;
-                z(c, factor).powi(2) + of_forces[c] - self.surprise(&list[c], size, sd)
+                z(c, factor).powi(2) + of_forces[c] - self.prior_penalty(&list[c], size, sd)
             };
             among
                 .into_iter()
@@ -258,7 +263,7 @@ impl Campaign<'_> {
         }
         if let Some(named) = named {
             let seen = channel.judge(named, sd);
-            // A size that the forces speak against, with another that they don't, is none.
+            // A size that the forces contradict is excluded if they do not contradict another one.
             let needed = rules.track_rivals.needed_t.powi(2);
             let spoken = |j: &usize| of_forces[*j] < of_forces[named] - needed;
             let rivals = able.iter().copied().filter(|j| *j != named && !spoken(j));
@@ -324,10 +329,10 @@ impl Campaign<'_> {
             }
             return None;
         }
-        // What no slope can be off by is no error of the survey.
+        // A slope error beyond the bounds of a profile is not an error of the survey.
         if !profile.admits(slope) {
             account.remarks.push(format!(
-                "on track {track}, s {from:.0}-{to:.0} m, the speed's derivative, the accelerometer and the slope disagree by {slope:.3} rad, more than a profile can be off by: a sensor or the distance is wrong there"
+                "on track {track}, s {from:.0}-{to:.0} m, the speed's derivative, the accelerometer and the slope disagree by {slope:.3} rad, more than a plausible profile error: a sensor or the distance is wrong there"
             ));
             return None;
         }
@@ -354,7 +359,7 @@ impl Campaign<'_> {
         })
     }
 
-    /// A jump of the speed's reading, where one is significant by more standard errors than this.
+    /// A significant jump of the speed's reading, by more standard errors than this.
     fn jump(&self, model: &ResidualModel, strength: f64) -> Option<Selection<Amplitude>> {
         if !self.options.looks_for(OUTSIDE_CATALOGUE) {
             return None;
@@ -380,19 +385,19 @@ impl Campaign<'_> {
         })
     }
 
-    /// What the forces leave of a model, its base refitted and what its installation is off by found anew: fixed as it was found without a
-    /// candidate it represents a part of what that does.
-    fn left_by_forces(&self, model: &ResidualModel) -> Option<f64> {
+    /// Misfit of the forces with a model, its base and installation errors refitted: fixed at the
+    /// values found without a candidate these would represent part of it.
+    fn force_misfit(&self, model: &ResidualModel) -> Option<f64> {
         let fit = self.fitted_anew(model, Vec::new()).ok()?;
         let model = ResidualModel {
-            beyond_noise: model.beyond_noise,
+            model_error: model.model_error,
             ..fit.residual_model
         };
         Some(self.misfit(&model, &fit.whitener) + model.installation.cost())
     }
 
-    /// What a candidate of this size explains of what the forces leave `without` it, in units of the noise's variance: less than nothing
-    /// where they speak against it.
+    /// Gain of a candidate of this size in the forces, relative to the misfit `without` it, in
+    /// units of the noise's variance: negative if they contradict it.
     fn of_forces(
         &self,
         residual_model: &ResidualModel,
@@ -403,7 +408,7 @@ impl Campaign<'_> {
         let active = candidate.active(size);
         let mut with = residual_model.with(active.clone());
         with.frozen.push(active.name);
-        let both = without.zip(self.left_by_forces(&with));
+        let both = without.zip(self.force_misfit(&with));
         both.map_or(0.0, |(without, with)| 2.0 * (without - with))
     }
 
@@ -416,8 +421,8 @@ impl Campaign<'_> {
         sum / f64::max(count, 1.0)
     }
 
-    /// What the length of the driven line leaves open of a scale or an offset of the speed, a standard deviation: they are compared with
-    /// distances of the survey, which no sled drives along its line.
+    /// Standard deviation of a scale or an offset of the speed due to the length of the driven
+    /// line, which differs from the surveyed distance.
     fn by_line(&self, candidate: &Candidate<Amplitude>) -> f64 {
         // The channel's candidates without a unit, or in m/s, are the speed's.
         match candidate.unit.as_str() {
@@ -427,7 +432,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// The forces say nothing of a slope: the track channel's own size is used.
+    /// Forces do not depend on a slope: the track channel's estimate is used.
     fn by_track(&self, candidate: &Candidate<Amplitude>, size: f64, error: f64) -> Vec<Fitted> {
         let half = self.options.rules.search.interval * error;
         vec![Fitted {

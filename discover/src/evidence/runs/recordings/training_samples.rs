@@ -1,25 +1,23 @@
-//! Recorded rows that are learned from, as they were read.
+//! Training samples as recorded.
 
 use std::ops::Range;
 
 use kufe_sled::Run;
 
-/// Rows of a run that are learned from.
+/// Training samples of a run.
 #[derive(Clone, Debug)]
-pub struct Learned<'a> {
-    /// The run.
+pub struct TrainingSamples<'a> {
     pub run: &'a Run,
-    /// Its rows.
     pub rows: Range<usize>,
 }
 
-impl Learned<'_> {
-    /// A column of these rows; `None` where it is not recorded.
+impl TrainingSamples<'_> {
+    /// A column of these samples; `None` if it is not recorded.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         self.run.columns.get(name)?.get(self.rows.clone())
     }
 
-    /// Whether a column is recorded and holds more than one value.
+    /// Whether a column is recorded and varies.
     pub fn moves(&self, name: &str) -> bool {
         let column = self.column(name).unwrap_or_default();
         column.windows(2).any(|pair| pair[0] != pair[1])

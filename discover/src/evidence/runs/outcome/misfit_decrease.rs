@@ -1,27 +1,29 @@
-//! What the held-out runs say of one model compared with another, all channels together.
+//! Comparison of two models on the held-out runs, all channels together.
 //!
-//! With residuals r weighed by their covariance on the training runs (with contacts by their deviations alone), pieces k of the
-//! held-out runs, and m the mean residual of the training runs at the same place of the same track:
+//! With residuals r weighted by their covariance on the training runs (with contacts by their
+//! variances alone), pieces k of the held-out runs, and m the mean residual of the training runs at
+//! the same place of the same track:
 //!
 //! ```text
 //! by = sum_k (r_from^2 - (r_to g_from / g_to)^2)        repeats = sum r_from . m
 //! ```
 //!
-//! g is what a balance takes of its acceleration. Contacts of a run are set by its side balance, of which they take nothing off here; what
-//! the places promised of it counts instead ([`kept_promise`]).
+//! g is the derivative of a residual by its acceleration. Contacts of a run are estimated from its
+//! lateral residual, which is therefore compared without them; the evidence of the contacts in it
+//! ([`log_likelihood_ratio`]) is added instead.
 //!
-//! Rows of the track channel are what the speed gains from one half of its bins to the next: its derivative is noisy, and what moves it in
-//! time lays that noise elsewhere.
+//! Rows of the track channel are rates of the speed between the halves of its bins: the speed's
+//! derivative is noisy, and a change of time would redistribute that noise.
 
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use crate::evidence::runs::campaign::{Campaign, RunFit, Unwritten};
-use crate::evidence::runs::contacts::grip::apart_from_grip;
+use crate::evidence::runs::campaign::{Campaign, RunFit, UnwrittenEffect};
+use crate::evidence::runs::contacts::grip::subtract_grip;
+use crate::evidence::runs::contacts::likelihood::{correlated_rows, log_likelihood_ratio};
 use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::contacts::own::{residuals_without, rows_beneath, without_pushes};
-use crate::evidence::runs::contacts::promise::{kept_promise, rows_alike};
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::fit::row_noise::expected;
 use crate::evidence::runs::model::residual_model::{
@@ -33,39 +35,40 @@ use crate::evidence::runs::outcome::gap::judged_rows;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::bins::{gains, rates};
 use crate::finding::Interval;
-use crate::procedure::lowered::Lowered;
+use crate::procedure::misfit_decrease::Decrease;
 
-/// What noise alone keeps of a promise ([`kept_promise`]) no more often than it leaves what is normal above one standard error:
-/// `2 ln (1 / 0.159)`.
-const KEPT_BY_CHANCE: f64 = 3.7;
+/// Upper limit of [`log_likelihood_ratio`] under noise alone, at the probability that a normal
+/// variate exceeds one standard error: `2 ln (1 / 0.159)`.
+const EVIDENCE_UNDER_NOISE: f64 = 3.7;
 
 /// Channel, track and place.
 type Place<'a> = (usize, &'a str, i64);
 
 impl Campaign<'_> {
-    /// By how much the held-out runs' gap is lower with `to` than with `from`.
+    /// Decrease of the held-out misfit from `from` to `to`.
     ///
-    /// Models freed of what noisy inputs add are compared with one another, or, where one has not been, both without.
-    pub fn lowered_by(&self, from: &RunFit, to: &RunFit) -> Option<Lowered> {
+    /// The corrected models are compared if both are available.
+    pub fn decrease_between_fits(&self, from: &RunFit, to: &RunFit) -> Option<Decrease> {
         let freed = !from.estimates.is_empty() && !to.estimates.is_empty();
         let [before, after] = [from, to].map(|fit| match freed {
             true => &fit.settled,
             false => &fit.residual_model,
         });
-        let lowered = self.lowered_between(before, after, to.unwritten.as_ref())?;
-        // What repeats because the installation is off within its tolerances is no gap that a selected effect has to close.
+        let decrease = self.decrease_between(before, after, to.unwritten.as_ref())?;
+        // An effect need not close a misfit that repeats due to tolerated installation errors.
         let mut repeats = self.repeats(before);
         if !from.residual_model.installation.sizes.is_empty() {
             repeats = repeats.min(self.repeats(&from.residual_model));
         }
-        Some(Lowered {
+        Some(Decrease {
             tolerated: self.tolerated(before),
             repeats,
-            ..lowered
+            ..decrease
         })
     }
 
-    /// What repeats of a model's residuals: those of the held-out runs times the mean ones of the training runs at the same place.
+    /// Repeatable misfit of a model: residuals of the held-out runs times the mean ones of the
+    /// training runs at the same place.
     fn repeats(&self, model: &ResidualModel) -> f64 {
         let width = self.rules().track_bin_m;
         let (learned, whitener) = self.learned(model);
@@ -80,14 +83,15 @@ impl Campaign<'_> {
         each.iter().sum::<f64>().max(0.0)
     }
 
-    /// Rows of the training runs and their deviations.
+    /// Rows of the training runs and their whitening.
     fn learned(&self, model: &ResidualModel) -> (Vec<ChannelRows>, Whitener) {
         let learned = judged_rows(model, &self.training, self.rules().track_bin_m);
         let whitener = Whitener::estimate(&learned, self.used);
         (learned, whitener)
     }
 
-    /// What one standard deviation of each of the installation's tolerances leaves on the held-out runs after a refit of the base, summed.
+    /// Sum of squares on the held-out runs of one standard deviation of each installation error,
+    /// after a refit of the base.
     fn tolerated(&self, before: &ResidualModel) -> f64 {
         let model = ResidualModel {
             installation: self.stated_installation(),
@@ -97,44 +101,46 @@ impl Campaign<'_> {
             return 0.0;
         }
         let whitener = Whitener::estimate(&residuals(before, &self.training), self.used);
-        self.installation_beyond_base(&model, &whitener, &self.held_out)
+        self.installation_given_base(&model, &whitener, &self.held_out)
             .trace()
     }
 
-    /// The fall alone for two models, the second with an effect with it that no simulation knows.
-    pub fn lowered_between(
+    /// The decrease for two models; the second may contain an effect outside simulations.
+    pub fn decrease_between(
         &self,
         before: &ResidualModel,
         after: &ResidualModel,
-        unwritten: Option<&Unwritten>,
-    ) -> Option<Lowered> {
+        unwritten: Option<&UnwrittenEffect>,
+    ) -> Option<Decrease> {
         let rules = self.rules();
         let width = rules.track_bin_m;
         let (learned, mut whitener) = self.learned(before);
-        // A push that is taken off one balance and remaining in the other is no noise that they share.
+        // A contact is subtracted from one balance but not from the other: their residuals then do
+        // not share noise as whitening assumes.
         if before.contacts.is_some() || after.contacts.is_some() {
-            whitener = whitener.apart();
+            whitener = whitener.uncorrelated();
         }
         let alike = |contacts: &Contacts| {
             let rows: Vec<ChannelRows> = learned.iter().map(|r| whitener.rows(r)).collect();
-            rows_alike(contacts, &self.training, &rows)
+            correlated_rows(contacts, &self.training, &rows)
         };
         let alike = [before, after].map(|model| model.contacts.as_ref().map_or(1.0, alike));
-        // With a large effect both leave as little as the one that has it.
-        let beyond_noise: [f64; BALANCES] =
-            std::array::from_fn(|c| before.beyond_noise[c].min(after.beyond_noise[c]));
-        // Where one of them alone has contacts they are judged by what others' promised.
-        let promised = before.contacts.is_some() != after.contacts.is_some();
+        // With a large effect, the noise of the better model applies to both.
+        let model_error: [f64; BALANCES] =
+            std::array::from_fn(|c| before.model_error[c].min(after.model_error[c]));
+        // If only one model has contacts, they are tested by the predictions of other runs.
+        let by_contacts = before.contacts.is_some() != after.contacts.is_some();
         let of_run = |frame: &Frame| -> (Vec<[f64; CHANNELS]>, f64) {
             let few = without_pushes(frame);
-            // A channel that is late in one model alone lays the noise of others elsewhere: rows of one phase would tell by chance.
+            // A delay in one model alone changes the phase of the noise: rows at one phase only
+            // would differ by chance.
             let frame = &few.at_every_sample();
             let shares = shares(&few, frame);
             let mut rows = judged(before, frame, width, &whitener);
-            // A model that counts less of what was measured leaves less, and explains nothing by it.
+            // Less weight of the measurements lowers the residual without explaining more.
             let [own, of_after] = [before, after].map(|model| {
                 let alike = ResidualModel {
-                    beyond_noise,
+                    model_error,
                     ..model.clone()
                 };
                 expected(&alike, frame)
@@ -145,7 +151,7 @@ impl Campaign<'_> {
                 whitener.sd[c] * if known { by.sqrt() } else { 1.0 }
             });
             let mut after_rows = judged(after, frame, width, &whitener.with_sd(counts));
-            if let Some(Unwritten {
+            if let Some(UnwrittenEffect {
                 candidate, size, ..
             }) = unwritten
             {
@@ -156,7 +162,7 @@ impl Campaign<'_> {
                     }
                 }
             }
-            if promised {
+            if by_contacts {
                 let most = rules.contacts.most_of_a_row;
                 for row in rows[1].iter_mut().chain(&mut after_rows[1]) {
                     *row = row.clamp(-most, most);
@@ -164,49 +170,58 @@ impl Campaign<'_> {
             }
             let pieces = (few.row_count() as f64 / PIECE_ROWS as f64).ceil() as usize;
             let falls = falls(&rows, &after_rows, &shares, pieces.max(1));
-            // What set a contact doesn't judge it: of the side balance counts what others' contacts promised of it.
-            let retained = |model: &ResidualModel, alike: f64| {
-                let contacts = model.contacts.as_ref().filter(|_| promised)?;
+            // The residual that set a contact is no evidence of it: other runs' contacts predict
+            // it.
+            let observed = |model: &ResidualModel, alike: f64| {
+                let contacts = model.contacts.as_ref().filter(|_| by_contacts)?;
                 let mut own = residuals_without(model, std::slice::from_ref(frame));
-                apart_from_grip(model, std::slice::from_ref(frame), &mut own);
+                subtract_grip(model, std::slice::from_ref(frame), &mut own);
                 let sd = whitener.sd[1];
                 let side: Vec<f64> = frame.rows(&own[0][1]).iter().map(|y| y / sd).collect();
-                Some(kept_promise(contacts, frame, &side, sd, shares[1] / alike))
+                Some(log_likelihood_ratio(
+                    contacts,
+                    frame,
+                    &side,
+                    sd,
+                    shares[1] / alike,
+                ))
             };
             let [own, next] = [(before, alike[0]), (after, alike[1])]
-                .map(|(model, alike)| retained(model, alike).unwrap_or_default());
+                .map(|(model, alike)| observed(model, alike).unwrap_or_default());
             (falls, next - own)
         };
         let each: Vec<(Vec<[f64; CHANNELS]>, f64)> = self.held_out.par_iter().map(of_run).collect();
         let falls: Vec<[f64; CHANNELS]> =
             each.iter().flat_map(|(falls, _)| falls.clone()).collect();
-        let retained: f64 = each.iter().map(|(_, retained)| retained).sum();
-        if !promised {
+        let observed: f64 = each.iter().map(|(_, observed)| observed).sum();
+        if !by_contacts {
             let learned = self.training.par_iter().map(|run| sum(&of_run(run).0));
             let names = CHANNEL_NAMES.map(|(name, _)| name);
-            return Lowered::over_channels(names, &falls, &learned.collect::<Vec<_>>());
+            return Decrease::over_channels(names, &falls, &learned.collect::<Vec<_>>());
         }
-        // What noise keeps of a promise is known, and no scatter of runs that hit and miss. It is what tells of contacts: how each turns a run,
-        // with a lever of its own, scatters by far more than is learned of it.
+        // The evidence under noise alone has a known bound and needs no scatter over runs. It alone
+        // counts for contacts: their yaw residuals, each with a lever of its own, scatter by far
+        // more than is learned.
         let whole: Vec<f64> = falls.iter().map(|fall| fall.iter().sum()).collect();
-        let lowered = Lowered::over(&whole, 0.0)?;
-        Some(Lowered {
-            by: lowered.by + retained,
-            error: lowered.error.hypot(KEPT_BY_CHANCE),
-            weighed: Some([retained, KEPT_BY_CHANCE]),
-            promise: Some([retained, KEPT_BY_CHANCE]),
-            ..lowered
+        let decrease = Decrease::over(&whole, 0.0)?;
+        Some(Decrease {
+            by: decrease.by + observed,
+            error: decrease.error.hypot(EVIDENCE_UNDER_NOISE),
+            weighed: Some([observed, EVIDENCE_UNDER_NOISE]),
+            contact_evidence: Some([observed, EVIDENCE_UNDER_NOISE]),
+            ..decrease
         })
     }
 
-    /// The share of what the held-out runs' contacts leave above noise, in the balances that did not set them, that a model with contacts
-    /// closes; the interval from the scatter of runs.
+    /// Closed share of the held-out contacts' misfit above noise, in the balances that did not set
+    /// them; the interval from the scatter of runs.
     pub fn contacts_closed(&self, with: &ResidualModel) -> Interval {
         let bare = ResidualModel {
             contacts: None,
             ..with.clone()
         };
-        let whitener = Whitener::estimate(&residuals(with, &self.training), self.used).apart();
+        let whitener =
+            Whitener::estimate(&residuals(with, &self.training), self.used).uncorrelated();
         let of_run = |frame: &Frame| -> [f64; 2] {
             let beneath = rows_beneath(frame);
             let square = |model: &ResidualModel| -> f64 {
@@ -224,9 +239,9 @@ impl Campaign<'_> {
         let each: Vec<[f64; 2]> = self.held_out.iter().map(of_run).collect();
         let open: f64 = each.iter().map(|[before, _]| before).sum();
         let falls: Vec<f64> = each.iter().map(|[_, fall]| *fall).collect();
-        let lowered = Lowered::over(&falls, open).filter(|l| l.repeats > 0.0);
+        let decrease = Decrease::over(&falls, open).filter(|l| l.repeats > 0.0);
         let share = |by: f64| (by / open).clamp(-1.0, 1.0);
-        lowered.map_or(
+        decrease.map_or(
             Interval {
                 value: 0.0,
                 low: -1.0,
@@ -243,7 +258,7 @@ impl Campaign<'_> {
         )
     }
 
-    /// Mean whitened residuals of the training runs by place, where two runs or more went.
+    /// Mean whitened residuals of the training runs by place, for places with at least two runs.
     fn means(&self, rows: &[ChannelRows], whitener: &Whitener) -> BTreeMap<Place<'_>, f64> {
         let mut sums: BTreeMap<Place, (f64, f64)> = BTreeMap::new();
         let mut visits: BTreeMap<Place, usize> = BTreeMap::new();
@@ -266,7 +281,7 @@ impl Campaign<'_> {
             .collect()
     }
 
-    /// Rows with where they are.
+    /// Rows with their places.
     fn placed<'a>(&self, frame: &'a Frame, rows: &ChannelRows) -> Vec<(Place<'a>, f64)> {
         let rules = self.rules();
         let s = frame.rows(&frame.s);
@@ -287,7 +302,7 @@ impl Campaign<'_> {
     }
 }
 
-/// Residuals of which no contact is taken off the side balance that set it.
+/// Residuals without subtraction of contacts from the lateral balance that set them.
 pub fn with_whole_side(model: &ResidualModel, frame: &Frame) -> ChannelRows {
     let mut rows = model.residuals(frame);
     if model.contacts.is_some() {
@@ -299,13 +314,13 @@ pub fn with_whole_side(model: &ResidualModel, frame: &Frame) -> ChannelRows {
     rows
 }
 
-/// What a row of each channel counts for where rows are made at every sample: of the track channel, whose rows are bins, in full.
+/// Weight of a row of each channel if rows are made at every sample; 1 in the track channel.
 fn shares(few: &Frame, dense: &Frame) -> [f64; CHANNELS] {
     let share = few.row_count() as f64 / dense.row_count().max(1) as f64;
     std::array::from_fn(|c| if c == TRACK { 1.0 } else { share })
 }
 
-/// The rows of a held-out run that a model is judged by, with bins so wide \[m\] in the track channel.
+/// The rows of a held-out run that are compared; `width`: bins of the track channel \[m\].
 fn judged(model: &ResidualModel, frame: &Frame, width: f64, whitener: &Whitener) -> ChannelRows {
     let mut rows = with_whole_side(model, frame);
     rows[TRACK] = rates(frame, &rows[TRACK], width);
@@ -323,7 +338,7 @@ fn repeating(
         .sum()
 }
 
-/// The fall of each channel's sum of squares, piece by piece of a run, a row of each channel counting for its share.
+/// The decrease of each channel's weighted sum of squares, by pieces of a run.
 fn falls(
     before: &ChannelRows,
     after: &ChannelRows,

@@ -1,29 +1,30 @@
-//! By how much the gap on held-out data is lower with one model than with another.
+//! Comparison of two models by the decrease of the misfit on held-out data.
 
 use crate::procedure::rules::SearchRules;
 
-/// What held-out data say of one model compared with another.
+/// Decrease of the misfit from one model to another.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lowered {
-    /// By how much the sum of squares falls, over all channels, each in units of its variance.
+pub struct Decrease {
+    /// Decrease of the sum of squares over all channels, each in units of its variance.
     pub by: f64,
-    /// Standard error of this fall, from how much it scatters over the data.
+    /// Standard error of the decrease, from its scatter over the data.
     pub error: f64,
-    /// The same fall and its standard error with each channel counting by how much it tells of it where it was learned; nothing where
-    /// there is but one.
+    /// The decrease and its standard error with channels weighted by their information on the
+    /// training data; `None` for a single channel.
     pub weighed: Option<[f64; 2]>,
-    /// What is retained of what was promised, and what noise alone retains of it, where both models differ in that: it must be more.
-    pub promise: Option<[f64; 2]>,
-    /// The fall and its standard error channel by channel, where there is more than one.
+    /// Log likelihood ratio of contacts and its bound under noise, if only one model has contacts.
+    pub contact_evidence: Option<[f64; 2]>,
+    /// The decrease and its standard error by channel, if there are several.
     pub by_channel: Vec<(&'static str, [f64; 2])>,
-    /// What repeats from run to run of the first model's sum of squares; 0 where it is not known.
+    /// Repeatable part of the first model's sum of squares; 0 if unknown.
     pub repeats: f64,
-    /// Sum of squares that one standard deviation of everything the installation may be off by amounts to; 0 for none.
+    /// Sum of squares of one standard deviation of each installation error; 0 without any.
     pub tolerated: f64,
 }
 
-impl Lowered {
-    /// The sum over independent pieces of data, with the error that their scatter gives; `None` without any.
+impl Decrease {
+    /// The sum over independent pieces, with the standard error of their scatter; `None` without
+    /// any.
     pub fn over(falls: &[f64], repeats: f64) -> Option<Self> {
         let n = falls.len() as f64;
         let by: f64 = falls.iter().sum();
@@ -32,15 +33,14 @@ impl Lowered {
             by,
             error: (squares * n / (n - 1.0).max(1.0)).sqrt(),
             weighed: None,
-            promise: None,
+            contact_evidence: None,
             by_channel: Vec::new(),
             repeats,
             tolerated: 0.0,
         })
     }
 
-    /// The same over channels of these names, with what each tells of it: `learned` are their falls on the data that both models were learned
-    /// from.
+    /// The same by channel; `learned` are the decreases on the training data, for the weights.
     pub fn over_channels<const C: usize>(
         names: [&'static str; C],
         falls: &[[f64; C]],
@@ -67,58 +67,59 @@ impl Lowered {
         })
     }
 
-    /// The same as a part of the gap of the first model of all: of what repeats of it, and of what falls from that model on to the second
-    /// one here, `before` being what of it has fallen already. What falls on data that were not seen repeats, whether runs are alike or not.
-    pub fn of_all(self, all: &Lowered, before: f64) -> Self {
+    /// The same with the repeatable part of the whole comparison: the larger of the repeatable
+    /// misfits and of the decrease from the first model to the second one here, of which `before`
+    /// precedes this step. A decrease on held-out data is repeatable whether runs are alike or not.
+    pub fn of_all(self, all: &Decrease, before: f64) -> Self {
         Self {
             repeats: self.repeats.max(all.repeats).max(before + self.by),
             ..self
         }
     }
 
-    /// Whether the gap falls, above its scatter, by a share of what repeats, and by more than a trace of what is tolerated. Where it falls
-    /// clearly in the channels that tell of it, it may scatter about nothing over all alike, but not rise above that scatter. Of what was
-    /// promised more is retained than noise alone keeps.
-    pub fn holds(&self, rules: &SearchRules) -> bool {
+    /// Whether the decrease is accepted: significant, a material share of the repeatable misfit,
+    /// and more than a trace of the tolerated one. If it is clearly significant in the weighted
+    /// channels, the unweighted decrease may be within its scatter of 0. The evidence of contacts
+    /// must exceed its bound under noise.
+    pub fn is_accepted(&self, rules: &SearchRules) -> bool {
         let clearly = self.weighed.filter(|[by, error]| *by > rules.clear * error);
         let by = match clearly {
             Some([by, _]) if self.by > -rules.beyond_scatter * self.error => by.max(self.by),
             _ => self.by,
         };
-        let exceeds = |[retained, chance]: [f64; 2]| retained > rules.beyond_scatter * chance;
+        let exceeds = |[observed, chance]: [f64; 2]| observed > rules.beyond_scatter * chance;
         self.strength() > rules.beyond_scatter
-            && self.promise.is_none_or(exceeds)
+            && self.contact_evidence.is_none_or(exceeds)
             && by > 0.0
             && by >= rules.material * self.repeats
             && by >= rules.trace * self.tolerated
     }
 
-    /// The same for a selected effect that is made of this channel: there, where the model is said to be wrong, the gap may not rise above its scatter,
-    /// whatever falls elsewhere.
-    pub fn holds_in(&self, channel: &str, rules: &SearchRules) -> bool {
+    /// The same for an effect selected in this channel, whose misfit may not rise significantly.
+    pub fn is_accepted_in(&self, channel: &str, rules: &SearchRules) -> bool {
         let rises = |[by, error]: [f64; 2]| by < -rules.beyond_scatter * error;
         let mut own = self.by_channel.iter().filter(|(name, _)| *name == channel);
-        self.holds(rules) && !own.any(|(_, fall)| rises(*fall))
+        self.is_accepted(rules) && !own.any(|(_, fall)| rises(*fall))
     }
 
-    /// How clearly it falls, in standard errors: over all channels alike, or as they tell of it, whichever is clearer. A step of one
-    /// channel is lost in the scatter of the others; of one that all tell a little of, those that are heard are too few.
+    /// The decrease in standard errors: unweighted or weighted, whichever is larger. The unweighted
+    /// one dilutes a step of one channel by the scatter of the others.
     pub fn strength(&self) -> f64 {
         let of = |[by, error]: [f64; 2]| by / error.max(1e-300);
         let alike = of([self.by, self.error]);
         self.weighed.map_or(alike, |weighed| of(weighed).max(alike))
     }
 
-    /// The same in words, of a selected effect that is made of this channel.
+    /// The same in words, for an effect selected in this channel.
     pub fn in_words(&self, channel: &str) -> String {
         let mut text = format!(
             "the sum of squares falls by {:.1} ± {:.1} noise variances, {:.1} repeat between runs",
             self.by, self.error, self.repeats
         );
-        match (self.promise, self.weighed) {
-            (Some([retained, chance]), _) => {
+        match (self.contact_evidence, self.weighed) {
+            (Some([observed, chance]), _) => {
                 text += &format!(
-                    "; {retained:.1} of the predicted fall is observed, {chance:.1} by chance"
+                    "; {observed:.1} of the predicted fall is observed, {chance:.1} by chance"
                 );
             }
             (None, Some([by, error])) => {
@@ -140,8 +141,8 @@ impl Lowered {
     }
 }
 
-/// What a channel's fall counts for: its mean over its variance from one piece of data to the next, with which a sum is most significant;
-/// nothing where it does not fall. All alike for so few pieces that their scatter says little.
+/// Weight of a channel: its mean decrease over its variance between pieces of data, which maximises
+/// the significance of the sum; 0 without a decrease. Equal for too few pieces.
 fn weights<const C: usize>(learned: &[[f64; C]]) -> [f64; C] {
     const FEW: usize = 4;
     let n = learned.len() as f64;
@@ -162,89 +163,94 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_fall_within_its_scatter_or_too_small_to_matter_does_not_hold() {
+    fn a_decrease_within_its_scatter_or_too_small_is_rejected() {
         let rules = SearchRules::default();
-        let lowered = |by, error, repeats| Lowered {
+        let decrease = |by, error, repeats| Decrease {
             by,
             error,
             weighed: None,
-            promise: None,
+            contact_evidence: None,
             by_channel: Vec::new(),
             repeats,
             tolerated: 0.0,
         };
-        let of = |by, error, repeats| lowered(by, error, repeats).holds(&rules);
+        let of = |by, error, repeats| decrease(by, error, repeats).is_accepted(&rules);
         assert!(of(30.0, 5.0, 100.0));
         assert!(!of(-1.0, 5.0, 0.0) && !of(4.0, 5.0, 0.0));
-        let weighed = |by, weighed| Lowered {
+        let weighed = |by, weighed| Decrease {
             weighed: Some([weighed, 0.5]),
-            ..lowered(by, 5.0, 0.0)
+            ..decrease(by, 5.0, 0.0)
         };
-        assert!(weighed(4.0, 2.0).holds(&rules));
-        assert!(weighed(4.0, 1.0).holds(&rules) && !weighed(-4.0, 1.0).holds(&rules));
-        // Clear where it is reported, with channels that scatter about nothing, or rise.
-        assert!(weighed(-4.0, 2.0).holds(&rules) && !weighed(-6.0, 2.0).holds(&rules));
-        assert!(weighed(6.0, 0.1).holds(&rules) && !weighed(4.0, 0.1).holds(&rules));
+        assert!(weighed(4.0, 2.0).is_accepted(&rules));
+        assert!(weighed(4.0, 1.0).is_accepted(&rules) && !weighed(-4.0, 1.0).is_accepted(&rules));
+        // Clear as reported, with channels that scatter about 0 or rise.
+        assert!(weighed(-4.0, 2.0).is_accepted(&rules) && !weighed(-6.0, 2.0).is_accepted(&rules));
+        assert!(weighed(6.0, 0.1).is_accepted(&rules) && !weighed(4.0, 0.1).is_accepted(&rules));
         assert!(!of(4.0, 0.1, 100.0) && of(6.0, 0.1, 100.0));
-        for (repeats, before, holds) in [
+        for (repeats, before, accepted) in [
             (20.0, 0.0, true),
             (1000.0, 0.0, false),
             (20.0, 900.0, false),
         ] {
-            let all = lowered(20.0, 1.0, repeats);
+            let all = decrease(20.0, 1.0, repeats);
             assert_eq!(
-                lowered(6.0, 0.1, 100.0).of_all(&all, before).holds(&rules),
-                holds
+                decrease(6.0, 0.1, 100.0)
+                    .of_all(&all, before)
+                    .is_accepted(&rules),
+                accepted
             );
         }
-        let tolerated = |tolerated| Lowered {
+        let tolerated = |tolerated| Decrease {
             tolerated,
-            ..lowered(6.0, 0.1, 100.0)
+            ..decrease(6.0, 0.1, 100.0)
         };
-        assert!(tolerated(1e4).holds(&rules) && !tolerated(1e6).holds(&rules));
+        assert!(tolerated(1e4).is_accepted(&rules) && !tolerated(1e6).is_accepted(&rules));
     }
 
-    /// A channel in which a fall is small and steady with one that scatters widely about nothing.
+    /// A channel of a small, steady decrease with one that scatters widely about 0.
     #[test]
-    fn a_steady_fall_is_not_lost_in_another_channels_scatter() {
+    fn a_steady_decrease_is_significant_despite_another_channels_scatter() {
         let rules = SearchRules::default();
         let loud = [30.0, -20.0, 25.0, -35.0, 15.0, -14.0];
         let falls = |quiet: f64| loud.map(|l| [quiet + 0.01 * l, l]);
         let names = ["quiet", "loud"];
-        let of = |falls: &[[f64; 2]]| Lowered::over_channels(names, falls, &falls_learned());
+        let of = |falls: &[[f64; 2]]| Decrease::over_channels(names, falls, &falls_learned());
         let found = of(&falls(1.0)).unwrap();
-        assert!(found.holds(&rules) && found.strength() > 5.0, "{found:?}");
+        assert!(
+            found.is_accepted(&rules) && found.strength() > 5.0,
+            "{found:?}"
+        );
         assert!(found.by < found.error, "{found:?}");
-        assert!(!of(&falls(-1.0)).unwrap().holds(&rules));
-        // Too few to tell how much each scatters.
-        let few = Lowered::over_channels(names, &falls(1.0), &falls_learned()[..3]).unwrap();
+        assert!(!of(&falls(-1.0)).unwrap().is_accepted(&rules));
+        // Too few to estimate the scatter.
+        let few = Decrease::over_channels(names, &falls(1.0), &falls_learned()[..3]).unwrap();
         assert_eq!(few.weighed, Some([few.by, few.error]));
     }
 
     #[test]
-    fn of_a_promise_more_is_kept_than_noise_keeps() {
+    fn contact_evidence_must_exceed_its_bound_under_noise() {
         let rules = SearchRules::default();
-        let retained = |retained| Lowered {
-            promise: Some([retained, 3.7]),
-            ..Lowered::over(&[5.0, 6.0, 5.5], 0.0).unwrap()
+        let observed = |observed| Decrease {
+            contact_evidence: Some([observed, 3.7]),
+            ..Decrease::over(&[5.0, 6.0, 5.5], 0.0).unwrap()
         };
-        assert!(retained(3.8).holds(&rules));
-        assert!(!retained(3.6).holds(&rules) && !retained(-4.0).holds(&rules));
-        let text = retained(-4.0).in_words("yaw");
+        assert!(observed(3.8).is_accepted(&rules));
+        assert!(!observed(3.6).is_accepted(&rules) && !observed(-4.0).is_accepted(&rules));
+        let text = observed(-4.0).in_words("yaw");
         assert!(text.contains("-4.0 of the predicted fall"), "{text}");
     }
 
     #[test]
-    fn what_rises_in_its_own_channel_does_not_hold_there_however_much_falls_in_another() {
+    fn a_rise_in_the_own_channel_is_rejected_whatever_falls_in_another() {
         let rules = SearchRules::default();
         let falls = [[-2.0, 9.0], [-3.0, 10.0], [-2.5, 11.0], [-2.2, 10.0]];
-        let lowered = Lowered::over_channels(["side", "yaw"], &falls, &falls).unwrap();
-        assert!(lowered.holds(&rules) && lowered.holds_in("yaw", &rules));
-        assert!(!lowered.holds_in("side", &rules), "{lowered:?}");
+        let decrease = Decrease::over_channels(["side", "yaw"], &falls, &falls).unwrap();
+        assert!(decrease.is_accepted(&rules) && decrease.is_accepted_in("yaw", &rules));
+        assert!(!decrease.is_accepted_in("side", &rules), "{decrease:?}");
         // Within its scatter it may.
         let falls = [[-2.0, 9.0], [3.0, 10.0], [-2.5, 11.0], [1.0, 10.0]];
-        let lowered = Lowered::over_channels(["side", "yaw"], &falls, &falls).unwrap();
-        assert!(lowered.holds_in("side", &rules));
+        let decrease = Decrease::over_channels(["side", "yaw"], &falls, &falls).unwrap();
+        assert!(decrease.is_accepted_in("side", &rules));
     }
 
     fn falls_learned() -> Vec<[f64; 2]> {

@@ -1,4 +1,4 @@
-//! What stated contacts promise of the side balance of a run that did not set them.
+//! Evidence of stated contacts in the lateral residual of a run that was not used to estimate them.
 
 use kufe_sled::effects::Active;
 use kufe_sled::{HITS_DIFFER, WallContact, half_waves, hits_of, likelier, scatter, stretch_of};
@@ -7,14 +7,16 @@ use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::model::residual_model::ChannelRows;
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// Share of runs that something else pushes on a stretch, and how much harder than a hit. Chosen: no single run can say much then.
+/// Share of runs with another push at a place, and its size relative to a hit. Chosen: limits the
+/// influence of a single run.
 const ELSE: (f64, f64) = (0.05, 10.0);
 
-/// Twice the logarithm of how much likelier contacts make what the side balance leaves of a run without them than it is without them.
+/// Twice the log likelihood ratio of the lateral residual of a run with and without contacts.
 ///
-/// A place states its half wave w up to a shift, and ([`hits_of`]) a share pi of hits and their force F. With r the rows of the side balance
-/// in units of their standard deviation sd \[N\], f the force that fits them and e its standard error, what is likelier by a force about
-/// F, give or take t, is
+/// A place states its half wave w up to a shift, and ([`hits_of`]) a share pi of hits and their
+/// force F. With r the rows of the lateral residual in units of their standard deviation sd \[N\],
+/// f the fitted force and e its standard error, the likelihood ratio of a force of mean F and
+/// standard deviation t is
 ///
 /// ```text
 /// f = sd sum w r / sum w^2        e = sd / sqrt(share sum w^2)
@@ -22,9 +24,11 @@ const ELSE: (f64, f64) = (0.05, 10.0);
 /// sum over places of 2 ln ((1 - q) (1 - pi + pi L(F, F / 2)) + q L(0, 10 F)) - 2 ln (1 - q + q L(0, 10 F))
 /// ```
 ///
-/// with a share q of runs that something else pushes; `share` of the rows are independent ([`rows_alike`]). Source: the predictive density of a normal
-/// amplitude in normal noise. Of noise alone the sum exceeds 2 ln(1 / p) with at most the probability p (Markov's inequality).
-pub fn kept_promise(
+/// with a share q of runs with another push; `share` of the rows are independent
+/// ([`correlated_rows`]). Source: the predictive density of a normal amplitude in normal noise.
+/// Under noise alone the sum exceeds 2 ln(1 / p) with a probability of at most p (Markov's
+/// inequality).
+pub fn log_likelihood_ratio(
     contacts: &Contacts,
     frame: &Frame,
     side: &[f64],
@@ -37,16 +41,18 @@ pub fn kept_promise(
             let w: Vec<f64> = frame.s.iter().map(|s| wave.force_at(*s)).collect();
             frame.rows(&w)
         });
-        kept_at(waves, side, hits_of(place), sd_n, share)
+        place_log_ratio(waves, side, hits_of(place), sd_n, share)
     };
     there.map(of_place).sum()
 }
 
-/// How many rows of the side balance say what one would, were they independent: the square of what half waves along the runs have of it
-/// over what they have of white noise, 1 at least. `rows` are those of the training runs in units of their standard deviation.
+/// Number of lateral rows per independent one, at least 1: the mean square of half-wave amplitudes
+/// along the runs over that of white noise. `rows` are those of the training runs in units of their
+/// standard deviation.
 ///
-/// Noise that is slow stays with a whole half wave. The middle of the squares counts: few half waves meet a wall.
-pub fn rows_alike(contacts: &Contacts, frames: &[Frame], rows: &[ChannelRows]) -> f64 {
+/// Slow noise persists over a whole half wave. The median of the squares is used: few half waves
+/// are at a wall.
+pub fn correlated_rows(contacts: &Contacts, frames: &[Frame], rows: &[ChannelRows]) -> f64 {
     let lengths = contacts.places.iter().map(|place| {
         let [from_m, to_m] = stretch_of(place);
         0.5 * (to_m - from_m)
@@ -74,8 +80,8 @@ pub fn rows_alike(contacts: &Contacts, frames: &[Frame], rows: &[ChannelRows]) -
     scatter(&each).powi(2).max(1.0)
 }
 
-/// What runs keep of one place: its half waves row by row, the share of hits and their force \[N\].
-fn kept_at(
+/// Evidence of one place: half waves row by row, the share of hits and their force \[N\].
+fn place_log_ratio(
     waves: impl Iterator<Item = Vec<f64>>,
     side: &[f64],
     (hits, hit_n): (f64, f64),
@@ -83,7 +89,7 @@ fn kept_at(
     share: f64,
 ) -> f64 {
     let (other, harder) = ELSE;
-    // Logarithms, since a hard push is likelier by more than a number holds.
+    // Logarithms: the likelihood of a hard push overflows.
     let [mut by_hit, mut by_other] = [Vec::new(), Vec::new()];
     for wave in waves {
         let (wr, ww) = products(wave.into_iter(), side);
@@ -104,7 +110,6 @@ fn kept_at(
     2.0 * (log_sum(none + with, by_other) - log_sum(none, by_other))
 }
 
-/// `sum w r` and `sum w^2` of a half wave and some rows.
 fn products(wave: impl Iterator<Item = f64>, rows: &[f64]) -> (f64, f64) {
     let pairs = wave.zip(rows);
     pairs.fold((0.0, 0.0), |(wr, ww), (w, r)| (wr + w * r, ww + w * w))
@@ -115,7 +120,7 @@ fn log_sum(a: f64, b: f64) -> f64 {
     a.max(b) + (-(a - b).abs()).exp().ln_1p()
 }
 
-/// The logarithm of the mean of what these are logarithms of.
+/// The logarithm of the mean of `exp(logs)`.
 fn mean_of(logs: &[f64]) -> f64 {
     let sum = logs.iter().copied().fold(f64::NEG_INFINITY, log_sum);
     sum - (logs.len() as f64).ln()
@@ -128,8 +133,9 @@ mod tests {
     use super::*;
     use crate::null::random::{normal, stream};
 
-    /// What 400 runs keep of a place that half of all hit with five standard errors of a force, where each is pushed by so many \[N\].
-    fn retained(push_n: f64) -> Vec<f64> {
+    /// Evidence of 400 runs for a place that half of all hit with five standard errors of a force,
+    /// each with a push of this size \[N\].
+    fn log_ratios(push_n: f64) -> Vec<f64> {
         let s: Vec<f64> = (0..40).map(f64::from).collect();
         let wave = |w: WallContact| s.iter().map(|s| w.force_at(*s)).collect::<Vec<f64>>();
         let true_one = WallContact {
@@ -139,29 +145,29 @@ mod tests {
             x_m: 0.0,
         };
         let pushed = wave(true_one);
-        // A half wave of 10 m has squares of 3.75: 26 N are five standard errors with noise of 10 N.
+        // The squares of a half wave of 10 m sum to 3.75: 26 N are five standard errors.
         let of_run = |draw: u64| {
             let mut rng = stream(8, 0x9121, draw);
             let side: Vec<f64> = pushed.iter().map(|p| p / 10.0 + normal(&mut rng)).collect();
             let waves = half_waves([5.0, 27.0]).map(wave);
-            kept_at(waves, &side, (0.5, 26.0), 10.0, 1.0)
+            place_log_ratio(waves, &side, (0.5, 26.0), 10.0, 1.0)
         };
         (0..400).map(of_run).collect()
     }
 
     #[test]
-    fn noise_keeps_a_promise_as_seldom_as_the_bound_says_hits_keep_it_and_wild_pushes_say_little() {
-        let noise = retained(0.0);
+    fn the_likelihood_ratio_is_bounded_under_noise_large_for_hits_and_robust() {
+        let noise = log_ratios(0.0);
         let mean = noise.iter().sum::<f64>() / 400.0;
         let by_chance = noise
             .iter()
-            .filter(|retained| **retained > 2.0 * f64::ln(20.0));
+            .filter(|log_ratios| **log_ratios > 2.0 * f64::ln(20.0));
         assert!(mean < 0.0 && by_chance.count() <= 20, "{mean}");
-        let hits = retained(26.0);
+        let hits = log_ratios(26.0);
         let mean = hits.iter().sum::<f64>() / 400.0;
         assert!(mean > 6.0, "{mean}");
         for push_n in [1000.0, -300.0] {
-            let most = retained(push_n)
+            let most = log_ratios(push_n)
                 .into_iter()
                 .map(f64::abs)
                 .fold(0.0, f64::max);
@@ -170,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn sums_of_logarithms_hold_what_no_number_holds() {
+    fn log_sums_do_not_overflow() {
         let logs = [1000.0, 999.0];
         let truth = 1000.0 + ((1.0 + f64::exp(-1.0)) / 2.0).ln();
         assert!((mean_of(&logs) - truth).abs() < 1e-12);
