@@ -1,9 +1,10 @@
 //! The page and the solves that its form requests, a thread a request.
 
 use std::error::Error;
-use std::net::TcpListener;
+use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
 use kufe::jobs::field::placed_hull;
 use kufe::jobs::{Contact, Failure, case_file::LoadedCase};
@@ -51,7 +52,9 @@ pub struct Server {
 /// # Errors
 /// The system's for a listener that cannot be used.
 pub fn serve(listener: TcpListener, server: &Server) -> Result<(), Box<dyn Error + Send + Sync>> {
+    let address = listener.local_addr()?;
     let http = tiny_http::Server::from_listener(listener, None)?;
+    let _own = occupied(address);
     std::thread::scope(|scope| {
         for request in http.incoming_requests() {
             // A reader that has gone away needs no answer. Where no thread can be started, tiny_http
@@ -61,6 +64,21 @@ pub fn serve(listener: TcpListener, server: &Server) -> Result<(), Box<dyn Error
         }
     });
     Ok(())
+}
+
+/// Idle connections to the server itself, which occupy its first threads.
+///
+/// tiny_http (0.12) may queue two new connections for one waiting thread: the second is then
+/// answered when the first is closed, which a spare connection of a browser is not. A connection
+/// that finds no waiting thread has a thread of its own.
+fn occupied(address: SocketAddr) -> Vec<TcpStream> {
+    /// Threads with which the server begins.
+    const FIRST_THREADS: usize = 4;
+    let connection = |_| {
+        std::thread::sleep(Duration::from_millis(25));
+        TcpStream::connect(address).ok()
+    };
+    (0..FIRST_THREADS).filter_map(connection).collect()
 }
 
 fn respond(server: &Server, mut request: Request) -> std::io::Result<()> {

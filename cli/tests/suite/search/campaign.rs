@@ -58,7 +58,7 @@ fn wrong_campaigns_are_refused_with_file_place_and_what_was_expected() -> Outcom
         ),
         (
             "experiments = \"nowhere.csv\"\nmodel = \"model.toml\"",
-            vec!["nowhere.csv", "not there"],
+            vec!["nowhere.csv", "not an existing file"],
         ),
         (
             "experiment = \"experiments.csv\"",
