@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use crate::terminal::Global;
 use crate::view::form::Form;
-use crate::view::server::{Server, Solved, serve, solved};
+use crate::view::server::{Connections, Server, Solved, serve, solved};
 use crate::view::turn::Turn;
 
 /// Arguments of `kufe view`.
@@ -77,7 +77,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         turn: Turn::default(),
     };
     let address = format!("http://127.0.0.1:{port}/");
+    let connections = Connections::new(listener);
+    let connections =
+        connections.map_err(|error| Failure::BadInput(format!("--port {port}: {error}")))?;
     let listening = Listening { address };
     global.answer(&listening, || format!("{}\n", listening.address))?;
-    serve(listener, &server).map_err(|error| Failure::BadInput(format!("--port {port}: {error}")))
+    serve(&connections, &server);
+    Ok(())
 }

@@ -1,7 +1,7 @@
 //! The page and the solves that its form requests, a thread a request.
 
 use std::error::Error;
-use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::net::{TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -47,38 +47,48 @@ pub struct Server {
     pub turn: Turn,
 }
 
+/// Connections of a listener.
+pub struct Connections {
+    http: tiny_http::Server,
+    /// Idle connections to itself, which occupy its first threads.
+    ///
+    /// tiny_http (0.12) may queue two new connections for one waiting thread: the second is then
+    /// answered when the first is closed, which a spare connection of a browser is not. A connection
+    /// that finds no waiting thread has a thread of its own.
+    _idle: Vec<TcpStream>,
+}
+
+impl Connections {
+    /// Accepts connections from now on.
+    ///
+    /// # Errors
+    /// The system's for a listener that cannot be used.
+    pub fn new(listener: TcpListener) -> Result<Self, Box<dyn Error + Send + Sync>> {
+        const FIRST_THREADS: usize = 4;
+        let address = listener.local_addr()?;
+        let http = tiny_http::Server::from_listener(listener, None)?;
+        let connection = |_| {
+            let connection = TcpStream::connect(address).ok();
+            std::thread::sleep(Duration::from_millis(25));
+            connection
+        };
+        // Its threads must wait by then.
+        std::thread::sleep(Duration::from_millis(25));
+        let _idle = (0..FIRST_THREADS).filter_map(connection).collect();
+        Ok(Self { http, _idle })
+    }
+}
+
 /// Answers requests until the process ends.
-///
-/// # Errors
-/// The system's for a listener that cannot be used.
-pub fn serve(listener: TcpListener, server: &Server) -> Result<(), Box<dyn Error + Send + Sync>> {
-    let address = listener.local_addr()?;
-    let http = tiny_http::Server::from_listener(listener, None)?;
-    let _own = occupied(address);
+pub fn serve(connections: &Connections, server: &Server) {
     std::thread::scope(|scope| {
-        for request in http.incoming_requests() {
+        for request in connections.http.incoming_requests() {
             // A reader that has gone away needs no answer. Where no thread can be started, tiny_http
             // answers with an error.
             let answer = || respond(server, request).ok();
             let _ = std::thread::Builder::new().spawn_scoped(scope, answer);
         }
     });
-    Ok(())
-}
-
-/// Idle connections to the server itself, which occupy its first threads.
-///
-/// tiny_http (0.12) may queue two new connections for one waiting thread: the second is then
-/// answered when the first is closed, which a spare connection of a browser is not. A connection
-/// that finds no waiting thread has a thread of its own.
-fn occupied(address: SocketAddr) -> Vec<TcpStream> {
-    /// Threads with which the server begins.
-    const FIRST_THREADS: usize = 4;
-    let connection = |_| {
-        std::thread::sleep(Duration::from_millis(25));
-        TcpStream::connect(address).ok()
-    };
-    (0..FIRST_THREADS).filter_map(connection).collect()
 }
 
 fn respond(server: &Server, mut request: Request) -> std::io::Result<()> {
