@@ -6,7 +6,7 @@ use kufe_sled::effects::{CATALOGUE, Effects};
 use crate::error::Error;
 use crate::procedure::rules::Rules;
 
-/// Name in [`Options::only`] that stands for all dependences outside the catalogue.
+/// Name in [`Options::only`] of all dependences outside the catalogue.
 pub const OUTSIDE_CATALOGUE: &str = "unknown";
 
 /// Options of a search.

@@ -321,7 +321,7 @@ fn documents(folder: &Path, files: &[PathBuf], viewer: Option<&str>) -> Result<S
         || name.clone(),
         |(kind, _)| format!("{}: {name}", capital(kind)),
     );
-    let headline = headline(folder)?.unwrap_or_default();
+    let headline = headline(folder).unwrap_or_default();
     Ok(results_page(
         [&title, &headline],
         &pictures,
@@ -330,20 +330,16 @@ fn documents(folder: &Path, files: &[PathBuf], viewer: Option<&str>) -> Result<S
     ))
 }
 
-/// The result of a fit or a validation in a sentence; nothing of other folders.
-fn headline(folder: &Path) -> Result<Option<String>, Failure> {
-    let fit = folder.join("fit.json");
-    if fit.is_file() {
-        // A fit of friction over pressure has another form.
-        let fit = read_json::<LateralFitDocument>(&fit, LONGEST_TREE);
-        return Ok(fit.ok().map(|fit| fit.headline()));
+/// The result of a fit or a validation in a sentence; nothing of other folders, and of documents
+/// of another form.
+fn headline(folder: &Path) -> Option<String> {
+    fn read<T: DeserializeOwned>(folder: &Path, name: &str) -> Option<T> {
+        read_json(&folder.join(name), LONGEST_TREE).ok()
     }
-    let validation = folder.join("validation.json");
-    if validation.is_file() {
-        let validation: Validation = read_json(&validation, LONGEST_TREE)?;
-        return Ok(Some(validation.headline()));
-    }
-    Ok(None)
+    let fit: Option<LateralFitDocument> = read(folder, "fit.json");
+    let validation = || read::<Validation>(folder, "validation.json");
+    fit.map(|fit| fit.headline())
+        .or_else(|| validation().map(|validation| validation.headline()))
 }
 
 /// The replay in a `simulation.json`.

@@ -124,11 +124,11 @@ impl Judgement {
         let residuals: Vec<f64> = samples.iter().filter(near).map(residual).collect();
         let square = residuals.iter().fold(0.0, |sum, r| sum + r * r);
         let axes = surface.spline.axes.each_ref();
-        let far = |s: &&Sample| noise > 0.0 && residual(s).abs() > OUTLIER * noise;
-        let outliers: Vec<&Sample> = samples.iter().filter(far).collect();
+        let distances = samples.iter().map(|s| [s.at[0], residual(s).abs()]);
+        let far = |[_, distance]: &[f64; 2]| noise > 0.0 && *distance > OUTLIER * noise;
+        let outliers: Vec<[f64; 2]> = distances.filter(far).collect();
         let few = outliers.len() as f64 <= FEW * samples.len() as f64;
-        let distances = outliers.iter().map(|s| [s.at[0], residual(s).abs()]);
-        let farthest = distances.max_by(|a, b| a[1].total_cmp(&b[1]));
+        let farthest = outliers.iter().max_by(|a, b| a[1].total_cmp(&b[1]));
         let quality = FitQuality {
             residual_rms: (square / residuals.len().max(1) as f64).sqrt(),
             residual_max: residuals.iter().fold(0.0, |most, r| r.abs().max(most)),
@@ -136,7 +136,7 @@ impl Judgement {
             resolution_error: checks.iter().map(|c| c.error).fold(0.0, f64::max),
             intervals: axes.map(|axis| axis.breaks().len() - 1),
             outliers: if few { outliers.len() } else { 0 },
-            farthest: farthest.unwrap_or_default(),
+            farthest: farthest.copied().unwrap_or_default(),
         };
         // Noise leaves its standard error in the fit; what exceeds the stated noise is misfit.
         let unknowns = surface.spline.coefficients.len() as f64;

@@ -19,45 +19,48 @@ pub struct Expression {
 enum Node {
     Number(f64),
     Name(usize),
-    /// A function and its derivative.
-    Unary(fn(f64) -> f64, fn(f64) -> f64),
-    /// A function and its derivatives by both arguments.
-    Binary(fn(f64, f64) -> f64, fn(f64, f64) -> [f64; 2]),
+    Unary(Unary),
+    Binary(Binary),
 }
 
+/// A function and its derivative.
+type Unary = (fn(f64) -> f64, fn(f64) -> f64);
+/// A function and its derivatives by both arguments.
+type Binary = (fn(f64, f64) -> f64, fn(f64, f64) -> [f64; 2]);
+
 const FUNCTIONS: [(&str, Node); 12] = [
-    ("abs", Node::Unary(f64::abs, f64::signum)),
-    ("sqrt", Node::Unary(f64::sqrt, |a| 0.5 / a.sqrt())),
-    ("exp", Node::Unary(f64::exp, f64::exp)),
-    ("log", Node::Unary(f64::ln, f64::recip)),
-    ("sin", Node::Unary(f64::sin, f64::cos)),
-    ("cos", Node::Unary(f64::cos, |a| -a.sin())),
-    ("tan", Node::Unary(f64::tan, |a| 1.0 + a.tan().powi(2))),
-    ("atan", Node::Unary(f64::atan, |a| 1.0 / (1.0 + a * a))),
-    ("sign", Node::Unary(f64::signum, |_| 0.0)),
+    ("abs", Node::Unary((f64::abs, f64::signum))),
+    ("sqrt", Node::Unary((f64::sqrt, |a| 0.5 / a.sqrt()))),
+    ("exp", Node::Unary((f64::exp, f64::exp))),
+    ("log", Node::Unary((f64::ln, f64::recip))),
+    ("sin", Node::Unary((f64::sin, f64::cos))),
+    ("cos", Node::Unary((f64::cos, |a| -a.sin()))),
+    ("tan", Node::Unary((f64::tan, |a| 1.0 + a.tan().powi(2)))),
+    ("atan", Node::Unary((f64::atan, |a| 1.0 / (1.0 + a * a)))),
+    ("sign", Node::Unary((f64::signum, |_| 0.0))),
     (
         "step",
-        Node::Unary(|a| f64::from(u8::from(a > 0.0)), |_| 0.0),
+        Node::Unary((|a| f64::from(u8::from(a > 0.0)), |_| 0.0)),
     ),
-    ("min", Node::Binary(f64::min, |a, b| first_if(a <= b))),
-    ("max", Node::Binary(f64::max, |a, b| first_if(a >= b))),
+    ("min", Node::Binary((f64::min, |a, b| first_if(a <= b)))),
+    ("max", Node::Binary((f64::max, |a, b| first_if(a >= b)))),
 ];
 
-const NEGATE: Node = Node::Unary(|a| -a, |_| -1.0);
-const POWER: Node = Node::Binary(
+const NEGATE: Node = Node::Unary((|a| -a, |_| -1.0));
+const POWER: Node = Node::Binary((
     |a, b| if b == 2.0 { a * a } else { a.powf(b) },
     |a, b| [b * a.powf(b - 1.0), a.powf(b) * a.ln()],
-);
+));
 
 const SUMS: [(u8, Node); 2] = [
-    (b'+', Node::Binary(|a, b| a + b, |_, _| [1.0, 1.0])),
-    (b'-', Node::Binary(|a, b| a - b, |_, _| [1.0, -1.0])),
+    (b'+', Node::Binary((|a, b| a + b, |_, _| [1.0, 1.0]))),
+    (b'-', Node::Binary((|a, b| a - b, |_, _| [1.0, -1.0]))),
 ];
 const PRODUCTS: [(u8, Node); 2] = [
-    (b'*', Node::Binary(|a, b| a * b, |a, b| [b, a])),
+    (b'*', Node::Binary((|a, b| a * b, |a, b| [b, a]))),
     (
         b'/',
-        Node::Binary(|a, b| a / b, |a, b| [1.0 / b, -a / (b * b)]),
+        Node::Binary((|a, b| a / b, |a, b| [1.0 / b, -a / (b * b)])),
     ),
 ];
 
@@ -95,12 +98,12 @@ impl Expression {
     /// The formula's value, `value_of` giving that of a name by its place in [`Expression::names`];
     /// NaN for an unknown one.
     pub fn evaluate(&self, value_of: impl Fn(usize) -> f64) -> f64 {
-        // Nearly every formula fits the small stack, which costs no allocation a sample.
-        let mut small = [0.0; 16];
-        if self.deepest <= small.len() {
-            return self.run(&mut small, value_of);
-        }
-        self.run(&mut vec![0.0; self.deepest], value_of)
+        self.run(
+            |number| number,
+            value_of,
+            |(function, _), a| function(a),
+            |(function, _), a, b| function(a, b),
+        )
     }
 
     /// The formula's value and its derivative along a direction, `value_of` giving both of a name.
@@ -116,51 +119,46 @@ impl Expression {
     pub fn derivative(&self, value_of: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
         // A derivative that does not exist is no matter where nothing changes.
         let moved = |by: f64, change: f64| if change == 0.0 { 0.0 } else { by * change };
-        let mut small = [[0.0; 2]; 16];
-        let mut large = Vec::new();
+        self.run(
+            |number| [number, 0.0],
+            value_of,
+            |(function, derivative), [a, da]| [function(a), moved(derivative(a), da)],
+            |(function, derivatives), [a, da], [b, db]| {
+                let [by_a, by_b] = derivatives(a, b);
+                [function(a, b), moved(by_a, da) + moved(by_b, db)]
+            },
+        )
+    }
+
+    /// Runs the operations on numbers of any kind.
+    fn run<T: Copy + Default>(
+        &self,
+        number: impl Fn(f64) -> T,
+        value_of: impl Fn(usize) -> T,
+        unary: impl Fn(Unary, T) -> T,
+        binary: impl Fn(Binary, T, T) -> T,
+    ) -> T {
+        // Nearly every formula fits the small stack, which costs no allocation a sample.
+        let (mut small, mut large) = ([T::default(); 16], Vec::new());
         let stack = match self.deepest <= small.len() {
             true => &mut small[..],
             false => {
-                large.resize(self.deepest, [0.0; 2]);
+                large.resize(self.deepest, T::default());
                 &mut large
             }
         };
         let mut top = 0;
         for node in &self.nodes {
             let value = match *node {
-                Node::Number(value) => [value, 0.0],
+                Node::Number(value) => number(value),
                 Node::Name(index) => value_of(index),
-                Node::Unary(function, derivative) => {
+                Node::Unary(of) => {
                     top -= 1;
-                    let [a, da] = stack[top];
-                    [function(a), moved(derivative(a), da)]
+                    unary(of, stack[top])
                 }
-                Node::Binary(function, derivatives) => {
+                Node::Binary(of) => {
                     top -= 2;
-                    let ([a, da], [b, db]) = (stack[top], stack[top + 1]);
-                    let [by_a, by_b] = derivatives(a, b);
-                    [function(a, b), moved(by_a, da) + moved(by_b, db)]
-                }
-            };
-            stack[top] = value;
-            top += 1;
-        }
-        stack[0]
-    }
-
-    fn run(&self, stack: &mut [f64], value_of: impl Fn(usize) -> f64) -> f64 {
-        let mut top = 0;
-        for node in &self.nodes {
-            let value = match *node {
-                Node::Number(value) => value,
-                Node::Name(index) => value_of(index),
-                Node::Unary(function, _) => {
-                    top -= 1;
-                    function(stack[top])
-                }
-                Node::Binary(function, _) => {
-                    top -= 2;
-                    function(stack[top], stack[top + 1])
+                    binary(of, stack[top], stack[top + 1])
                 }
             };
             stack[top] = value;
@@ -214,8 +212,8 @@ impl Expression {
         for node in &parser.nodes {
             match node {
                 Node::Number(_) | Node::Name(_) => waiting += 1,
-                Node::Unary(..) => {}
-                Node::Binary(..) => waiting -= 1,
+                Node::Unary(_) => {}
+                Node::Binary(_) => waiting -= 1,
             }
             deepest = deepest.max(waiting);
         }
@@ -390,7 +388,7 @@ impl Parser<'_> {
             );
         };
         self.sum()?;
-        if let Node::Binary(..) = function {
+        if let Node::Binary(_) = function {
             self.close(b',', "`,` and a second argument")?;
             self.sum()?;
         }

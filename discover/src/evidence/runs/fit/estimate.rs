@@ -204,40 +204,31 @@ pub fn estimate(rows: &FittedRows, pairs: &[u64], trust: f64, settle: bool) -> F
     let errors = covariance.diagonal().map(|x| x.max(0.0).sqrt());
     let known = errors.rows(fitted.len(), settled.installation.fitted());
     let parts = settled.installation.found(known.as_slice()).into_iter();
-    let parts = parts.map(|(value, error)| Estimate {
+    let covariance = DMatrix::from_fn(fitted.len(), fitted.len(), |i, k| {
+        let doubt = match i == k {
+            true => trust * (moved[k] - fitted[k]),
+            false => 0.0,
+        };
+        covariance[(i, k)] * scales[i] * scales[k] + doubt * doubt
+    });
+    let values = if settle { moved } else { fitted };
+    let known = values.into_iter().enumerate();
+    let known = known.map(|(k, value)| (value, covariance[(k, k)].max(0.0).sqrt()));
+    let estimates = known.chain(parts).map(|(value, error)| Estimate {
         value,
         error,
         low: value - quantile * error,
         high: value + quantile * error,
     });
-    let estimates = (0..fitted.len())
-        .map(|k| {
-            let value = if settle { moved[k] } else { fitted[k] };
-            let error = (errors[k] * scales[k]).hypot(trust * (moved[k] - fitted[k]));
-            Estimate {
-                value,
-                error,
-                low: value - quantile * error,
-                high: value + quantile * error,
-            }
-        })
-        .chain(parts)
-        .collect();
+    let estimates = estimates.collect();
     let model = match settle {
         true => settled,
         false => residual_model.clone(),
     };
     FinalEstimates {
-        covariance: DMatrix::from_fn(fitted.len(), fitted.len(), |i, k| {
-            let doubt = if i == k {
-                trust * (moved[k] - fitted[k])
-            } else {
-                0.0
-            };
-            covariance[(i, k)] * scales[i] * scales[k] + doubt * doubt
-        }),
         estimates,
         model,
+        covariance,
     }
 }
 
