@@ -189,8 +189,6 @@ impl Evidence for Joint<'_> {
                     contact_evidence: sum.contact_evidence.or(one.contact_evidence),
                     by_channel: [sum.by_channel, one.by_channel].concat(),
                     repeats: sum.repeats + one.repeats,
-                    // Kinds without tolerances have no tolerated misfit.
-                    tolerated: sum.tolerated.min(one.tolerated),
                 },
             });
         }

@@ -18,8 +18,6 @@ pub struct Decrease {
     pub by_channel: Vec<(&'static str, [f64; 2])>,
     /// Repeatable part of the first model's sum of squares; 0 if unknown.
     pub repeats: f64,
-    /// Sum of squares of one standard deviation of each installation error; 0 without any.
-    pub tolerated: f64,
 }
 
 impl Decrease {
@@ -36,8 +34,16 @@ impl Decrease {
             contact_evidence: None,
             by_channel: Vec::new(),
             repeats,
-            tolerated: 0.0,
         })
+    }
+
+    /// The same with the decrease of the squared distance from the prior, which has no scatter.
+    pub fn with_prior(self, by: f64) -> Self {
+        Self {
+            by: self.by + by,
+            weighed: self.weighed.map(|[weighed, error]| [weighed + by, error]),
+            ..self
+        }
     }
 
     /// The same by channel; `learned` are the decreases on the training data, for the weights.
@@ -77,8 +83,8 @@ impl Decrease {
         }
     }
 
-    /// Whether the decrease is accepted: significant, a material share of the repeatable misfit,
-    /// and more than a trace of the tolerated one. If it is clearly significant in the weighted
+    /// Whether the decrease is accepted: significant, and a material share of the repeatable misfit.
+    /// If it is clearly significant in the weighted
     /// channels, the unweighted decrease may be within its scatter of 0. The evidence of contacts
     /// must exceed its bound under noise.
     pub fn is_accepted(&self, rules: &SearchRules) -> bool {
@@ -92,7 +98,6 @@ impl Decrease {
             && self.contact_evidence.is_none_or(exceeds)
             && by > 0.0
             && by >= rules.material * self.repeats
-            && by >= rules.trace * self.tolerated
     }
 
     /// The same for an effect selected in this channel, whose misfit may not rise significantly.
@@ -129,9 +134,6 @@ impl Decrease {
                 );
             }
             (None, None) => {}
-        }
-        if self.by < 1e-3 * self.tolerated {
-            text += &format!("; the tolerances explain up to {:.1}", self.tolerated);
         }
         let own = self.by_channel.iter().find(|(name, _)| *name == channel);
         if let Some((name, [by, error])) = own {
@@ -172,7 +174,6 @@ mod tests {
             contact_evidence: None,
             by_channel: Vec::new(),
             repeats,
-            tolerated: 0.0,
         };
         let of = |by, error, repeats| decrease(by, error, repeats).is_accepted(&rules);
         assert!(of(30.0, 5.0, 100.0));
@@ -200,11 +201,6 @@ mod tests {
                 accepted
             );
         }
-        let tolerated = |tolerated| Decrease {
-            tolerated,
-            ..decrease(6.0, 0.1, 100.0)
-        };
-        assert!(tolerated(1e4).is_accepted(&rules) && !tolerated(1e6).is_accepted(&rules));
     }
 
     /// A channel of a small, steady decrease with one that scatters widely about 0.

@@ -5,7 +5,7 @@ use crate::procedure::evidence::{Account, Evidence};
 use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::rules::SearchRules;
 
-/// Removes every step, and finally the whole model, that does not lower the held-out misfit.
+/// Removes steps until the weakest one, and the whole model, lower the held-out misfit.
 ///
 /// Steps are removed one at a time, the weakest first, each with a refit. The held-out data are
 /// used for no other decision. `base` and the result are models as they would be written.
@@ -18,51 +18,52 @@ pub fn verify<E: Evidence>(
 ) -> Result<E::Fit, Error> {
     let mut last = last;
     let mut tried = Vec::new();
-    let mut whole = match account.steps.is_empty() {
-        true => None,
-        false => evidence.misfit_decrease(base, &last)?,
-    };
-    let all = whole.clone();
-    while account.steps.len() > 1 {
-        let mut weakest: Option<(usize, Decrease, E::Fit)> = None;
+    let mut all: Option<Decrease> = None;
+    while !account.steps.is_empty() {
+        let Some(whole) = evidence.misfit_decrease(base, &last)? else {
+            break;
+        };
+        let all = all.get_or_insert_with(|| whole.clone());
+        let mut weakest: Option<((bool, f64), usize, Decrease, E::Fit)> = None;
         for step in 0..account.steps.len() {
-            let without = evidence.without(&last, step)?;
-            let Some(decrease) = evidence.misfit_decrease(&without, &last)? else {
+            // Without its only step a model is the base.
+            let (without, decrease) = match account.steps.len() {
+                1 => (base.clone(), Some(whole.clone())),
+                _ => {
+                    let without = evidence.without(&last, step)?;
+                    let decrease = evidence.misfit_decrease(&without, &last)?;
+                    (without, decrease)
+                }
+            };
+            let Some(decrease) = decrease else {
                 continue;
             };
             // In units of this model's residual: a large effect is far above the final noise.
-            let before = evidence
-                .misfit_decrease(&without, base)?
-                .map_or(0.0, |to| -to.by);
-            let decrease = match &all {
-                Some(all) => decrease.of_all(all, before),
-                None => decrease,
+            let before = match account.steps.len() {
+                1 => 0.0,
+                _ => evidence
+                    .misfit_decrease(&without, base)?
+                    .map_or(0.0, |to| -to.by),
             };
-            let weaker = weakest
-                .as_ref()
-                .is_none_or(|(_, w, _)| decrease.strength() < w.strength());
-            if !decrease.is_accepted_in(&account.steps[step].channel, rules) && weaker {
-                weakest = Some((step, decrease, without));
+            let decrease = decrease.of_all(all, before);
+            let is_accepted = decrease.is_accepted_in(&account.steps[step].channel, rules);
+            // Steps that are not accepted come first.
+            let rank = (is_accepted, decrease.strength());
+            if weakest.as_ref().is_none_or(|(least, ..)| rank < *least) {
+                weakest = Some((rank, step, decrease, without));
             }
         }
-        let Some((step, decrease, without)) = weakest else {
+        let Some(((is_accepted, _), step, decrease, without)) = weakest else {
             break;
         };
+        if is_accepted && (account.steps.len() == 1 || whole.is_accepted(rules)) {
+            break;
+        }
         tried.push(remove(account, step, &decrease));
-        last = evidence.settle(without, account)?;
-        whole = evidence.misfit_decrease(base, &last)?;
-    }
-    if !account.steps.is_empty()
-        && let Some(decrease) = whole
-        && !match &account.steps[..] {
-            [one] => decrease.is_accepted_in(&one.channel, rules),
-            _ => decrease.is_accepted(rules),
-        }
-    {
-        while !account.steps.is_empty() {
-            tried.push(remove(account, 0, &decrease));
-        }
-        last = base.clone();
+        last = match account.steps.is_empty() {
+            true => base.clone(),
+            false => evidence.settle(without, account)?,
+        };
     }
     match account.steps.is_empty() && !tried.is_empty() {
         true => account.set_unexplained(tried),

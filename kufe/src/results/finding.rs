@@ -532,6 +532,8 @@ pub struct Strip {
     pub places: Vec<Place>,
     /// The runs.
     pub runs: Vec<StripRun>,
+    /// Model discrepancy of each stretch, common to all runs, after; empty without one.
+    pub discrepancy: Vec<f64>,
 }
 
 /// A measured map and the simulated ones on its pixels, row by row from the lower left.

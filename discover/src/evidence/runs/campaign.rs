@@ -1,5 +1,7 @@
 //! Recorded runs, a part of them held out, and the model that they are compared with.
 
+use std::sync::OnceLock;
+
 use kufe_sled::Model;
 
 use crate::error::Error;
@@ -68,6 +70,8 @@ pub struct UnwrittenEffect {
 #[derive(Clone)]
 pub struct RunFit {
     pub residual_model: ResidualModel,
+    /// The same with the installation errors of the held-out runs, once it is compared on them.
+    pub held_out: OnceLock<ResidualModel>,
     pub whitener: Whitener,
     /// The step of each added effect.
     pub owners: Vec<usize>,
@@ -75,10 +79,10 @@ pub struct RunFit {
     pub unwritten: Option<UnwrittenEffect>,
     /// Final corrected estimates: base multipliers, amplitudes, installation errors.
     pub estimates: Vec<Estimate>,
-    /// The model that is compared on the held-out runs as recorded.
+    /// The model of the final estimates.
     pub settled: ResidualModel,
-    /// The model of the sled itself, without installation errors, where these are estimated.
-    pub written: Option<ResidualModel>,
+    /// For each session its training runs and the model of the final estimates without it.
+    pub left_out: Vec<(Vec<usize>, ResidualModel)>,
 }
 
 impl RunFit {
@@ -87,11 +91,12 @@ impl RunFit {
         Self {
             settled: residual_model.clone(),
             residual_model,
+            held_out: OnceLock::new(),
             whitener,
             owners,
             unwritten: None,
             estimates: Vec::new(),
-            written: None,
+            left_out: Vec::new(),
         }
     }
 

@@ -253,12 +253,13 @@ impl Evidence for Campaign<'_> {
         last: &RunFit,
         account: &mut Account,
     ) -> Result<HeldOutResults, Error> {
-        let simulator = self.simulator(&last.settled);
+        let in_these = |model| self.installed_in(model, &last.whitener, &self.held_out);
+        let [given, settled] = [&self.given_as_in(last), &last.settled].map(in_these);
         let channels = channels(
-            &self.given,
-            &last.settled,
+            &given,
+            &settled,
             &self.held_out,
-            &simulator,
+            &self.simulator(&last.settled),
             self.used,
             self.rules().track_bin_m,
         );
@@ -325,8 +326,9 @@ impl Evidence for Campaign<'_> {
             true => "one run, in segments",
             false => "runs",
         };
+        let given = self.installed_in(&self.given_as_in(last), &last.whitener, self.whole());
         let training = channels(
-            &self.given,
+            &given,
             &last.settled,
             self.whole(),
             &simulator,

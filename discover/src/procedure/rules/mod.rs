@@ -61,8 +61,6 @@ pub struct SearchRules {
     /// growth of a root mean square on them against the model as given. Chosen: no driver notices
     /// less.
     pub material: f64,
-    /// Smallest share of the tolerated misfit that a step must close. Chosen: a hundredth in size.
-    pub trace: f64,
     /// Standard errors of their difference within which sizes of several kinds of data, or of track
     /// channel and forces, agree, and by which a size must differ from 0 in pressure maps. Derived:
     /// three.
@@ -84,7 +82,6 @@ impl Default for SearchRules {
             adequate: 0.1,
             plausible: 3.0,
             material: 0.05,
-            trace: 1e-4,
             agree: 3.0,
             nine_in_ten: 1.28,
             interval: 1.96,

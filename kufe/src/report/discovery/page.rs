@@ -192,6 +192,7 @@ mod tests {
             unit: "N".to_owned(),
             from_m: 0.0,
             step_m: 100.0,
+            discrepancy: Vec::new(),
             runs: vec![StripRun {
                 run: "A1<".to_owned(),
                 session: "1".to_owned(),

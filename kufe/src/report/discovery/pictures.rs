@@ -149,6 +149,9 @@ fn strip(plot: &Strip, after: bool) -> Panel {
     };
     let means = line((0..count).map(mean).collect(), 1.8, INK);
     layers.push(named(means, "mean of all runs"));
+    if after {
+        layers.push(line(plot.discrepancy.clone(), 2.4, AFTER).named("model discrepancy"));
+    }
     let (x, title) = if after {
         ("distance along the track [m]", "after")
     } else {
@@ -404,6 +407,7 @@ mod tests {
             step_m: 10.0,
             places,
             runs,
+            discrepancy: Vec::new(),
         };
         picture(&Plot::Strip(plot), false)
     }

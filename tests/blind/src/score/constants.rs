@@ -51,7 +51,6 @@ const RUN_KEYS: [&str; 45] = [
     "search.beyond_scatter",
     "search.clear",
     "search.material",
-    "search.trace",
     "runs.alpha",
     "runs.alpha_levels",
     "runs.alpha_column",

@@ -61,6 +61,8 @@ pub struct FinalEstimates {
     pub model: ResidualModel,
     /// Covariance of base parameters and amplitudes, in their own units.
     pub covariance: DMatrix<f64>,
+    /// For each session its runs and the change of these parameters if it is left out.
+    pub left_out: Vec<(Vec<usize>, DVector<f64>)>,
 }
 
 impl FinalEstimates {
@@ -72,11 +74,14 @@ impl FinalEstimates {
     /// ```text
     /// K = V_B inv(V_BB + sd^2)      x' = x - K (x_B - 1)      V' = V - K V_B'
     /// ```
+    ///
+    /// A change d of the estimates becomes `d - K d_B`.
     pub fn given_base(self, free: &[usize], sd: f64) -> Self {
         let Self {
             mut estimates,
             mut model,
             covariance,
+            mut left_out,
         } = self;
         let (known, count) = (free.len(), covariance.nrows());
         let columns = covariance.columns(0, known).into_owned();
@@ -86,12 +91,16 @@ impl FinalEstimates {
                 estimates,
                 model,
                 covariance,
+                left_out,
             };
         };
         let gain = columns.clone() * inverse;
         let off = DVector::from_fn(known, |k, _| estimates[k].value - 1.0);
         let shift = &gain * off;
         let covariance = &covariance - &gain * columns.transpose();
+        for (_, change) in &mut left_out {
+            *change -= &gain * change.rows(0, known);
+        }
         for (k, estimate) in estimates.iter_mut().take(count).enumerate() {
             let error = covariance[(k, k)].max(0.0).sqrt();
             *estimate = estimate.moved(-shift[k]).with_error(error);
@@ -101,12 +110,14 @@ impl FinalEstimates {
         }
         let amplitudes = model.free();
         for ((e, q), estimate) in amplitudes.into_iter().zip(&estimates[known..count]) {
-            model.effects.active[e].values[q] = estimate.value;
+            let [low, high] = model.bounds(e, q);
+            model.effects.active[e].values[q] = estimate.value.clamp(low, high);
         }
         Self {
             estimates,
             model,
             covariance,
+            left_out,
         }
     }
 }
@@ -143,7 +154,9 @@ pub fn estimate(rows: &FittedRows, pairs: &[u64], trust: f64, settle: bool) -> F
     } = *rows;
     let mut settled = residual_model.clone();
     let (clusters, rounds) = (clusters(frames), pairs.len());
+    let sessions = sessions(frames);
     let mut covariance = DMatrix::zeros(0, 0);
+    let mut left_out = Vec::new();
     let mut drawn = FIRST_ROUND;
     for (round, pairs) in pairs.iter().copied().enumerate() {
         let design = Design {
@@ -171,6 +184,13 @@ pub fn estimate(rows: &FittedRows, pairs: &[u64], trust: f64, settle: bool) -> F
         let solved = solve(&runs, &prior);
         if round + 1 == rounds {
             covariance = sandwich(&runs, &clusters, &prior, &solved);
+            let change = |session: Vec<usize>| {
+                let change = &solved.1 * score_without(&runs, &session, &solved);
+                (session, -change)
+            };
+            if sessions.len() > 1 {
+                left_out = sessions.iter().cloned().map(change).collect();
+            }
         }
         settled = stepped(&settled, free, solved.0.as_slice(), 1.0);
     }
@@ -211,6 +231,9 @@ pub fn estimate(rows: &FittedRows, pairs: &[u64], trust: f64, settle: bool) -> F
         };
         covariance[(i, k)] * scales[i] * scales[k] + doubt * doubt
     });
+    for (_, change) in &mut left_out {
+        *change = DVector::from_fn(scales.len(), |k, _| scales[k] * change[k]);
+    }
     let values = if settle { moved } else { fitted };
     let known = values.into_iter().enumerate();
     let known = known.map(|(k, value)| (value, covariance[(k, k)].max(0.0).sqrt()));
@@ -229,6 +252,7 @@ pub fn estimate(rows: &FittedRows, pairs: &[u64], trust: f64, settle: bool) -> F
         estimates,
         model,
         covariance,
+        left_out,
     }
 }
 
@@ -244,23 +268,34 @@ pub fn solve(grams: &[DMatrix<f64>], prior: &Prior) -> (DVector<f64>, DMatrix<f6
     (step, inverse)
 }
 
+/// Score of a cluster of runs at the fit without it. With u its score and C its products,
+/// `inv(1 - C inv(C_JJ)) u`.
+fn score_without(
+    grams: &[DMatrix<f64>],
+    cluster: &[usize],
+    (step, inverse): &(DVector<f64>, DMatrix<f64>),
+) -> DVector<f64> {
+    let p = step.len();
+    let mut gram = DMatrix::zeros(p + 1, p + 1);
+    cluster.iter().for_each(|i| gram += &grams[*i]);
+    let own = gram.view((0, 0), (p, p));
+    let score = gram.view((0, p), (p, 1)).column(0) - own * step;
+    // A cluster without which the fit is singular has no score of its own.
+    let without = DMatrix::identity(p, p) - own * inverse;
+    without.lu().solve(&score).unwrap_or(score)
+}
+
 /// Sandwich covariance of a step over clusters of runs, with the prior's remaining covariance.
 fn sandwich(
     grams: &[DMatrix<f64>],
     clusters: &[Vec<usize>],
     prior: &Prior,
-    (step, inverse): &(DVector<f64>, DMatrix<f64>),
+    solved: &(DVector<f64>, DMatrix<f64>),
 ) -> DMatrix<f64> {
-    let p = prior.count();
+    let (p, inverse) = (prior.count(), &solved.1);
     let mut meat = DMatrix::zeros(p, p);
     for cluster in clusters {
-        let mut gram = DMatrix::zeros(p + 1, p + 1);
-        cluster.iter().for_each(|i| gram += &grams[*i]);
-        let own = gram.view((0, 0), (p, p));
-        let score = gram.view((0, p), (p, 1)) - own * step;
-        // A cluster without which the fit is singular has no score of its own.
-        let without = DMatrix::identity(p, p) - own * inverse;
-        let score = without.lu().solve(&score).unwrap_or(score);
+        let score = score_without(grams, cluster, solved);
         meat += &score * score.transpose();
     }
     let n = clusters.len() as f64;
@@ -268,13 +303,19 @@ fn sandwich(
     inverse * (meat * ((n - 1.0) / n) + random) * inverse
 }
 
+/// The runs of each session.
+fn sessions(frames: &[Frame]) -> Vec<Vec<usize>> {
+    let sessions = members(frames.iter().map(|frame| frame.session.as_str()));
+    sessions.into_values().collect()
+}
+
 /// Clusters of runs with independent errors: sessions, if there are enough of them.
 fn clusters(frames: &[Frame]) -> Vec<Vec<usize>> {
     /// Fewest sessions. Derived: errors with fewer than four degrees of freedom are too uncertain.
     const FEWEST: usize = 5;
-    let sessions = members(frames.iter().map(|frame| frame.session.as_str()));
+    let sessions = sessions(frames);
     match sessions.len() >= FEWEST {
-        true => sessions.into_values().collect(),
+        true => sessions,
         false => (0..frames.len()).map(|i| vec![i]).collect(),
     }
 }
@@ -316,6 +357,7 @@ mod tests {
             estimates: vec![estimate(2.0, 0.5), estimate(0.4, 0.3)],
             model: ResidualModel::new(vehicle, [1.0; BASE], Effects::default()),
             covariance: covariance.clone(),
+            left_out: vec![(vec![0], DVector::from_column_slice(&[0.2, 0.3]))],
         };
         let sd = 0.5;
         let given = found.given_base(&[0], sd);
@@ -324,7 +366,10 @@ mod tests {
         let prior = DMatrix::from_diagonal(&DVector::from_column_slice(&[1.0 / (sd * sd), 0.0]));
         let posterior = (&precision + &prior).try_inverse().unwrap();
         let at = DVector::from_column_slice(&[2.0, 0.4]);
-        let mean = &posterior * (&precision * at + prior * DVector::from_element(2, 1.0));
+        let mean = &posterior * (&precision * at + &prior * DVector::from_element(2, 1.0));
+        let moved = DVector::from_column_slice(&[2.2, 0.7]);
+        let moved = &posterior * (&precision * moved + prior * DVector::from_element(2, 1.0));
+        assert!((&given.left_out[0].1 - (moved - &mean)).amax() < 1e-12);
         for k in 0..2 {
             assert!((given.estimates[k].value - mean[k]).abs() < 1e-12);
             assert!((given.estimates[k].error - posterior[(k, k)].sqrt()).abs() < 1e-12);

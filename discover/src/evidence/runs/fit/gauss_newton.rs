@@ -185,14 +185,8 @@ pub fn stepped(
     }
     for (k, (e, q)) in residual_model.free().into_iter().enumerate() {
         let scale = residual_model.scale(e, q);
+        let [low, high] = residual_model.bounds(e, q);
         let active = &mut trial.effects.active[e];
-        let (low, high) = match &active.kind {
-            kufe_sled::effects::Kind::Catalogue(kind) => {
-                let p = &kind.info().parameters[q];
-                (p.low, p.high)
-            }
-            kufe_sled::effects::Kind::Custom(custom) => (custom.low, custom.high),
-        };
         let value = active.values[q] + share * scale * step[free_base.len() + k];
         // An amplitude of exactly 0 would count as switched off.
         active.values[q] = if value == 0.0 {

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, INSTALLATION_PAIRS, RunFit};
+use crate::evidence::runs::contacts::own::without_contacts;
 use crate::evidence::runs::fit::estimate::{FIRST_ROUND, solve};
 use crate::evidence::runs::fit::gauss_newton::{residuals, stepped};
 use crate::evidence::runs::fit::noise_products::mean_noise_products;
@@ -64,7 +65,7 @@ impl Campaign<'_> {
     /// combinations of which one standard deviation changes a statistic by its own or more.
     pub fn installed(&self, fit: &RunFit) -> Result<RunFit, Error> {
         const LEAST: f64 = 1.0;
-        let mut stated = self.stated_installation();
+        let mut stated = self.stated_installation(&self.training);
         if stated.fitted() == 0 {
             return Ok(fit.clone());
         }
@@ -116,10 +117,54 @@ impl Campaign<'_> {
         self.with_installation(plain, &stepped(&start, &self.free, step.as_slice(), 1.0))
     }
 
-    /// Installation errors that the tolerances allow in the training runs.
-    pub fn stated_installation(&self) -> Installation {
-        let sessions = self.training.iter().map(|frame| frame.session.as_str());
+    /// Installation errors that the tolerances allow in these runs.
+    fn stated_installation(&self, frames: &[Frame]) -> Installation {
+        let sessions = frames.iter().map(|frame| frame.session.as_str());
         Installation::new(&self.model.tolerances.unwrap_or_default(), sessions)
+    }
+
+    /// The model with the installation errors and the discrepancy of these runs.
+    ///
+    /// Both have their priors; base and effects are given. Installation errors of other runs are
+    /// not used, since sensors are mounted anew.
+    pub fn installed_in(
+        &self,
+        model: &ResidualModel,
+        whitener: &Whitener,
+        frames: &[Frame],
+    ) -> ResidualModel {
+        /// Newton steps: delays are not linear.
+        const STEPS: u64 = 2;
+        let frames: Vec<Frame> = frames.iter().map(without_contacts).collect();
+        let mut stated = self.stated_installation(&frames);
+        if frames.is_empty() || stated.fitted() == 0 {
+            return model.clone();
+        }
+        if let Some(information) = self.track_information(model, &stated) {
+            stated = stated.informed(information);
+        }
+        let effects = model.effects.active.iter();
+        let mut given = ResidualModel {
+            installation: stated,
+            discrepancy: model.discrepancy.with_fixed(false).at_zero(),
+            frozen: effects.map(|effect| effect.name.clone()).collect(),
+            ..model.clone()
+        };
+        for _ in 0..STEPS {
+            let design = Design {
+                free_base: &[],
+                ..self.fit_design(&given, whitener)
+            };
+            let products = design.products(&frames);
+            let noise = self.noise_of(&design, &frames);
+            let runs: Vec<DMatrix<f64>> = corrected_runs(&design, &products, noise);
+            let step = solve(&runs, &design.prior()).0;
+            given = stepped(&given, &[], step.as_slice(), 1.0);
+        }
+        ResidualModel {
+            frozen: model.frozen.clone(),
+            ..given.with_fixed(true)
+        }
     }
 
     /// Products for a fit whose installation errors the forces do not determine.
@@ -127,12 +172,7 @@ impl Campaign<'_> {
         let model = plain.residual_model.with_fixed(false);
         let design = self.fit_design(&model, &plain.whitener);
         let products = design.products(&self.training);
-        let noise = self.noise_of(&design);
-        let n = design.fitted() + 1;
-        let corrected = |(x, d): (&Products, DMatrix<f64>)| {
-            let c = &x.full - d;
-            c.view((OWN_LEVELS, OWN_LEVELS), (n, n)).into_owned()
-        };
+        let noise = self.noise_of(&design, &self.training);
         let mut free_products = products_given_base(&design, &products);
         let total = corrected_total(&products, &noise);
         for (_, part) in named(&total, self.free.len(), free_products.ncols()) {
@@ -140,7 +180,7 @@ impl Campaign<'_> {
             free_products.column_mut(part).fill(0.0);
         }
         PartProducts {
-            by_run: products.iter().zip(noise).map(corrected).collect(),
+            by_run: corrected_runs(&design, &products, noise),
             free_products,
         }
     }
@@ -170,7 +210,7 @@ impl Campaign<'_> {
         let cross = whole.view((OWN_LEVELS, OWN_LEVELS + known), (known, count));
         let mut moved = ridge_inverse(own.into_owned()) * cross;
         if known > self.free.len() {
-            let total = corrected_total(&products, &self.noise_of(&design));
+            let total = corrected_total(&products, &self.noise_of(&design, &self.training));
             for (amplitude, part) in named(&total, self.free.len(), count) {
                 moved[(amplitude, part)] = 0.0;
             }
@@ -184,24 +224,11 @@ impl Campaign<'_> {
         &moved * open * moved.transpose()
     }
 
-    /// Products of one standard deviation of every installation error in these runs, given the
-    /// base.
-    pub fn installation_given_base(
-        &self,
-        model: &ResidualModel,
-        whitener: &Whitener,
-        frames: &[Frame],
-    ) -> DMatrix<f64> {
-        let model = model.without_discrepancy();
-        let design = self.fit_design(&model, whitener);
-        products_given_base(&design, &design.products(frames))
-    }
-
     /// Bias of the products of a design's columns by noisy inputs, by run.
-    fn noise_of(&self, design: &Design) -> Vec<DMatrix<f64>> {
+    fn noise_of(&self, design: &Design, frames: &[Frame]) -> Vec<DMatrix<f64>> {
         mean_noise_products(
             design,
-            &self.training,
+            frames,
             &self.simulator(design.residual_model),
             FIRST_ROUND..FIRST_ROUND + INSTALLATION_PAIRS,
         )
@@ -222,6 +249,20 @@ impl Campaign<'_> {
             windows: &[],
         }
     }
+}
+
+/// Corrected products of the fitted columns and the residual, by run.
+fn corrected_runs(
+    design: &Design,
+    products: &[Products],
+    noise: Vec<DMatrix<f64>>,
+) -> Vec<DMatrix<f64>> {
+    let n = design.fitted() + 1;
+    let corrected = |(x, d): (&Products, DMatrix<f64>)| {
+        let c = &x.full - d;
+        c.view((OWN_LEVELS, OWN_LEVELS), (n, n)).into_owned()
+    };
+    products.iter().zip(noise).map(corrected).collect()
 }
 
 /// Products of installation errors after projection on the complement of the base.

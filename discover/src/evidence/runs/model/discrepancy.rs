@@ -109,7 +109,8 @@ impl Discrepancy {
         }
     }
 
-    fn at_zero(self) -> Self {
+    /// The same with coefficients of 0.
+    pub fn at_zero(self) -> Self {
         let splines: usize = self.spans.iter().map(|span| span.splines).sum();
         Self {
             sizes: vec![0.0; splines * self.balances().count()],
@@ -142,21 +143,42 @@ impl Discrepancy {
         Some((before * balances, &self.spans[at]))
     }
 
-    /// The first spline at each row of a run, and the values of it and the next three.
+    /// The first spline at a place, and the values of it and the next three.
+    fn spline(&self, span: &Span, s: f64) -> (usize, [f64; 4]) {
+        let u = ((s - span.from_m) / self.knots_m).clamp(0.0, (span.splines - 3) as f64);
+        let first = (u as usize).min(span.splines - 4);
+        let t = u - first as f64;
+        let values = [
+            (1.0 - t).powi(3),
+            3.0 * t.powi(3) - 6.0 * t * t + 4.0,
+            -3.0 * t.powi(3) + 3.0 * t * t + 3.0 * t + 1.0,
+            t.powi(3),
+        ];
+        (first, values.map(|value| value / 6.0))
+    }
+
+    /// The same at each row of a run.
     fn splines(&self, frame: &Frame, span: &Span) -> Vec<(usize, [f64; 4])> {
-        let at = |s: &f64| {
-            let u = ((s - span.from_m) / self.knots_m).clamp(0.0, (span.splines - 3) as f64);
-            let first = (u as usize).min(span.splines - 4);
-            let t = u - first as f64;
-            let values = [
-                (1.0 - t).powi(3),
-                3.0 * t.powi(3) - 6.0 * t * t + 4.0,
-                -3.0 * t.powi(3) + 3.0 * t * t + 3.0 * t + 1.0,
-                t.powi(3),
-            ];
-            (first, values.map(|value| value / 6.0))
+        let places = frame.rows(&frame.s);
+        places.iter().map(|s| self.spline(span, *s)).collect()
+    }
+
+    /// The discrepancy of a balance at these places of a track, in its unit; `None` if it has none.
+    pub fn along(
+        &self,
+        track: &str,
+        balance: usize,
+        places: impl Iterator<Item = f64>,
+    ) -> Option<Vec<f64>> {
+        let (first, span) = self.of_track(track)?;
+        let number = self.balances().position(|c| c == balance)?;
+        let own = &self.sizes[first + number * span.splines..][..span.splines];
+        let value = |s: f64| {
+            let (spline, values) = self.spline(span, s);
+            let both = own[spline..].iter().zip(values);
+            self.sd[balance] * both.map(|(size, value)| size * value).sum::<f64>()
         };
-        frame.rows(&frame.s).iter().map(at).collect()
+        Some(places.map(value).collect())
     }
 
     /// The whitened columns of a run, balances stacked, and the first one's index among all.
@@ -248,15 +270,11 @@ impl Discrepancy {
 
     /// Subtracts the discrepancy from a run's rows.
     pub fn subtract(&self, frame: &Frame, rows: &mut [Vec<f64>]) {
-        let Some((first, span)) = self.of_track(&frame.track).filter(|_| self.count() > 0) else {
-            return;
-        };
-        let splines = self.splines(frame, span);
-        for (b, c) in self.balances().enumerate() {
-            let own = &self.sizes[first + b * span.splines..][..span.splines];
-            for (row, (spline, values)) in rows[c].iter_mut().zip(&splines) {
-                let both = own[*spline..].iter().zip(values);
-                *row -= self.sd[c] * both.map(|(size, value)| size * value).sum::<f64>();
+        let places = frame.rows(&frame.s);
+        for c in self.balances() {
+            let along = self.along(&frame.track, c, places.iter().copied());
+            for (row, value) in rows[c].iter_mut().zip(along.into_iter().flatten()) {
+                *row -= value;
             }
         }
     }

@@ -138,6 +138,17 @@ impl ResidualModel {
         }
     }
 
+    /// The range in which a model file may state an active amplitude.
+    pub fn bounds(&self, effect: usize, parameter: usize) -> [f64; 2] {
+        match &self.effects.active[effect].kind {
+            Kind::Catalogue(kind) => {
+                let of = &kind.info().parameters[parameter];
+                [of.low, of.high]
+            }
+            Kind::Custom(custom) => [custom.low, custom.high],
+        }
+    }
+
     /// The amplitudes that are fitted: index of the effect, index of the parameter.
     pub fn free(&self) -> Vec<(usize, usize)> {
         let mut free = Vec::new();

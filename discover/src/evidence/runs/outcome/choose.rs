@@ -1,16 +1,18 @@
-//! Choice of the model that is written, by comparison with the given model on the held-out runs.
+//! Choice of the model that is written, by comparison with the given model on other runs than those
+//! it was fitted to.
 //!
-//! Every model is read back from its text. Two comparisons are made on runs that the search has not
-//! used:
+//! Every model is read back from its text. Two comparisons are made:
 //!
-//! - the misfit of each channel of the balances, in pieces of a run;
+//! - the misfit of each channel of the balances on the held-out runs, in pieces of a run, with the
+//!   installation errors of these runs;
 //! - the replay: a simulation from each run's start with its steering, and the differences of time,
-//!   speed and yaw rate over distance.
+//!   speed and yaw rate over distance. Training runs are replayed with the estimates without their
+//!   session (the jackknife).
 //!
-//! A quantity is worse if its mean square grows by more than its scatter over the pieces or runs,
-//! by more than a stated share, and for a replay by more than the variance of the sensor's noise.
-//! The first model without a worse quantity is written, of: base and effects, the refitted base,
-//! the model as given.
+//! A quantity is worse if its mean square grows by more than its scatter over the pieces or
+//! sessions, by more than a stated share, and for a replay by more than the variance of the
+//! sensor's noise. The first model without a worse quantity is written, of: base and effects, the
+//! refitted base if its replays are better, the model as given.
 
 use kufe_sled::{
     Inputs, Model, SimulateOptions, Track, TrackShape, Vehicle, refuse_effects, replay,
@@ -26,6 +28,7 @@ use crate::evidence::runs::outcome::misfit_decrease::with_whole_side;
 use crate::evidence::runs::outcome::next_model::next_model;
 use crate::evidence::runs::screen::track::bins::rates;
 use crate::finding::{Baseline, Fitted, ModelKind, Withheld};
+use crate::null::clusters::members;
 use crate::procedure::evidence::{Account, Choice};
 use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::rules::SearchRules;
@@ -63,11 +66,12 @@ impl Squares {
     }
 }
 
-/// Comparison quantities of a model on the held-out runs.
+/// Comparison quantities of a model.
 struct Performance {
     channels: Vec<Squares>,
+    /// Those of the replays, one piece per session.
     replays: Vec<Squares>,
-    /// Indices of the replayed runs among the held-out ones.
+    /// Indices of the replayed runs.
     replayed: Vec<usize>,
 }
 
@@ -135,7 +139,7 @@ impl Campaign<'_> {
             Ok(performance) => performance,
             Err(reason) => {
                 account.remarks.push(format!(
-                    "the model as given cannot be compared on the held-out runs: {reason}"
+                    "the model as given cannot be compared on other runs: {reason}"
                 ));
                 Performance {
                     channels: Vec::new(),
@@ -154,29 +158,16 @@ impl Campaign<'_> {
         let mut withheld = Vec::new();
         let mut chosen = None;
         for (kind, fit) in candidates {
-            // As recorded, and the sled itself: of those that are no worse the one that simulates better.
-            let models = [Some(fit.settled.clone()), fit.written.clone()];
-            let tried = models.into_iter().flatten().map(|model| {
-                let fit = self.stating(&fit, model);
-                let performance = self.performance(&fit, Some(&given.replayed));
-                let reasons = match &performance {
-                    Ok(performance) => performance.worse_than(&given, rules),
-                    Err(reason) => vec![reason.clone()],
-                };
-                (fit, performance, reasons)
-            });
-            let misfit = |(_, performance, reasons): &(_, Result<Performance, _>, Vec<_>)| {
-                let misfit = performance
-                    .as_ref()
-                    .map_or(f64::INFINITY, Performance::misfit);
-                (!reasons.is_empty(), misfit)
-            };
-            let best = tried.min_by(|a, b| {
-                let ((a, of_a), (b, of_b)) = (misfit(a), misfit(b));
-                a.cmp(&b).then(of_a.total_cmp(&of_b))
-            });
-            let Some((fit, performance, reasons)) = best else {
-                continue;
+            let performance = self.performance(&fit, Some(&given.replayed));
+            let reasons = match &performance {
+                Ok(performance) => {
+                    let mut reasons = performance.worse_than(&given, rules);
+                    if kind == ModelKind::Refitted && performance.misfit() > given.misfit() {
+                        reasons.push("other runs are not replayed better".to_owned());
+                    }
+                    reasons
+                }
+                Err(reason) => vec![reason.clone()],
             };
             let is_able = reasons.is_empty();
             if !is_able && chosen.is_none() {
@@ -206,7 +197,7 @@ impl Campaign<'_> {
             && let Some(of_base) = withheld.iter().find(|w| w.model == ModelKind::Refitted)
         {
             account.remarks.push(format!(
-                "a refit of friction and grip is worse on the held-out runs ({}): model.next.toml is the model as given",
+                "a refit of friction and grip is not better ({}): model.next.toml is the model as given",
                 of_base.reason
             ));
         }
@@ -247,50 +238,68 @@ impl Campaign<'_> {
         self.free.iter().zip(base).filter_map(far).collect()
     }
 
-    /// The model as given, with the estimates of a refit stated for it.
-    fn as_given(&self, refitted: &RunFit) -> RunFit {
-        let model = ResidualModel {
-            contacts: refitted.settled.contacts.clone(),
+    /// The model as given, with the discrepancy, the model error and the contacts of a fit.
+    pub fn given_as_in(&self, fit: &RunFit) -> ResidualModel {
+        ResidualModel {
+            contacts: fit.settled.contacts.clone(),
+            discrepancy: fit.settled.discrepancy.clone(),
+            model_error: fit.settled.model_error,
             ..self.given.clone()
-        };
-        self.stating(refitted, model)
+        }
     }
 
-    /// A fit with another model to write, and its estimates stated for that model's base.
-    fn stating(&self, fit: &RunFit, model: ResidualModel) -> RunFit {
-        let mut estimates = fit.estimates.clone();
+    /// The model as given, with the estimates of a refit stated for it.
+    fn as_given(&self, refitted: &RunFit) -> RunFit {
+        let model = self.given_as_in(refitted);
+        let settled = self.installed_in(&model, &refitted.whitener, &self.training);
+        let mut estimates = refitted.estimates.clone();
         for (b, estimate) in self.free.iter().zip(&mut estimates) {
-            *estimate = estimate.stated_as(model.base[*b]);
+            *estimate = estimate.stated_as(settled.base[*b]);
         }
         RunFit {
             estimates,
-            settled: model,
-            written: None,
-            ..fit.clone()
+            settled,
+            left_out: Vec::new(),
+            ..refitted.clone()
         }
     }
 
-    /// Comparison quantities of a fit's model on the held-out runs, read back from its file's text.
+    /// Comparison quantities of a fit's model.
     ///
     /// Replays the stated `runs`, or all that are possible.
     fn performance(&self, fit: &RunFit, runs: Option<&[usize]>) -> Result<Performance, String> {
-        let text = next_model(self.model, &fit.settled, fit.already()).to_toml();
-        let vehicle = self.read_back(&text)?;
-        let (replayed, replays) = self.replay_squares(&vehicle, runs)?;
+        let read = |model: &ResidualModel| self.read_back(model, fit.already());
+        let mut vehicles = vec![read(&fit.settled)?];
+        // The vehicle that each run is replayed with.
+        let mut with = vec![0; self.data.runs.len()];
+        for (session, model) in &fit.left_out {
+            for run in session {
+                with[self.data.locked.training[*run]] = vehicles.len();
+            }
+            vehicles.push(read(model)?);
+        }
+        // A contact that varies from run to run is not part of a replay.
+        for vehicle in &mut vehicles {
+            vehicle.effects.active.retain(|effect| !effect.varies());
+        }
+        let vehicle_of = |run: usize| &vehicles[with[run]];
+        let (replayed, replays) = self.replay_squares(vehicle_of, runs)?;
+        let held_out = self.installed_in(&fit.settled, &fit.whitener, &self.held_out);
         Ok(Performance {
-            channels: self.channel_squares(&fit.settled),
+            channels: self.channel_squares(&held_out),
             replays,
             replayed,
         })
     }
 
-    /// The vehicle of a model's text, by the readers of the simulation commands.
-    fn read_back(&self, text: &str) -> Result<Vehicle, String> {
+    /// The vehicle of a model, read back from its text by the readers of the simulation commands.
+    fn read_back(&self, model: &ResidualModel, already: usize) -> Result<Vehicle, String> {
+        let text = next_model(self.model, model, already).to_toml();
         let read = || -> Result<Vehicle, kufe_sled::Error> {
-            let mut model = Model::from_toml(text, "model.next.toml")?;
+            let mut model = Model::from_toml(&text, "model.next.toml")?;
             model.folder.clone_from(&self.model.folder);
             let vehicle = Vehicle::with_effects(&model)?;
-            for frame in &self.held_out {
+            for frame in self.training.iter().chain(&self.held_out) {
                 let run = format!("run {}", frame.name);
                 refuse_effects(&vehicle.effects, &frame.unstated_conditions(), &run)?;
             }
@@ -327,29 +336,26 @@ impl Campaign<'_> {
         used.iter().enumerate().map(of_channel).collect()
     }
 
-    /// Squares of the replays' differences, one piece per run, and the indices of the runs; runs
-    /// whose track has no table are omitted.
-    fn replay_squares(
+    /// Squares of the replays' differences, one piece per session, and the indices of the runs;
+    /// runs whose track has no table are omitted.
+    fn replay_squares<'v>(
         &self,
-        vehicle: &Vehicle,
+        vehicle_of: impl Fn(usize) -> &'v Vehicle + Sync,
         stated: Option<&[usize]>,
     ) -> Result<(Vec<usize>, Vec<Squares>), String> {
-        let mut vehicle = vehicle.clone();
-        // A contact that varies from run to run is not part of a replay.
-        vehicle.effects.active.retain(|effect| !effect.varies());
         let tracks: Vec<Track> = self.data.downhill_tracks();
-        let all = &self.data.locked_runs;
+        let all = &self.data.runs;
         let on_track = |i: &usize| tracks.iter().any(|t| t.name == all[*i].entry.track);
         let able = || (0..all.len()).filter(on_track).collect();
         let runs: Vec<usize> = stated.map_or_else(able, <[usize]>::to_vec);
         let of_run = |i: &usize| -> Result<([f64; 3], [f64; 3]), String> {
-            let run = &all[*i];
+            let (run, vehicle) = (&all[*i], vehicle_of(*i));
             let track = tracks.iter().find(|t| t.name == run.entry.track);
             let track = track.expect("runs without a track are filtered out");
             let failed = |error: kufe_sled::Error| {
                 format!("run {} cannot be replayed with it: {error}", run.entry.run)
             };
-            let inputs = Inputs::of(run, &vehicle, track.s_m[0]).map_err(failed)?;
+            let inputs = Inputs::of(run, vehicle, track.s_m[0]).map_err(failed)?;
             let options = SimulateOptions {
                 step_s: STEP_S,
                 rate_hz: RATE_HZ,
@@ -357,7 +363,7 @@ impl Campaign<'_> {
                 ..SimulateOptions::default()
             };
             let shape = TrackShape::new(track);
-            let replay = replay(&inputs, &vehicle, &shape, &options).map_err(failed)?;
+            let replay = replay(&inputs, vehicle, &shape, &options).map_err(failed)?;
             if let Some(stopped) = replay.stopped {
                 return Err(format!(
                     "run {} stops in its replay: {stopped}",
@@ -387,12 +393,19 @@ impl Campaign<'_> {
                 Err(_) => {}
             }
         }
+        let sessions = members(replayed.iter().map(|i| all[*i].entry.session.as_str()));
         let of_column = |(k, (column, unit)): (usize, &(&str, &'static str))| Squares {
             name: format!("replay {column}"),
             unit,
             noise: each.iter().map(|(_, noise)| noise[k].powi(2)).sum::<f64>()
                 / each.len().max(1) as f64,
-            pieces: each.iter().map(|(squares, _)| [squares[k], 1.0]).collect(),
+            pieces: sessions
+                .values()
+                .map(|runs| {
+                    let squares = runs.iter().map(|run| each[*run].0[k]);
+                    [squares.sum(), runs.len() as f64]
+                })
+                .collect(),
         };
         let columns = if each.is_empty() {
             Vec::new()

@@ -112,8 +112,8 @@ impl Campaign<'_> {
         if steps.is_empty() || base.whitener.count() == 0 || self.held_out.is_empty() {
             return Vec::new();
         }
-        let base_model = &base.residual_model.without_discrepancy();
-        let simulator = self.simulator(&last.settled);
+        let [base_model, last_model] = [base, last].map(|fit| self.compared(fit));
+        let simulator = self.simulator(last_model.training);
         let locals: Vec<Candidate<Amplitude>> = last.residual_model.effects.active
             [last.already()..]
             .iter()
@@ -132,24 +132,26 @@ impl Campaign<'_> {
             .chain(&locals)
             .cloned()
             .collect();
-        let design = Design {
-            residual_model: base_model,
+        let models = [base_model.training, base_model.held_out];
+        let models = models.map(ResidualModel::without_discrepancy);
+        let designs = models.each_ref().map(|residual_model| Design {
+            residual_model,
             whitener: &base.whitener,
             free_base: &self.free,
             candidates: &directions,
             local: &[],
             windows: &[],
-        };
+        });
         let closed = explainable_closed(
-            &design,
-            &last.settled,
-            &self.training,
-            &self.held_out,
+            designs.each_ref(),
+            last_model.held_out,
+            [&self.training, &self.held_out],
             &simulator,
             self.rules(),
             self.options.seed,
         );
-        let by_track = || track_closed([base_model, &last.settled], &self.held_out, self.rules());
+        let held_out = [base_model.held_out, last_model.held_out];
+        let by_track = || track_closed(held_out, &self.held_out, self.rules());
         let track = CHANNEL_NAMES[3].0;
         let contacts = last.settled.contacts.as_ref().and_then(|c| c.step);
         steps
@@ -159,7 +161,7 @@ impl Campaign<'_> {
                 // Without significance in the forces the share is that of the track's bins, of
                 // which these runs have few.
                 true => by_track(),
-                false if contacts == Some(k) => self.contacts_closed(&last.settled),
+                false if contacts == Some(k) => self.contacts_closed(&last_model),
                 false => closed,
             })
             .collect()

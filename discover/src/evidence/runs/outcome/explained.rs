@@ -22,18 +22,20 @@ use crate::regression::scores::studentised;
 /// the explainable part and `f . r_after` the rest of it; the bias of noisy inputs in both, from
 /// simulated runs, is subtracted. The interval comes from resampling runs; it is -1 to 1 if the
 /// explainable part is too small.
+///
+/// `learned` and `before` are designs of the initial model on the training runs and on the others;
+/// `after` is the final model on the others.
 pub fn explainable_closed(
-    before: &Design,
+    [learned, before]: [&Design; 2],
     after: &ResidualModel,
-    training: &[Frame],
-    others: &[Frame],
+    [training, others]: [&[Frame]; 2],
     simulator: &RunSimulator,
     rules: &RunRules,
     seed: u64,
 ) -> Interval {
-    let prior = before.prior();
-    let products = before.products(training);
-    let noise = noise_products(before, training, simulator, 3_000_017);
+    let prior = learned.prior();
+    let products = learned.products(training);
+    let noise = noise_products(learned, training, simulator, 3_000_017);
     let grams: Vec<_> = products
         .iter()
         .zip(&noise)

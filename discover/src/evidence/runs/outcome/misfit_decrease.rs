@@ -1,11 +1,12 @@
 //! Comparison of two models on the held-out runs, all channels together.
 //!
-//! With residuals r weighted by their covariance on the training runs (with contacts by their
-//! variances alone), pieces k of the held-out runs, and m the mean residual of the training runs at
-//! the same place of the same track:
+//! Each model has the installation errors of the held-out runs that are most probable with it. With
+//! residuals r weighted by their covariance on the training runs (with contacts by their variances
+//! alone), pieces k of the held-out runs, installation errors a in standard deviations, and m the
+//! mean residual of the training runs at the same place of the same track:
 //!
 //! ```text
-//! by = sum_k (r_from^2 - (r_to g_from / g_to)^2)        repeats = sum r_from . m
+//! by = sum_k (r_from^2 - (r_to g_from / g_to)^2) + a_from^2 - a_to^2        repeats = sum r_from . m
 //! ```
 //!
 //! g is the derivative of a residual by its acceleration. Contacts of a run are estimated from its
@@ -41,42 +42,48 @@ use crate::procedure::misfit_decrease::Decrease;
 /// variate exceeds one standard error: `2 ln (1 / 0.159)`.
 const EVIDENCE_UNDER_NOISE: f64 = 3.7;
 
+/// A model with the installation errors of the training runs and with those of the held-out runs.
+pub struct ComparedModel<'f> {
+    pub training: &'f ResidualModel,
+    pub held_out: &'f ResidualModel,
+}
+
 /// Channel, track and place.
 type Place<'a> = (usize, &'a str, i64);
 
 impl Campaign<'_> {
-    /// Decrease of the held-out misfit from `from` to `to`.
-    ///
-    /// The corrected models are compared if both are available.
-    pub fn decrease_between_fits(&self, from: &RunFit, to: &RunFit) -> Option<Decrease> {
-        let freed = !from.estimates.is_empty() && !to.estimates.is_empty();
-        let [before, after] = [from, to].map(|fit| match freed {
-            true => &fit.settled,
-            false => &fit.residual_model,
-        });
-        let decrease = self.decrease_between(before, after, to.unwritten.as_ref())?;
-        // An effect need not close a misfit that repeats due to tolerated installation errors.
-        let mut repeats = self.repeats(before);
-        if !from.residual_model.installation.sizes.is_empty() {
-            repeats = repeats.min(self.repeats(&from.residual_model));
+    /// A fit in the training and in the held-out runs.
+    pub fn compared<'f>(&self, fit: &'f RunFit) -> ComparedModel<'f> {
+        let training = &fit.residual_model;
+        let installed = || self.installed_in(training, &fit.whitener, &self.held_out);
+        ComparedModel {
+            training,
+            held_out: fit.held_out.get_or_init(installed),
         }
+    }
+
+    /// Decrease of the held-out misfit from `from` to `to`.
+    pub fn decrease_between_fits(&self, from: &RunFit, to: &RunFit) -> Option<Decrease> {
+        let [before, after] = [from, to].map(|fit| self.compared(fit));
+        let decrease = self.decrease_between(&before, &after, to.unwritten.as_ref())?;
+        let [distance, distance_after] =
+            [&before, &after].map(|model| model.held_out.installation.distance());
         Some(Decrease {
-            tolerated: self.tolerated(before),
-            repeats,
-            ..decrease
+            repeats: self.repeats(&before),
+            ..decrease.with_prior(2.0 * (distance - distance_after))
         })
     }
 
     /// Repeatable misfit of a model: residuals of the held-out runs times the mean ones of the
     /// training runs at the same place.
-    fn repeats(&self, model: &ResidualModel) -> f64 {
+    fn repeats(&self, model: &ComparedModel) -> f64 {
         let width = self.rules().track_bin_m;
-        let (learned, whitener) = self.learned(model);
+        let (learned, whitener) = self.learned(model.training);
         let means = self.means(&learned, &whitener);
         let of_run = |frame: &Frame| {
             let few = without_pushes(frame);
             let frame = &few.at_every_sample();
-            let rows = judged(model, frame, width, &whitener);
+            let rows = judged(model.held_out, frame, width, &whitener);
             repeating(self.placed(frame, &rows), &means, &shares(&few, frame))
         };
         let each: Vec<f64> = self.held_out.par_iter().map(of_run).collect();
@@ -90,30 +97,18 @@ impl Campaign<'_> {
         (learned, whitener)
     }
 
-    /// Sum of squares on the held-out runs of one standard deviation of each installation error,
-    /// after a refit of the base.
-    fn tolerated(&self, before: &ResidualModel) -> f64 {
-        let model = ResidualModel {
-            installation: self.stated_installation(),
-            ..before.clone()
-        };
-        if model.installation.fitted() == 0 {
-            return 0.0;
-        }
-        let whitener = Whitener::estimate(&residuals(before, &self.training), self.used);
-        self.installation_given_base(&model, &whitener, &self.held_out)
-            .trace()
-    }
-
     /// The decrease for two models; the second may contain an effect outside simulations.
-    pub fn decrease_between(
+    fn decrease_between(
         &self,
-        before: &ResidualModel,
-        after: &ResidualModel,
+        before: &ComparedModel,
+        after: &ComparedModel,
         unwritten: Option<&UnwrittenEffect>,
     ) -> Option<Decrease> {
         let rules = self.rules();
         let width = rules.track_bin_m;
+        let in_training = [before.training, after.training];
+        let in_held_out = [before.held_out, after.held_out];
+        let [before, after] = in_training;
         let (learned, mut whitener) = self.learned(before);
         // A contact is subtracted from one balance but not from the other: their residuals then do
         // not share noise as whitening assumes.
@@ -130,7 +125,7 @@ impl Campaign<'_> {
             std::array::from_fn(|c| before.model_error[c].min(after.model_error[c]));
         // If only one model has contacts, they are tested by the predictions of other runs.
         let by_contacts = before.contacts.is_some() != after.contacts.is_some();
-        let of_run = |frame: &Frame| -> (Vec<[f64; CHANNELS]>, f64) {
+        let of_run = |frame: &Frame, [before, after]: [&ResidualModel; 2]| {
             let few = without_pushes(frame);
             // A delay in one model alone changes the phase of the noise: rows at one phase only
             // would differ by chance.
@@ -190,12 +185,15 @@ impl Campaign<'_> {
                 .map(|(model, alike)| observed(model, alike).unwrap_or_default());
             (falls, next - own)
         };
-        let each: Vec<(Vec<[f64; CHANNELS]>, f64)> = self.held_out.par_iter().map(of_run).collect();
+        let held_out = self.held_out.par_iter();
+        let each: Vec<(Vec<[f64; CHANNELS]>, f64)> =
+            held_out.map(|run| of_run(run, in_held_out)).collect();
         let falls: Vec<[f64; CHANNELS]> =
             each.iter().flat_map(|(falls, _)| falls.clone()).collect();
         let observed: f64 = each.iter().map(|(_, observed)| observed).sum();
         if !by_contacts {
-            let learned = self.training.par_iter().map(|run| sum(&of_run(run).0));
+            let training = self.training.par_iter();
+            let learned = training.map(|run| sum(&of_run(run, in_training).0));
             let names = CHANNEL_NAMES.map(|(name, _)| name);
             return Decrease::over_channels(names, &falls, &learned.collect::<Vec<_>>());
         }
@@ -215,13 +213,14 @@ impl Campaign<'_> {
 
     /// Closed share of the held-out contacts' misfit above noise, in the balances that did not set
     /// them; the interval from the scatter of runs.
-    pub fn contacts_closed(&self, with: &ResidualModel) -> Interval {
+    pub fn contacts_closed(&self, with: &ComparedModel) -> Interval {
+        let rows = residuals(with.training, &self.training);
+        let whitener = Whitener::estimate(&rows, self.used).uncorrelated();
+        let with = with.held_out;
         let bare = ResidualModel {
             contacts: None,
             ..with.clone()
         };
-        let whitener =
-            Whitener::estimate(&residuals(with, &self.training), self.used).uncorrelated();
         let of_run = |frame: &Frame| -> [f64; 2] {
             let beneath = rows_beneath(frame);
             let square = |model: &ResidualModel| -> f64 {

@@ -32,7 +32,14 @@ impl Campaign<'_> {
     /// everywhere over its strongest column.
     pub fn pictures(&self, last: &RunFit, steps: &[Step], gaps: &[ChannelGap]) -> Vec<Picture> {
         let frames: Vec<Frame> = self.whole().iter().chain(&self.held_out).cloned().collect();
-        let rows = [&self.given, &last.settled].map(|model| residuals(model, &frames));
+        let parts = [self.whole(), &self.held_out];
+        let models = [&self.given_as_in(last), &last.settled]
+            .map(|model| parts.map(|frames| self.installed_in(model, &last.whitener, frames)));
+        let rows_of = |models: &[ResidualModel; 2]| -> Vec<ChannelRows> {
+            let [a, b] = [0, 1].map(|k| residuals(&models[k], parts[k]));
+            [a, b].concat()
+        };
+        let rows = models.each_ref().map(rows_of);
         let shown = shown_channels(steps, gaps);
         let mut pictures = strips(last, &shown, &frames, &rows);
         let settled = &last.settled;
@@ -46,7 +53,12 @@ impl Campaign<'_> {
             let step = &steps[last.owners[e - last.already()]];
             let channel = CHANNEL_NAMES.iter().position(|c| c.0 == step.channel);
             if let (None, Some(channel)) = (window(active), channel) {
-                pictures.extend(driven(settled, e, channel, &frames, &rows[1]));
+                let without = models[1].clone().map(|mut model| {
+                    model.effects.active.remove(e);
+                    model
+                });
+                let rows = [&rows_of(&without), &rows[1]];
+                pictures.extend(driven(active.effect_name(), channel, &frames, rows));
             }
         }
         pictures
@@ -93,6 +105,12 @@ fn strips(
                     from_m: from,
                     step_m,
                     places: places.collect(),
+                    discrepancy: {
+                        let count = ((to - from) / step_m).ceil() as usize;
+                        let at = (0..count).map(|k| from + step_m * (k as f64 + 0.5));
+                        let discrepancy = &last.settled.discrepancy;
+                        discrepancy.along(track, c, at).unwrap_or_default()
+                    },
                     runs: on
                         .iter()
                         .map(|&i| StripRun {
@@ -158,15 +176,11 @@ fn means_along(s: &[f64], rows: &[f64], from: f64, step: f64, to: f64) -> Vec<f6
 /// The column is the one of [`COLUMNS`] and [`STATED`] with the largest correlation ratio: the
 /// share of the contribution's variance between its bins.
 fn driven(
-    model: &ResidualModel,
-    effect: usize,
+    effect: &str,
     channel: usize,
     frames: &[Frame],
-    with: &[ChannelRows],
+    [partial, with]: [&Vec<ChannelRows>; 2],
 ) -> Option<Picture> {
-    let mut without = model.clone();
-    let active = without.effects.active.remove(effect);
-    let partial = residuals(&without, frames);
     let recorded = COLUMNS.iter().filter(|(name, _)| *name != "s_m");
     let recorded = recorded.map(|(name, of)| (*name, each(frames, |f| of(f).to_vec())));
     let stated = STATED.map(|name| (name, each(frames, |f| f.condition(name))));
@@ -195,13 +209,12 @@ fn driven(
     let (quantity, unit) = CHANNEL_NAMES[channel];
     let x: Vec<f64> = bins.iter().map(|b| mean(b.iter().map(|r| r.x))).collect();
     Some(Picture {
-        title: format!("{} over {name}", active.effect_name()),
+        title: format!("{effect} over {name}"),
         caption: format!(
-            "Points: mean residual of the model without {}, with one standard error over runs. Line: what it adds.",
-            active.effect_name()
+            "Points: mean residual of the model without {effect}, with one standard error over runs. Line: what it adds."
         ),
         plot: Plot::Scatter(Scatter {
-            label: format!("residual of {quantity} without {}", active.effect_name()),
+            label: format!("residual of {quantity} without {effect}"),
             x_name: name.to_owned(),
             y_name: format!("{quantity} without it [{unit}]"),
             x: x.clone(),

@@ -14,7 +14,7 @@ impl Campaign<'_> {
         account: &mut Account,
     ) -> Result<RunFit, Error> {
         loop {
-            self.write(&mut fit)?;
+            self.write(&mut fit);
             let (step, why) = match self.superfluous(&fit, &account.steps) {
                 Some(step) => (step, SUPERFLUOUS),
                 None => match self.of_no_size(&fit, &account.steps) {

@@ -1,65 +1,49 @@
 //! Final estimates of a fit, and installation errors within tolerance.
 
-use crate::error::Error;
-use crate::evidence::runs::campaign::{BESIDE_INSTALLATION, Campaign, RunFit};
+use nalgebra::DVector;
+
+use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::fit::estimate::FinalEstimates;
-use crate::evidence::runs::model::installation::Installation;
+use crate::evidence::runs::fit::gauss_newton::stepped;
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::finding::Tolerated;
 use crate::procedure::evidence::Account;
 
 impl Campaign<'_> {
-    /// Estimates of a fit, the model that is written and the model that is compared on held-out
-    /// runs.
+    /// Sets the final estimates of a fit and their model.
     ///
-    /// The written model is that of the sled itself: base and effects given the installation
-    /// errors, with the stated base as prior: the plausible factor is two standard deviations.
-    /// Parameters that the data hardly determine remain near their stated values.
-    ///
-    /// Installation errors are not part of a model file. For comparisons of held-out runs as
-    /// recorded, friction and grip are refitted without them.
-    pub fn write(&self, fit: &mut RunFit) -> Result<(), Error> {
+    /// Base and effects are estimated given the installation errors, with the stated base as prior:
+    /// the plausible factor is two standard deviations. Parameters that the data hardly determine
+    /// remain near their stated values.
+    pub fn write(&self, fit: &mut RunFit) {
         let model = fit.residual_model.with_fixed(false);
         let mut found = self.estimates(&model, &fit.whitener);
-        let installed = !fit.residual_model.installation.parts.is_empty();
-        if installed {
+        if !model.installation.parts.is_empty() {
             self.widen(&mut found, &model, &fit.whitener);
-            found.model.installation = Installation::default();
         }
         let sd = 0.5 * self.options.rules.search.plausible.ln();
         let found = found.given_base(&self.free, sd);
         fit.estimates = found.estimates;
-        fit.settled = found.model;
-        if !installed {
-            return Ok(());
-        }
-        fit.written = Some(fit.settled.clone());
-        let effects = &fit.settled.effects.active;
-        let frozen = fit.settled.frozen.clone();
-        let sized = ResidualModel {
-            frozen: effects.iter().map(|e| e.name.clone()).collect(),
-            ..fit.settled.clone()
+        fit.settled = found.model.with_fixed(true);
+        let scales = self.scales(&fit.settled);
+        let without = |(runs, change): (Vec<usize>, DVector<f64>)| {
+            let step: Vec<f64> = change.iter().zip(&scales).map(|(x, by)| x / by).collect();
+            (runs, stepped(&fit.settled, &self.free, &step, 1.0))
         };
-        let refitted = self.fitted(&sized, fit.owners.clone())?;
-        let as_recorded = self.newton(
-            &refitted.residual_model.with_fixed(false),
-            &refitted.whitener,
-            &BESIDE_INSTALLATION,
-            self.settles(),
-        );
-        fit.settled = ResidualModel {
-            frozen,
-            ..as_recorded.model
-        };
-        Ok(())
+        fit.left_out = found.left_out.into_iter().map(without).collect();
+    }
+
+    /// Units in which base multipliers and amplitudes are fitted.
+    fn scales(&self, model: &ResidualModel) -> Vec<f64> {
+        let free = model.free();
+        let amplitudes = free.iter().map(|(e, q)| model.scale(*e, *q));
+        self.free.iter().map(|_| 1.0).chain(amplitudes).collect()
     }
 
     /// Adds the covariance of base and amplitudes due to undetermined installation errors.
     fn widen(&self, found: &mut FinalEstimates, model: &ResidualModel, whitener: &Whitener) {
-        let free = model.free();
-        let amplitudes = free.iter().map(|(e, q)| model.scale(*e, *q));
-        let scales: Vec<f64> = self.free.iter().map(|_| 1.0).chain(amplitudes).collect();
+        let scales = self.scales(model);
         let mut open = self.undetermined(model, whitener);
         for (k, scale) in scales.iter().enumerate() {
             open.row_mut(k).scale_mut(*scale);

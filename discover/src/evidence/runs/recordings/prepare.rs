@@ -36,8 +36,8 @@ pub struct Data {
     pub uphill: bool,
     /// Training and held-out frames.
     pub(crate) locked: Split,
-    /// The held-out runs as recorded, for replays; empty for segments of one run.
-    pub(crate) locked_runs: Vec<Run>,
+    /// The runs as recorded, for replays; empty for segments of one run.
+    pub(crate) runs: Vec<Run>,
     /// Runs with gaps, and how much of them is used.
     pub gaps: Vec<SampleCoverage>,
     /// Remarks: constant columns, segments, remarks of the reader.
@@ -207,11 +207,7 @@ pub fn prepare(
         segmented,
         tracks: Vec::new(),
         uphill,
-        locked_runs: if segmented {
-            Vec::new()
-        } else {
-            locked.held_out.iter().map(|i| runs[*i].clone()).collect()
-        },
+        runs: if segmented { Vec::new() } else { runs.to_vec() },
         locked,
         gaps,
         remarks,
