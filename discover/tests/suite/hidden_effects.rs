@@ -147,33 +147,6 @@ fn the_error_of_a_speed_scale_includes_that_of_the_driven_length() {
 
 #[test]
 #[ignore = "slow study: .ci/slow"]
-fn a_speed_whose_reading_jumps_is_named_with_the_speed_above_which_it_does() {
-    let (hidden, above) = (0.06, 21.0);
-    let mut recorded = driven("", 6, 20);
-    for run in &mut recorded {
-        let speed = run.columns.get_mut("v_mps").unwrap();
-        for v in speed.iter_mut().filter(|v| **v > above) {
-            *v += hidden;
-        }
-    }
-    let report = search(&recorded, 6);
-    assert_eq!(report.verdict, Verdict::Law, "{}", reported(&report));
-    assert_eq!(report.steps.len(), 1, "{}", reported(&report));
-    let first = &report.steps[0];
-    assert_eq!(first.class, ["unknown:v_mps"], "{}", reported(&report));
-    let size = &first.parameters[0];
-    assert!(
-        (size.low..size.high).contains(&hidden) && size.low > 0.0,
-        "{}",
-        reported(&report)
-    );
-    let place = first.place.strip_prefix("v_mps = ").unwrap();
-    let place: f64 = place.parse().unwrap();
-    assert!((place - above).abs() < 0.15, "{}", first.place);
-}
-
-#[test]
-#[ignore = "slow study: .ci/slow"]
 fn a_gyro_delay_far_above_its_tolerance_is_named_with_its_size() {
     let hidden = 0.037;
     let report = searched(&format!("[effects.yaw-rate-lag]\ntime_s = {hidden}"), 8, 16);

@@ -173,10 +173,6 @@ pub struct RunRules {
     pub window_m: f64,
     /// Width of the track channel's bins \[m\]. Chosen.
     pub track_bin_m: f64,
-    /// Time on either side of a jump of the speed's reading \[s\]. Chosen: errors of accelerometer
-    /// and survey are constant for that long; at half of it the same seven of seven cases are
-    /// found, at twice six and a false one.
-    pub jump_reach_s: f64,
     /// Shortest piece of a run in simulations of noise \[s\]. Chosen: longer ones cost more.
     pub noise_piece_s: f64,
     /// Share of an explainable direction that is not collinear with others. Chosen.
@@ -266,7 +262,6 @@ impl Default for RunRules {
             bin_unclean: 0.01,
             window_m: 10.0,
             track_bin_m: 20.0,
-            jump_reach_s: 0.8,
             noise_piece_s: 7.0,
             explains_alone: 1e-2,
             explains_beyond: 2.0,

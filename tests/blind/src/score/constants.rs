@@ -45,7 +45,7 @@ const MAPS: [&str; 2] = ["null/pressures", "pressure/sensor-gain"];
 
 /// The chosen constants that decide on selections, by the kind of data that they act on. Those that
 /// only size what is shown, and what else of the lock is chosen, are left out.
-const RUN_KEYS: [&str; 45] = [
+const RUN_KEYS: [&str; 43] = [
     "lock.every",
     "search.superfluous_t",
     "search.beyond_scatter",
@@ -72,7 +72,6 @@ const RUN_KEYS: [&str; 45] = [
     "runs.slope_sd_rad",
     "runs.window_m",
     "runs.track_bin_m",
-    "runs.jump_reach_s",
     "runs.noise_piece_s",
     "runs.explains_alone",
     "runs.explains_beyond",

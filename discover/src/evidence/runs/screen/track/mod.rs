@@ -3,5 +3,4 @@
 pub(crate) mod bins;
 mod chance;
 pub(crate) mod channel;
-mod jumps;
 pub(crate) mod on_track;

@@ -11,7 +11,6 @@ use crate::evidence::runs::model::installation::{Information, Installation, Part
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel, TRACK};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::channel::TrackChannel;
-use crate::evidence::runs::screen::track::jumps;
 use crate::finding::{Fitted, Rival};
 use crate::options::OUTSIDE_CATALOGUE;
 use crate::procedure::candidate::Candidate;
@@ -257,10 +256,6 @@ impl Campaign<'_> {
         };
         let at = |factor: f64| best(significant(factor), factor);
         let named = at(1.0);
-        let strength = named.map_or(0.0, |c| z(c, 1.0).abs());
-        if let Some(jump) = self.jump(residual_model, strength) {
-            return Some(jump);
-        }
         if let Some(named) = named {
             let seen = channel.judge(named, sd);
             // A size that the forces contradict is excluded if they do not contradict another one.
@@ -356,32 +351,6 @@ impl Campaign<'_> {
             p_value: p,
             randomised: Randomised::default(),
             remark: None,
-        })
-    }
-
-    /// A significant jump of the speed's reading, by more standard errors than this.
-    fn jump(&self, model: &ResidualModel, strength: f64) -> Option<Selection<Amplitude>> {
-        if !self.options.looks_for(OUTSIDE_CATALOGUE) {
-            return None;
-        }
-        let rules = self.rules();
-        let jump = jumps::find(model, &self.training, rules)?;
-        if jump.p_value > rules.alpha_track || (jump.size / jump.error).abs() < strength {
-            return None;
-        }
-        let candidate = jumps::law(&jump)?;
-        Some(Selection {
-            place: format!("v_mps = {:.2}", jump.above),
-            channel: CHANNEL_NAMES[TRACK],
-            size: jump.size,
-            error: jump.error,
-            class: vec![candidate.effect.clone()],
-            rivals: Vec::new(),
-            p_value: jump.p_value,
-            randomised: Randomised::default(),
-            remark: None,
-            parameters: self.by_track(&candidate, jump.size, jump.error),
-            candidate,
         })
     }
 
