@@ -5,7 +5,7 @@ use kufe_sled::effects::Level;
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
-use crate::evidence::runs::screen::levels::judge;
+use crate::evidence::runs::screen::levels::{judge, least_p};
 use crate::evidence::runs::shared_effects::between;
 use crate::finding::Rival;
 use crate::procedure::evidence::{Account, Randomised, Selection};
@@ -31,7 +31,6 @@ impl Campaign<'_> {
             &self.training,
             &list,
             at.simulator,
-            rules.alpha_levels,
             self.options.seed,
         );
         let screen_estimates = between(&list, &levels.seen);
@@ -43,14 +42,12 @@ impl Campaign<'_> {
             .max_by(|a, b| levels.seen[*a].gain.total_cmp(&levels.seen[*b].gain));
         let Some(named) = best else {
             let differ = levels.sessions_differ.iter().copied().fold(1.0, f64::min);
-            let untestable = list
-                .iter()
-                .zip(&levels.seen)
-                .filter(|(_, s)| !s.testable)
-                .count();
-            if differ < rules.alpha_column && untestable > 0 && account.unexplained.is_none() {
+            let enough = |count: &usize| least_p(*count) <= rules.alpha_levels;
+            let is_caused = differ < rules.alpha_column && account.unexplained.is_none();
+            if is_caused && !enough(&levels.sessions) {
+                let needed = (levels.sessions..).find(enough).unwrap_or(levels.sessions);
                 account.unexplained = Some(format!(
-                    "sessions differ (p = {differ:.1e}), but {} sessions are too few to identify the cause: at least 5 at spread temperatures and humidities are needed",
+                    "sessions differ (p = {differ:.1e}), but {} training sessions are too few to identify the cause: {needed} at spread temperatures and humidities are needed",
                     levels.sessions
                 ));
             }

@@ -27,8 +27,6 @@ pub struct LevelScore {
     pub error: f64,
     /// Explained sum of squares of the whitened rows.
     pub gain: f64,
-    /// Whether the smallest p-value of these sessions is below the threshold of selection.
-    pub testable: bool,
 }
 
 /// Levels by run, their sessions and the candidates' covariates.
@@ -49,7 +47,6 @@ pub fn judge(
     frames: &[Frame],
     candidates: &[Candidate<Amplitude>],
     simulator: &RunSimulator,
-    alpha: f64,
     seed: u64,
 ) -> LevelScreen {
     let q = candidates.len();
@@ -105,13 +102,10 @@ pub fn judge(
             .map(|c| session_covariates[*c].clone())
             .collect();
         let judged = by_session_permutation(&means[k], &xs, 3999, seed);
-        // In a small set only the order and its reverse tie.
-        let least = 2.0 / (1..=means[k].len().min(10)).product::<usize>() as f64;
         for ((c, x), (_, p)) in mine.iter().zip(&xs).zip(&judged) {
             let weight: f64 = weights.iter().map(|w| w[k]).sum::<f64>() / means[k].len() as f64;
             let mut one = slope(&means[k], x, candidates[*c].typical, weight);
             one.p_value = *p;
-            one.testable = least <= alpha;
             seen[*c] = Some(one);
         }
     }
@@ -149,7 +143,6 @@ pub fn judge(
         for ((c, x), above) in mine.iter().zip(&xs).zip(above) {
             let mut one = slope(&y, x, candidates[*c].typical, weight);
             one.p_value = f64::from(above) / (permutations + 1) as f64;
-            one.testable = sessions.values().any(|runs| runs.len() > 2);
             seen[*c] = Some(one);
         }
     }
@@ -159,7 +152,6 @@ pub fn judge(
         size: 0.0,
         error: f64::INFINITY,
         gain: 0.0,
-        testable: false,
     };
     let sessions_differ = [0, 1].map(|k| f_test(&of_level(k), &sessions));
     LevelScreen {
@@ -173,6 +165,11 @@ pub fn judge(
         level_of,
         means,
     }
+}
+
+/// Smallest p-value by permutation of so many sessions: only the order and its reverse tie.
+pub fn least_p(sessions: usize) -> f64 {
+    2.0 / (1..=sessions.min(10)).product::<usize>() as f64
 }
 
 impl LevelScreen {
@@ -240,7 +237,6 @@ fn slope(y: &[f64], x: &[f64], typical: f64, weight: f64) -> LevelScore {
         size: size * typical,
         error: error * typical,
         gain: size * size * xx * weight,
-        testable: false,
     }
 }
 

@@ -12,7 +12,6 @@ use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel,
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::channel::TrackChannel;
 use crate::finding::{Fitted, Rival};
-use crate::options::OUTSIDE_CATALOGUE;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Dependence, Randomised, Selection};
 use crate::procedure::rivals::NamedEffect;
