@@ -24,6 +24,7 @@ fn a_findings_pictures_are_whole_and_legible_on_a_phone() {
             from: 100.0,
             to: 120.0,
         }],
+        discrepancy: Vec::new(),
         runs: vec![StripRun {
             run: "a".to_owned(),
             session: "d1".to_owned(),
