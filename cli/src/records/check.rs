@@ -83,6 +83,7 @@ fn summary(runs: &[Examination]) -> String {
         });
         for line in refused.chain(faults).chain(notes) {
             match lines.iter_mut().find(|(known, _)| *known == line) {
+                Some((_, names)) if names.last() == Some(&run.run.as_str()) => {}
                 Some((_, names)) => names.push(&run.run),
                 None => lines.push((line, vec![&run.run])),
             }
