@@ -104,3 +104,31 @@ fn summary(runs: &[Examination]) -> String {
     );
     text + &format!("{good} of {count} runs show nothing that is provably wrong\n")
 }
+
+#[cfg(test)]
+mod tests {
+    use kufe_sled::{Fault, FaultKind};
+
+    use super::*;
+
+    #[test]
+    fn a_run_with_two_doubts_of_one_kind_is_named_once() {
+        let doubt = |evidence: &str| Fault {
+            run: "a".into(),
+            file: "a.csv".into(),
+            columns: vec!["ax_mps2".into()],
+            kind: FaultKind::Sign,
+            proven: false,
+            looks_like: "the other sign".into(),
+            evidence: evidence.into(),
+            mend: "sign = -1 for ax_mps2".into(),
+        };
+        let run = Examination {
+            run: "a".into(),
+            faults: vec![doubt("rigid body"), doubt("air")],
+            ..Examination::default()
+        };
+        let text = summary(&[run]);
+        assert!(text.contains("  (a)\n"), "{text}");
+    }
+}
