@@ -13,7 +13,7 @@ const LENGTHS: RangeInclusive<f64> = 0.2..=3.0;
 /// Lengths that a runner, or a scanned piece of one, may have [m] ...
 const LENGTHS_OF_PIECES: RangeInclusive<f64> = 0.05..=3.0;
 /// ... where its section has such a radius [m].
-const SECTIONS: RangeInclusive<f64> = 0.002..=0.02;
+const SECTIONS: RangeInclusive<f64> = 0.003..=0.02;
 /// Metres in the units that files are written in: metres, millimetres, centimetres, inches.
 const UNITS: [f64; 4] = [1.0, 1e-3, 1e-2, 0.0254];
 /// Share of the length, about the middle, over which the rocker is measured.
