@@ -232,7 +232,6 @@ impl Hull {
 #[pyclass(frozen, module = "kufe")]
 pub struct HullCheck {
     examined: ExaminedHull,
-    fz_n: Vec<f64>,
 }
 
 /// Examines the hull of a scanner: unit, axes, rotation, spacing, noise, and which loads it
@@ -257,13 +256,12 @@ pub fn check_hull(
         let text = format!("p_max = {share}: expected a relative error from 1e-4 to 0.5");
         return Err(InputError::new_err(text));
     }
-    let forces = fz_n.clone();
     let worked = work(py, progress, move |watch, _| {
         watch.progress("examining the hull");
-        kufe::jobs::check_hull(&path, &forces, p_max)
+        kufe::jobs::check_hull(&path, &fz_n, p_max)
     })?;
     let examined = worked.value.map_err(raised)?;
-    Ok(HullCheck { examined, fz_n })
+    Ok(HullCheck { examined })
 }
 
 #[pymethods]
@@ -283,10 +281,7 @@ impl HullCheck {
     /// The case that reads the hull so, on the ice of the example under the force that is nearest
     /// to 1 kN.
     fn case(&self) -> PyResult<Case> {
-        let text = self
-            .examined
-            .case(Path::new(""), &self.fz_n)
-            .map_err(raised)?;
+        let text = self.examined.case(Path::new("")).map_err(raised)?;
         let name = self.examined.result.file.display().to_string();
         let loaded = LoadedCase::parse(&name, Path::new(""), &text).map_err(raised)?;
         Ok(Case { loaded })

@@ -314,7 +314,9 @@ impl Sample {
             };
             found.others.extend(worse.map(|worse| worse.from));
         }
-        if let Some((_, channel, unit, why)) = times.into_iter().min_by_key(|time| time.0) {
+        // Where the file relates channels to clocks, a time of one group is none of the others.
+        let time = times.into_iter().min_by_key(|time| time.0);
+        if let Some((_, channel, unit, why)) = time.filter(|_| !found.clocked) {
             found.time = Some((channel.name.clone(), unit, why));
         }
         found.one_box(log);
@@ -502,10 +504,12 @@ pub(crate) fn time_unit(values: &[f64]) -> Option<UnitGuess> {
     let (units, per_second): (&[&str], f64) = match step {
         _ if step < 0.6 => (&["s"], 1.0),
         _ if (1000.0..1e6).contains(&step) => (&["us"], 1e6),
+        _ if (1e6..1e9).contains(&step) => (&["ns"], 1e9),
         _ if step.fract() == 0.0 && step < 1000.0 => (&["ms"], 1e3),
         _ => (&["s", "ms", "us"], 0.0),
     };
-    let mut why = format!("usual step {step}");
+    // Differences of long times have roundings.
+    let mut why = format!("usual step {}", (1e6 * step).round() / 1e6);
     if per_second > 0.0 {
         why += &format!(": {:.0} Hz", per_second / step);
     }
@@ -536,21 +540,30 @@ pub(crate) struct Named {
     pub weight: usize,
 }
 
+/// The last part of a name like `log.ax_g`, the field of a MATLAB structure.
+fn field(name: &str) -> &str {
+    name.rsplit('.').next().unwrap_or(name)
+}
+
 /// The column that a name speaks for.
 pub(crate) fn by_name(name: &str) -> Option<Named> {
-    let mut plain = plain(name);
-    if name_unit(name).is_some() {
+    let without_unit = |name: &str| {
+        let plain = plain(name);
         let words: Vec<&str> = plain.split(' ').collect();
-        plain = words[..words.len().saturating_sub(unit_words(name))].join(" ");
-    }
-    if let Some((column, ..)) = names().find(|(column, ..)| *column == name) {
+        let unit = name_unit(name).map_or(0, |_| unit_words(name));
+        words[..words.len().saturating_sub(unit)].join(" ")
+    };
+    let field = field(name);
+    if let Some((column, ..)) = names().find(|(column, ..)| *column == field) {
         let weight = OWN;
         return Some(Named { column, weight });
     }
+    let [plain, field] = [name, field].map(without_unit);
     let holds = |words: &&str| {
         // One or two letters must be the whole name; longer words may be part of a German one.
         words.len() > 2 && format!(" {plain}").contains(&format!(" {words}"))
             || plain == **words
+            || field == **words
             || words.len() > 5 && plain.contains(*words)
     };
     // Geschwindigkeit contains a wind and means none.
@@ -564,10 +577,13 @@ pub(crate) fn by_name(name: &str) -> Option<Named> {
 
 /// Whether a name is that of a time; earlier in the list is surer.
 pub(crate) fn time_rank(name: &str) -> Option<usize> {
-    let plain = plain(name);
-    let begins = |word: &str| plain == word || word.len() > 3 && plain.starts_with(word);
+    let names = [name, field(name)].map(plain);
+    let begins = |word: &str| {
+        let begins = |name: &String| name == word || word.len() > 3 && name.starts_with(word);
+        names.iter().any(begins)
+    };
     let rank = TIMES.split(',').position(begins);
-    rank.filter(|_| !plain.contains("lap"))
+    rank.filter(|_| !names[0].contains("lap"))
 }
 
 /// A name in small letters, without accents, its words apart by single spaces.
@@ -609,6 +625,10 @@ mod tests {
             ("Querbeschleunigung", "ay_mps2"),
             ("Längsbeschleunigung", "ax_mps2"),
             ("Gyro Yaw", "yaw_rate_radps"),
+            ("Gyro Yaw Velocity", "yaw_rate_radps"),
+            ("log.ax_g", "ax_mps2"),
+            ("log.imu.gyro_z_dps", "yaw_rate_radps"),
+            ("log.v_mps", "v_mps"),
             ("YawRate", "yaw_rate_radps"),
             ("Gierrate", "yaw_rate_radps"),
             ("gyro_x", "roll_rate_radps"),
@@ -637,10 +657,13 @@ mod tests {
             "Steering Torque",
             "Satellites",
             "Brake Pressure",
+            "Angular Velocity",
+            "engine.speed",
         ] {
             assert_eq!(by_name(name), None, "{name}");
         }
-        assert!(time_rank("Zeit").is_some() && time_rank("Timestamp").is_some());
+        assert!(time_rank("Zeit").is_some() && time_rank("log.time_s").is_some());
+        assert!(time_rank("Timestamp").is_some() && time_rank("lap.time").is_none());
         assert!(time_rank("Lap Time").is_none() && time_rank("Temperature").is_none());
     }
 }

@@ -278,8 +278,10 @@ impl Importer {
         // Rows are at samples of the lead, so that they need no interpolation where rates are
         // multiples.
         let lead = spans.get(self.mapping.lead()).map_or(start, |span| span[0]);
-        let start = lead + ((start - lead) * rate - 1e-6).ceil() / rate;
-        let rows = ((end - start) * rate + 1e-6).floor() + 1.0;
+        // Times since 1970 are rounded to 2.4e-7 s.
+        let slack = 1e-6 + rate * f64::EPSILON * start.abs().max(end.abs());
+        let start = lead + ((start - lead) * rate - slack).ceil() / rate;
+        let rows = ((end - start) * rate + 2.0 * slack).floor() + 1.0;
         let most = MOST_NUMBERS / (read.len() as u64).max(1);
         if !(2.0..=most as f64).contains(&rows) {
             let part =

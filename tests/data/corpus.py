@@ -183,8 +183,8 @@ hull("matrix.glb", gltf(nodes=[{"mesh": 0, "matrix": [2, 0, 0, 0, 0, 2, 0, 0, 0,
 hull("mirrored.glb", gltf(nodes=[{"mesh": 0, "scale": [-1, 1, 1]}], form="glb"))
 hull("turned.glb", gltf(nodes=[{"mesh": 0, "rotation": [0, math.sqrt(0.5), 0, math.sqrt(0.5)]}], form="glb"), TETRAHEDRON | {"length_m": W, "width_m": L})
 hull("quantized.glb", gltf([tuple(round(x / L * 32767) for x in p) for p in y_up(POINTS)], point_kind=I16, normalized=True, extensions=["KHR_mesh_quantization"], nodes=[{"mesh": 0, "scale": [L] * 3}], form="glb"), TETRAHEDRON | {"tolerance": 1e-4})
-hull("draco.glb", gltf(extensions=["KHR_draco_mesh_compression"], form="glb"), "Draco")
-hull("meshopt.glb", gltf(extensions=["EXT_meshopt_compression"], form="glb"), "meshopt")
+hull("draco.glb", gltf(extensions=["KHR_draco_mesh_compression"], form="glb"), "Blender")
+hull("meshopt.glb", gltf(extensions=["EXT_meshopt_compression"], form="glb"), "gltfpack")
 
 
 def three_mf(unit='unit="meter"', objects=None, build='<item objectid="1"/>', factor=1.0, others=(), pack=zipfile.ZIP_DEFLATED):

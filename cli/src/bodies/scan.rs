@@ -50,7 +50,7 @@ pub fn run(check: &Check, global: &Global) -> Result<(), Failure> {
                 format!("no smooth underside could be fitted, and no case is written: {error}");
             return Err(Failure::in_file(&check.file, reason));
         }
-        let text = found.case(out, &check.fz_n)?;
+        let text = found.case(out)?;
         files.bytes(out, text.as_bytes())?;
     }
     files.commit()?;
@@ -113,7 +113,9 @@ fn text(examined: &ExaminedHull) -> String {
     lines.extend(error.map(|error| format!("no smooth underside could be fitted: {error}")));
     lines.extend(found.loads.iter().flatten().map(verdict));
     let written = found.written.as_ref();
-    let written = written.map_or(String::new(), |out| format!("wrote {}\n", out.display()));
+    let written = written.map_or(String::new(), |out| {
+        format!("wrote {} for {} N\n", out.display(), examined.force())
+    });
     lines.join("\n  ") + "\n" + &written
 }
 

@@ -83,6 +83,7 @@ fn summary(runs: &[Examination]) -> String {
         });
         for line in refused.chain(faults).chain(notes) {
             match lines.iter_mut().find(|(known, _)| *known == line) {
+                Some((_, names)) if names.last() == Some(&run.run.as_str()) => {}
                 Some((_, names)) => names.push(&run.run),
                 None => lines.push((line, vec![&run.run])),
             }
@@ -102,4 +103,32 @@ fn summary(runs: &[Examination]) -> String {
         runs.len(),
     );
     text + &format!("{good} of {count} runs show nothing that is provably wrong\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use kufe_sled::{Fault, FaultKind};
+
+    use super::*;
+
+    #[test]
+    fn a_run_with_two_doubts_of_one_kind_is_named_once() {
+        let doubt = |evidence: &str| Fault {
+            run: "a".into(),
+            file: "a.csv".into(),
+            columns: vec!["ax_mps2".into()],
+            kind: FaultKind::Sign,
+            proven: false,
+            looks_like: "the other sign".into(),
+            evidence: evidence.into(),
+            mend: "sign = -1 for ax_mps2".into(),
+        };
+        let run = Examination {
+            run: "a".into(),
+            faults: vec![doubt("rigid body"), doubt("air")],
+            ..Examination::default()
+        };
+        let text = summary(&[run]);
+        assert!(text.contains("  (a)\n"), "{text}");
+    }
 }

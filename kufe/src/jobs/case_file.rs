@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use kufe_contact::{Error, NUMERICS, Solution, SurfaceField};
 use kufe_files::{read_regular, sha256, text_of_regular};
-use kufe_mesh::{Hull, HullFormat, hull_files, smaller_by};
+use kufe_mesh::{Hull, HullFormat, Orientation, hull_files, smaller_by};
 
 use crate::case::{Case, FittedHull, StatedProblem};
 use crate::jobs::failure::Failure;
@@ -232,8 +232,32 @@ impl LoadedCase {
             1e6 * error,
             1e6 * depth,
             1e6 * allowed,
-            finer(hull, error / allowed)
+            self.remedy(hull, error / allowed)
         )))
+    }
+
+    /// That a scan is turned about z, where its case states no rotation: its contact then lies
+    /// aslant on the grid, which needs many more cells.
+    pub(crate) fn turned(&self, hull: &FittedHull) -> Option<String> {
+        const ASLANT: f64 = 0.005;
+        let runner = &self.case.runner;
+        let stated = [runner.yaw_rad, runner.pitch_rad, runner.roll_rad];
+        if stated.iter().any(Option::is_some) {
+            return None;
+        }
+        let orientation = Orientation::of(hull.scan.as_ref()?, hull.noise.found).ok()?;
+        let [.., yaw] = orientation.significant();
+        (yaw.abs() > ASLANT).then(|| {
+            format!(
+                "the hull is turned about z, into runner axes by runner.yaw_rad = {yaw:.4}: its contact lies aslant on the grid; \
+                 `kufe hull check -o` writes a case with its yaw, pitch and roll"
+            )
+        })
+    }
+
+    /// What would make a hull fine enough: to turn it where it is turned, else finer vertices.
+    fn remedy(&self, hull: &FittedHull, times: f64) -> String {
+        self.turned(hull).unwrap_or_else(|| finer(hull, times))
     }
 
     /// That the hull's vertices leave the peak uncertain by more than the requested accuracy,
@@ -246,7 +270,7 @@ impl LoadedCase {
             self.hull_key(),
             100.0 * error,
             100.0 * requested,
-            finer(hull, error / requested)
+            self.remedy(hull, error / requested)
         ))
     }
 

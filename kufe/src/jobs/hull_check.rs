@@ -205,12 +205,19 @@ impl ExaminedHull {
         axis.to_string()
     }
 
-    /// The case that reads the hull so, written to `path`: with ice, track and load to edit, of the
-    /// `forces` [N] the one nearest to 1 kN.
+    /// Normal force of the case [N]: of several the one nearest to 1 kN.
+    pub fn force(&self) -> f64 {
+        let forces = self.result.loads.iter().flatten().map(|load| load.fz_n);
+        let far = |fz: &f64| (fz - 1000.0).abs();
+        let nearest = forces.min_by(|a, b| far(a).total_cmp(&far(b)));
+        nearest.unwrap_or(1000.0)
+    }
+
+    /// The case that reads the hull so, written to `path`: with ice, track and load to edit.
     ///
     /// # Errors
     /// [`Failure::BadInput`] where the place of the hull cannot be found.
-    pub fn case(&self, path: &Path, forces: &[f64]) -> Result<String, Failure> {
+    pub fn case(&self, path: &Path) -> Result<String, Failure> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let hull = match self.result.file.strip_prefix(folder) {
             Ok(inside) => inside.to_path_buf(),
@@ -227,11 +234,6 @@ impl ExaminedHull {
             0.0 => String::new(),
             noise => format!("noise_m = {noise:.2e}\n"),
         };
-        let far = |fz: &f64| (fz - 1000.0).abs();
-        let load = forces
-            .iter()
-            .copied()
-            .min_by(|a, b| far(a).total_cmp(&far(b)));
         let [x, y] = self.offset_m;
         let x = x.map_or(String::new(), |x| {
             format!("offset_x_m = {x:.4}   # over the hull's middle: the file's origin lies outside it\n")
@@ -265,7 +267,7 @@ p_max = {}
             self.result.up,
             self.result.forward,
             self.backward(),
-            load.unwrap_or(1000.0),
+            self.force(),
             self.p_max,
         );
         Ok(text)

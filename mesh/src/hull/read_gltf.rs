@@ -19,12 +19,15 @@ use crate::hull::triangles::{Axis, Hull, HullOptions, PlacedMeshes};
 /// Extensions that a file may require although they do not change its triangles, by their
 /// beginning.
 const WITHOUT_EFFECT: &str = "KHR_materials_ KHR_texture_ EXT_texture_ KHR_lights_";
-/// Extensions that compress triangles, with the names of their methods.
-const COMPRESSIONS: [[&str; 2]; 3] = [
-    ["KHR_draco_mesh_compression", "Draco"],
-    ["EXT_meshopt_compression", "meshopt"],
-    ["KHR_meshopt_compression", "meshopt"],
+/// Extensions that compress triangles, the names of their methods, and what undoes them: Blender
+/// reads Draco and, up to version 5.1, no meshopt.
+const COMPRESSIONS: [[&str; 3]; 3] = [
+    ["KHR_draco_mesh_compression", "Draco", BLENDER],
+    ["EXT_meshopt_compression", "meshopt", GLTFPACK],
+    ["KHR_meshopt_compression", "meshopt", GLTFPACK],
 ];
+const BLENDER: &str = "in Blender: import it, export glTF with Compression off";
+const GLTFPACK: &str = "`npx gltfpack -i in.glb -o out.glb -noq`";
 
 /// Reads the triangles of a glTF file's scene, text or binary, with node transforms applied.
 ///
@@ -129,7 +132,7 @@ fn parse(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), MeshError> {
     let unparsed = |error| MeshError::Invalid(format!("not a readable glTF file: {error}"));
     let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(unparsed)?;
     let mut root = document.into_json();
-    for [extension, method] in COMPRESSIONS {
+    for [extension, method, remedy] in COMPRESSIONS {
         if root
             .extensions_required
             .iter()
@@ -137,7 +140,7 @@ fn parse(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), MeshError> {
         {
             return Err(MeshError::Invalid(format!(
                 "the glTF file is compressed by {method}, which is not read; export it without \
-                 compression (in Blender: import it, export glTF with Compression off)"
+                 compression ({remedy})"
             )));
         }
     }

@@ -1,5 +1,7 @@
 //! Unit and axes of a scanned hull, estimated from its shape.
 
+use std::ops::RangeInclusive;
+
 use crate::error::MeshError;
 use crate::hull::{Axis, Hull, HullOptions};
 use crate::parameter::range;
@@ -7,7 +9,11 @@ use crate::scan::noise::{Fitted, fit, lowest_of_stations};
 use crate::scan::orientation::{Estimate, keel_yaw};
 
 /// Lengths that a runner may have [m].
-const LENGTHS: [f64; 2] = [0.2, 3.0];
+const LENGTHS: RangeInclusive<f64> = 0.2..=3.0;
+/// Lengths that a runner, or a scanned piece of one, may have [m] ...
+const LENGTHS_OF_PIECES: RangeInclusive<f64> = 0.05..=3.0;
+/// ... where its section has such a radius [m].
+const SECTIONS: RangeInclusive<f64> = 0.003..=0.02;
 /// Metres in the units that files are written in: metres, millimetres, centimetres, inches.
 const UNITS: [f64; 4] = [1.0, 1e-3, 1e-2, 0.0254];
 /// Share of the length, about the middle, over which the rocker is measured.
@@ -42,7 +48,8 @@ impl ScanFrame {
     /// four sides along it the underside is the one whose lowest line is curved (rocker) and whose
     /// section there is (edge), with the largest product of the two curvatures; both are found by
     /// least squares. A ragged rim of an open scan is curved by chance: sides whose rocker is
-    /// significant come first. `None` where no side is rounded both ways.
+    /// significant come first. `None` where no side is rounded both ways. The unit is the first in
+    /// which length and section are a runner's, else the first in which the length is.
     ///
     /// # Errors
     /// [`MeshError::Invalid`] for a hull without any.
@@ -54,9 +61,23 @@ impl ScanFrame {
         let extent = [0, 1, 2].map(|axis| high[axis] - low[axis]);
         let longest = (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b]));
         let forward = longest.unwrap_or(0);
-        let credible =
-            |unit: &&f64| (LENGTHS[0]..=LENGTHS[1]).contains(&(extent[forward] * **unit));
-        let scale = UNITS.iter().find(credible).copied().unwrap_or(1.0);
+        let length = extent[forward];
+        let units = |lengths: RangeInclusive<f64>| {
+            let credible = move |unit: &f64| lengths.contains(&(length * unit));
+            UNITS.into_iter().filter(credible)
+        };
+        let sides =
+            units(LENGTHS_OF_PIECES).filter_map(|unit| Self::lowest_side(hull, forward, unit));
+        let mut sides = sides.filter(|frame| SECTIONS.contains(&frame.section_radius));
+        let by_length = || {
+            let unit = units(LENGTHS).next().unwrap_or(1.0);
+            Self::lowest_side(hull, forward, unit)
+        };
+        Ok(sides.next().or_else(by_length))
+    }
+
+    /// The side along the axis `forward` that is rounded as an underside is, by a unit.
+    fn lowest_side(hull: &Hull, forward: usize, scale: f64) -> Option<Self> {
         let sides = (0..3)
             .filter(|axis| *axis != forward)
             .flat_map(|index| [false, true].map(|negative| Axis { index, negative }));
@@ -80,7 +101,7 @@ impl ScanFrame {
             let by_roundness = roundness(a).total_cmp(&roundness(b));
             a_significant.cmp(b_significant).then(by_roundness)
         });
-        Ok(best.map(|(_, frame)| frame))
+        best.map(|(_, frame)| frame)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use kufe_telemetry::{Mapping, TextOptions, guess_mapping, read_text};
+use kufe_telemetry::{Channel, Log, Mapping, TextOptions, guess_mapping, read_text};
 
 use crate::truth::{column, import};
 
@@ -284,6 +284,51 @@ fn the_axes_of_one_accelerometer_are_taken_together() {
         "ax_mps2 = { from = \"x_acc\" }",
         "ay_mps2 = { from = \"y_acc\" }",
         "\"lateral_acc\"",
+    ] {
+        assert!(guessed.contains(line), "{line:?} is not in:\n{guessed}");
+    }
+}
+
+#[test]
+fn a_file_with_clocks_of_its_own_needs_no_time_channel() {
+    let channel = |name: &str, unit: &str, clock: usize, rows: usize| Channel {
+        name: name.to_string(),
+        unit: Some(unit.to_string()),
+        clock: Some(clock),
+        values: (0..rows).map(|i| i as f64 / rows as f64).collect(),
+    };
+    let log = Log {
+        channels: vec![
+            channel("time (group 0)", "s", 0, 20),
+            channel("Speed", "km/h", 0, 20),
+            channel("time (group 1)", "s", 1, 200),
+            channel("LatAcc", "g", 1, 200),
+        ],
+        clocks: [20, 200]
+            .map(|rows| (0..rows).map(f64::from).collect())
+            .into(),
+        ..Log::default()
+    };
+    let guessed = guess_mapping(&[(PathBuf::from("a.mf4"), log)]);
+    assert!(!guessed.contains("\ntime = "), "{guessed}");
+    assert!(
+        guessed.contains("v_mps = { from = \"Speed\" }"),
+        "{guessed}"
+    );
+}
+
+#[test]
+fn fields_of_a_matlab_structure_are_known_by_their_own_names() {
+    let rows: String = (0..50)
+        .map(|i| format!("{},0.1,1.0\n", 10_000_000 * i))
+        .collect();
+    let text = format!("log.time,log.ax_g,log.az_g\n{rows}");
+    let log = read_text(text.as_bytes(), TextOptions::default(), None, u64::MAX, "a").unwrap();
+    let guessed = guess_mapping(&[(PathBuf::from("a.csv"), log)]);
+    for line in [
+        "time = \"log.time\"          # usual step 10000000: 100 Hz\ntime_unit = \"ns\"",
+        "ax_mps2 = { from = \"log.ax_g\" }",
+        "az_mps2 = { from = \"log.az_g\" }",
     ] {
         assert!(guessed.contains(line), "{line:?} is not in:\n{guessed}");
     }

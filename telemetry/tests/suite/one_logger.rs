@@ -240,3 +240,16 @@ fn a_run_without_all_of_its_files_is_excluded_with_its_reason() {
     std::fs::remove_file(folder.path().join("raw/a_1.csv")).unwrap();
     assert!(plan(&mapping, folder.path(), "mapping.toml").is_err());
 }
+
+#[test]
+fn the_last_row_by_times_since_1970_is_kept() {
+    let mapping = "[logger.box]\nfiles = \"raw/*.csv\"\ntime = \"t_s\"\n[channels]\nv_mps = { from = \"v_mps\" }\n";
+    for rows in [4000, 4360, 5001] {
+        let row = |i: i32| format!("{:.2},{i}\n", 1_795_861_320.0 + 0.01 * f64::from(i));
+        let rows_of: String = (0..rows).map(row).collect();
+        let folder = folder_with(&[("r.csv", format!("t_s,v_mps\n{rows_of}"))]);
+        let imported = import(folder.path(), mapping).unwrap();
+        let values = imported[0].run.column("v_mps").unwrap();
+        assert_eq!(values.last(), Some(&f64::from(rows - 1)));
+    }
+}

@@ -89,7 +89,8 @@ fn unit_axes_and_radii_of_a_turned_hull_are_told_and_its_case_presses_as_hertz_d
     ]);
     let heavy = std::fs::read_to_string(bench.path("heavy.toml")).expect("a case");
     assert!(heavy.contains("\nfz_n = 2000.0\n"), "{heavy}");
-    bench.succeeds(&["hull", "check", "turned.obj", "-o", "turned.toml"]);
+    let said = bench.succeeds(&["hull", "check", "turned.obj", "-o", "turned.toml"]);
+    assert!(said.contains("wrote turned.toml for 1000 N"), "{said}");
     bench.succeeds(&["press", "turned.toml", "-o", "out"]);
     let text = std::fs::read_to_string(bench.path("out/result.json")).expect("a result");
     let result: Value = serde_json::from_str(&text).expect("JSON");
@@ -105,6 +106,25 @@ fn unit_axes_and_radii_of_a_turned_hull_are_told_and_its_case_presses_as_hertz_d
         3,
         &["turned.toml", "exists already"],
     );
+}
+
+/// A piece of 160 mm is no runner of 1.6 m, whose section would be 50 mm in radius.
+#[test]
+fn the_unit_of_a_piece_of_a_runner_follows_from_its_section() {
+    let bench = Bench::new();
+    for (length, unit) in [
+        ("0.16", 1e-3),
+        ("0.16", 1.0),
+        ("1.0", 1e-2),
+        ("1.0", 0.0254),
+    ] {
+        let size = ["--length-m", length, "--edge-length-m", "0.001", "--force"];
+        bench.succeeds(&[&["hull", "bob", "-o", "bob.obj"][..], &size].concat());
+        let obj = std::fs::read_to_string(bench.path("bob.obj")).expect("a hull");
+        bench.write("piece.obj", scanned(&obj, 0.0, |p| p.map(|x| x / unit)));
+        let found = checked(&bench, "piece.obj");
+        assert_eq!(number(&found, "scale"), unit, "{length}: {found:#}");
+    }
 }
 
 #[test]
@@ -539,6 +559,14 @@ fn a_turned_scan_is_turned_back_and_pressed_within_its_stated_error() {
         bench.succeeds(&[
             "hull", "check", &file, "--fz-n", "1000", "--p-max", "0.1", "-o", &case,
         ]);
+        if name == "yaw" {
+            let text = std::fs::read_to_string(bench.path(&case)).expect("a case");
+            let unturned = |line: &&str| !line.contains("_rad = ");
+            let lines: Vec<&str> = text.lines().filter(unturned).collect();
+            bench.write("unturned.toml", lines.join("\n"));
+            let said = errors(&bench.kufe(&["press", "unturned.toml", "-o", "unturned"]));
+            assert!(said.contains("runner.yaw_rad = -0.05"), "{said}");
+        }
         let output = bench.kufe(&["press", &case, "-o", name]);
         assert!(
             matches!(output.status.code(), Some(0 | 4)),

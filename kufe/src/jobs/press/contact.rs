@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use kufe_contact::{CentreLine, Error, Options, Problem, Runner, RunnerLoads, Solution};
 use kufe_contact::{boundary_elements_to_compare, centre_line, runner_loads, solve};
-use kufe_mesh::{Orientation, Underside};
+use kufe_mesh::Underside;
 
 use crate::case::{
     AccuracyTable, Case, FittedHull, IceTable, LoadTable, RunnerTable, SlidingTable, SolverTable,
@@ -295,7 +295,7 @@ pub fn press_prepared(
         scanned.and_then(|hull| at_rim(hull, &solution)),
         scanned
             .filter(|_| short.is_some())
-            .and_then(|hull| turned(&loaded, hull)),
+            .and_then(|hull| loaded.turned(hull)),
     ];
     let deep = sliding.as_ref().and_then(SolvedSliding::too_deep);
     for warning in remarks.into_iter().flatten().chain(differ).chain(deep) {
@@ -432,25 +432,6 @@ fn at_rim(hull: &FittedHull, solution: &Solution) -> Option<String> {
             "the contact reaches the rim of what was scanned ({}): its pressure there is that of the rim; scan farther, or correct yaw, pitch \
              and roll (`kufe hull check`)",
             reached.join("; ")
-        )
-    })
-}
-
-/// That a scan is turned about z, where its case states no rotation: its contact then lies aslant on
-/// the grid, which needs many more cells.
-fn turned(loaded: &LoadedCase, hull: &FittedHull) -> Option<String> {
-    const ASLANT: f64 = 0.005;
-    let runner = &loaded.case.runner;
-    let stated = [runner.yaw_rad, runner.pitch_rad, runner.roll_rad];
-    if stated.iter().any(Option::is_some) {
-        return None;
-    }
-    let orientation = Orientation::of(hull.scan.as_ref()?, hull.noise.found).ok()?;
-    let [.., yaw] = orientation.significant();
-    (yaw.abs() > ASLANT).then(|| {
-        format!(
-            "the hull is turned about z, into runner axes by runner.yaw_rad = {yaw:.4}: its contact lies aslant on the grid; `kufe hull check -o` \
-             writes a case with its yaw, pitch and roll"
         )
     })
 }

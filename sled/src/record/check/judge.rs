@@ -43,7 +43,9 @@ pub fn judge_by(runs: &[Run], rules: &RelationRules) -> Vec<Fault> {
             && is_complete(slow)
         {
             let turned = rotation.applied(slow);
-            faults.push(rotation.fault(run, slow, &turned));
+            if rotation.reported {
+                faults.push(rotation.fault(run, slow, &turned));
+            }
             *slow = turned;
         }
         let mended = slow.map(|slow| rules.mend_all(run, slow, &mut faults));

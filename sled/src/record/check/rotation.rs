@@ -23,7 +23,9 @@ use crate::record::check::judge::{RelationRules, evidence};
 use crate::record::check::rigid_body::{Agreement, Slow, coefficients};
 use crate::record::run::Run;
 
-/// Least angle of the forward axis that is reported [rad]: 3 degrees. Boxes are mounted within less.
+/// Least angle of the forward axis that is reported [rad]: 3 degrees. Boxes are mounted within less,
+/// which is undone all the same before single channels are judged: gravity along a box that is
+/// pitched by it exceeds what the speed explains, and resembles another sign.
 const LEAST_FORWARD: f64 = 0.052;
 /// Least roll that is reported [rad], where the forward axis is right: a track that turns to one
 /// side more than to the other turns the mean force.
@@ -43,6 +45,8 @@ pub(super) struct BoxRotation {
     rotation: Rotation3<f64>,
     /// Standard error of the forward axis [rad].
     error: f64,
+    /// Whether it is a finding, not the usual accuracy of a mount.
+    pub reported: bool,
     proven: bool,
 }
 
@@ -57,7 +61,7 @@ impl BoxRotation {
         }
         let forward = forward.normalize();
         let angle = forward.angle(&Vector3::x());
-        let turned = angle > LEAST_FORWARD.max(rules.least_t * error);
+        let turned = angle > rules.least_t * error;
         let forward = if turned { forward } else { Vector3::x() };
         let forces = runs.iter().map(|slow| mean_force(slow));
         let force = forces.sum::<Vector3<f64>>() / runs.len() as f64;
@@ -71,6 +75,7 @@ impl BoxRotation {
         let mut found = BoxRotation {
             rotation,
             error,
+            reported: !turned || angle > LEAST_FORWARD,
             proven: false,
         };
         // The relations do not know the roll; the forward axis shows in them.

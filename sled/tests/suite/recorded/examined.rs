@@ -303,6 +303,11 @@ fn a_box_that_is_turned_is_one_fault_with_its_rotation() {
     assert!(slight.iter().all(|fault| !fault.proven), "{slight:?}");
     assert_eq!(slight[0].kind, FaultKind::Rotation);
     assert!(judge(&[in_a_box("a", [0.0, 0.0, 0.005]), in_a_box("b", [0.0; 3])]).is_empty());
+    // The usual accuracy of a mount is no other sign of a channel.
+    for pitch in [-0.045, -0.03, 0.03, 0.045] {
+        let mounted = ["a", "b"].map(|name| in_a_box(name, [0.0, pitch, 0.0]));
+        assert_eq!(judge(&mounted), [], "{pitch}");
+    }
 }
 
 /// The run under another name with its yaw rate times `sign`.
