@@ -81,6 +81,8 @@ pub struct RunFit {
     pub estimates: Vec<Estimate>,
     /// The model of the final estimates.
     pub settled: ResidualModel,
+    /// The same with the final estimates given the base as stated.
+    pub base_as_given: Option<Box<RunFit>>,
     /// For each session its training runs and the model of the final estimates without it.
     pub left_out: Vec<(Vec<usize>, ResidualModel)>,
 }
@@ -97,6 +99,7 @@ impl RunFit {
             unwritten: None,
             estimates: Vec::new(),
             left_out: Vec::new(),
+            base_as_given: None,
         }
     }
 

@@ -12,7 +12,8 @@
 //! A quantity is worse if its mean square grows by more than its scatter over the pieces or
 //! sessions, by more than a stated share, and for a replay by more than the variance of the
 //! sensor's noise. The first model without a worse quantity is written, of: base and effects, the
-//! refitted base if its replays are better, the model as given.
+//! refitted base, the model as given. With and without effects the base is refitted if the replays
+//! are better than with the base as given.
 
 use kufe_sled::{
     Inputs, Model, SimulateOptions, Track, TrackShape, Vehicle, refuse_effects, replay,
@@ -158,16 +159,37 @@ impl Campaign<'_> {
         let mut withheld = Vec::new();
         let mut chosen = None;
         for (kind, fit) in candidates {
-            let performance = self.performance(&fit, Some(&given.replayed));
-            let reasons = match &performance {
-                Ok(performance) => {
-                    let mut reasons = performance.worse_than(&given, rules);
-                    if kind == ModelKind::Refitted && performance.misfit() > given.misfit() {
-                        reasons.push("other runs are not replayed better".to_owned());
+            let mut bases = vec![fit.clone()];
+            if let (ModelKind::WithEffect, Some(other)) = (kind, &fit.base_as_given) {
+                let settled = self.installed_in(&other.settled, &fit.whitener, &self.training);
+                bases.push(RunFit {
+                    settled,
+                    ..(**other).clone()
+                });
+            }
+            let tried = bases.into_iter().map(|fit| {
+                let performance = self.performance(&fit, Some(&given.replayed));
+                let reasons = match &performance {
+                    Ok(performance) => {
+                        let mut reasons = performance.worse_than(&given, rules);
+                        if kind == ModelKind::Refitted && performance.misfit() > given.misfit() {
+                            reasons.push("other runs are not replayed better".to_owned());
+                        }
+                        reasons
                     }
-                    reasons
-                }
-                Err(reason) => vec![reason.clone()],
+                    Err(reason) => vec![reason.clone()],
+                };
+                (fit, performance, reasons)
+            });
+            let misfit = |(_, performance, reasons): &(_, Result<Performance, _>, Vec<_>)| {
+                let misfit = performance.as_ref().map(Performance::misfit);
+                (!reasons.is_empty(), misfit.unwrap_or(f64::INFINITY))
+            };
+            let Some((fit, performance, reasons)) = tried.min_by(|a, b| {
+                let ((a, of_a), (b, of_b)) = (misfit(a), misfit(b));
+                a.cmp(&b).then(of_a.total_cmp(&of_b))
+            }) else {
+                continue;
             };
             let is_able = reasons.is_empty();
             if !is_able && chosen.is_none() {

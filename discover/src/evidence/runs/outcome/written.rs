@@ -15,7 +15,7 @@ impl Campaign<'_> {
     ///
     /// Base and effects are estimated given the installation errors, with the stated base as prior:
     /// the plausible factor is two standard deviations. Parameters that the data hardly determine
-    /// remain near their stated values.
+    /// remain near their stated values. Effects are also estimated given the base as stated.
     pub fn write(&self, fit: &mut RunFit) {
         let model = fit.residual_model.with_fixed(false);
         let mut found = self.estimates(&model, &fit.whitener);
@@ -23,7 +23,18 @@ impl Campaign<'_> {
             self.widen(&mut found, &model, &fit.whitener);
         }
         let sd = 0.5 * self.options.rules.search.plausible.ln();
-        let found = found.given_base(&self.free, sd);
+        let stated = found.clone().given_base(&self.free, 0.0);
+        self.set_final(fit, found.given_base(&self.free, sd));
+        let mut base_as_given = fit.clone();
+        self.set_final(&mut base_as_given, stated);
+        let of_base = base_as_given.estimates.iter_mut().zip(&fit.estimates);
+        for (b, (stated, estimate)) in self.free.iter().zip(of_base) {
+            *stated = estimate.stated_as(self.given.base[*b]);
+        }
+        fit.base_as_given = Some(Box::new(base_as_given));
+    }
+
+    fn set_final(&self, fit: &mut RunFit, found: FinalEstimates) {
         fit.estimates = found.estimates;
         fit.settled = found.model.with_fixed(true);
         let scales = self.scales(&fit.settled);
