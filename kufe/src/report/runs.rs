@@ -67,7 +67,7 @@ const FIRST: [&str; 6] = [
 
 impl RunsPage {
     /// Most values of a page of 15 MB: of 16 bits each, in base64.
-    pub const MOST_VALUES: usize = 5_550_000;
+    pub const MOST_VALUES: usize = 5_500_000;
 
     /// Of the runs with these channels.
     pub fn new(viewed: ViewedRuns) -> RunsPage {
