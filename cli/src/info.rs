@@ -82,7 +82,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     }
     let ending = path.extension().unwrap_or_default().to_string_lossy();
     let contents = match ending.to_ascii_lowercase().as_str() {
-        "obj" | "glb" | "gltf" | "stl" | "3mf" => Datum::of(&hull(path)?),
+        // Exact shapes and unknown triangles: the reader names what converts them.
+        "obj" | "glb" | "gltf" | "stl" | "3mf" | "step" | "stp" | "iges" | "igs" | "ply"
+        | "off" => Datum::of(&hull(path)?),
         "lut" => table(&read_table(path)?, None)?,
         "fmu" => {
             let file = open_regular(path).map_err(unreadable)?;

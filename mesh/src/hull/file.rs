@@ -67,6 +67,7 @@ pub fn load_hull(path: &Path, options: &HullOptions) -> Result<(Hull, HullReport
     let format = match ending(path).as_str() {
         "3mf" => None,
         "step" | "stp" | "iges" | "igs" => return Err(in_file(exact_shape(path))),
+        "ply" | "off" => return Err(in_file(other_triangles(path))),
         _ => Some(HullFormat::of(path).map_err(in_file)?),
     };
     let bytes = read_file(path, MOST_BYTES)?;
@@ -82,6 +83,16 @@ pub fn load_hull(path: &Path, options: &HullOptions) -> Result<(Hull, HullReport
     let hull = hull.map_err(in_file)?;
     let report = check_hull(&hull).map_err(in_file)?;
     Ok((hull, report))
+}
+
+/// The error of a format of triangles that is not read, with the command that converts it.
+fn other_triangles(path: &Path) -> MeshError {
+    MeshError::Invalid(format!(
+        "the format is not read: expected obj, gltf, glb, stl or 3mf; `meshio convert {} {}` \
+         converts it",
+        path.display(),
+        path.with_extension("stl").display()
+    ))
 }
 
 /// The error of a file of exact shapes, with the command that makes triangles of them.
@@ -161,7 +172,8 @@ mod tests {
         assert!(message(&path).contains("empty.obj"));
         std::fs::write(&path, "").unwrap();
         assert!(message(&path).contains("empty.obj: the hull has no triangles"));
-        assert!(message(Path::new("bob.ply")).contains("\"ply\""));
+        assert!(message(Path::new("bob.xyz")).contains("\"xyz\""));
+        assert!(message(Path::new("bob.ply")).contains("`meshio convert bob.ply bob.stl`"));
         for name in ["of/bob.STEP", "of/bob.stp", "of/bob.iges", "of/bob.igs"] {
             let refusal = message(Path::new(name));
             assert!(refusal.contains(&format!("`gmsh {name} -2 ")), "{refusal}");

@@ -117,6 +117,7 @@ pub(crate) fn remark(runs: &mut [Run], suspected: &[Fault]) {
     };
     let more = match count {
         1 => String::new(),
+        2 => ", and another run raises doubts".to_owned(),
         count => format!(", and {} other runs raise doubts", count - 1),
     };
     first.remarks.push(format!(
