@@ -27,6 +27,11 @@ pub struct MapRules {
     pub independent_pixels: f64,
     /// Share of a pixel by which its place is uncertain. Chosen.
     pub pixel_place: f64,
+    /// Standard deviation of a film's shift against the runner, in each direction, if none is stated
+    /// \[m\]. Chosen: a film is laid to a mark by hand.
+    pub film_shift_m: f64,
+    /// The same of its rotation \[rad\]. Derived: each end of a film 0.14 m long is off by the shift.
+    pub film_rotation_rad: f64,
     /// Relative error of the peak by the solves. Chosen.
     pub solves: f64,
 }
@@ -46,6 +51,8 @@ impl Default for MapRules {
             reporting_cells: 12,
             independent_pixels: 4.0,
             pixel_place: 1.0 / 3.0,
+            film_shift_m: 5e-4,
+            film_rotation_rad: 5e-3,
             solves: 0.003,
         }
     }
