@@ -25,7 +25,7 @@ use crate::evidence::maps::sample::{FilmPosition, SolvedPressure, centre};
 
 /// Trials of Gauss-Newton.
 const TRIALS: usize = 30;
-/// Predicted decrease of the sum of squares, in units of one independent value, below which it ends.
+/// Predicted decrease of the sum of squares, in independent values, below which it ends.
 const CONVERGED: f64 = 1e-4;
 
 /// Standard deviations of a film's position.

@@ -81,7 +81,8 @@ impl<'a> Simulations<'a> {
     /// Errors fall at least as the first power of the cell near the rim. With n cells on the coarse
     /// mesh and m on the fine one, the error of the fine solution is `|difference| / (m / n - 1)`.
     /// The largest difference within a cell counts, since the two may agree at a pixel by chance
-    /// where a rim lies between two nodes. Both lie on the film as the fine one without effects does.
+    /// where a rim lies between two nodes. Both have the film's position of the fine one without
+    /// effects.
     pub fn new(rows: Vec<&'a Row>, rules: &MapRules) -> Result<Self, Error> {
         let mut simulations = Simulations {
             rows,
@@ -349,8 +350,8 @@ mod tests {
     const MOVED: ([f64; 2], f64) = ([-0.25e-3, 0.17e-3], 5e-3);
     const IN_PLACE: ([f64; 2], f64) = ([0.0, 0.0], 0.0);
 
-    /// A row with the map of Hertz's closed form at a force [N], `gain` times, on a film whose point
-    /// X lies at `x = R(-rotation) (X - shift)`; its window follows the contact.
+    /// A row with the map of Hertz's closed form at a force [N], `gain` times, on a film whose
+    /// point X lies at `x = R(-rotation) (X - shift)`; its window follows the contact.
     fn hertz_row(
         fz: f64,
         (shift, rotation): ([f64; 2], f64),

@@ -28,7 +28,8 @@ pub struct MapRules {
     /// Standard deviation of a film's shift against the runner, in each direction, if none is stated
     /// \[m\]. Chosen: a film is laid to a mark by hand.
     pub film_shift_m: f64,
-    /// The same of its rotation \[rad\]. Derived: each end of a film 0.14 m long is off by the shift.
+    /// The same of its rotation \[rad\]. Derived: each end of a film 0.14 m long is off by the
+    /// shift.
     pub film_rotation_rad: f64,
     /// Relative error of the peak by the solves. Chosen.
     pub solves: f64,

@@ -6,8 +6,8 @@
 //!
 //! s0 [Pa] from the rim of the map outside of the contact; k from the mixed second differences of
 //! neighbouring pixels, which vanish for smooth maps (after J. Immerkaer, Comput. Vis. Image
-//! Underst. 64 (1996) 300-302); f = 0.3 per cent for the solves. The place of the pixels is not part of
-//! it, since the film is registered.
+//! Underst. 64 (1996) 300-302); f = 0.3 per cent for the solves. The place of the pixels is not part
+//! of it, since the film is registered.
 
 use kufe::case::effects::Map;
 
