@@ -105,13 +105,14 @@ const EXPERIMENT_KEYS: [&str; 4] = [
     "experiments.near_largest",
     "experiments.rivals.needed_t",
 ];
-const MAP_KEYS: [&str; 9] = [
+const MAP_KEYS: [&str; 10] = [
     "maps.least_drop",
     "maps.least_share",
     "maps.rivals.needed_t",
     "maps.unclean",
     "maps.searching_cells",
     "maps.independent_pixels",
+    "maps.pixel_place",
     "maps.film_shift_m",
     "maps.film_rotation_rad",
     "maps.solves",
