@@ -3,6 +3,7 @@
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::error::Error;
+use crate::evidence::maps::registration::Registered;
 use crate::evidence::maps::simulate::Simulations;
 use crate::evidence::maps::sized::SizedEffects;
 use crate::finding::{Bin, significant};
@@ -14,11 +15,11 @@ const BINS: usize = 8;
 pub fn bins(simulations: &Simulations, active: &SizedEffects) -> Result<Vec<Bin>, Error> {
     let rules = &simulations.rules;
     let as_one = rules.independent_pixels.powi(2);
-    let maps = simulations.maps(active, rules.reporting_cells)?;
+    let maps = simulations.registered(active, rules.reporting_cells)?;
     // One value per pixel in contact: load, curvature, place, simulated pressure, residual.
     let mut values: Vec<([f64; 5], f64)> = Vec::new();
     for (row, map) in simulations.rows.iter().zip(&maps) {
-        let (Some(map), Some(measured)) = (map, &row.map) else {
+        let (Some(Registered { map, .. }), Some(measured)) = (map, &row.map) else {
             continue;
         };
         let largest = map.pressure.iter().copied().fold(0.0, f64::max);

@@ -5,13 +5,15 @@
 //! by the sum of squares at their best size:
 //!
 //! ```text
-//! chi2 = sum over pixels (p_measured - p_simulated)^2 / var / (pixels for one independent value)  +  peaks
+//! chi2 = sum over pixels (p_measured - p_simulated)^2 / var / (pixels for one independent value)
+//!      + sum over maps (film's position / tolerance)^2  +  peaks
 //! ```
 //!
-//! var is that of `noise` plus the squared discretisation error of that pixel. A selected effect
-//! must lower chi2 by more than 30 and by a fifth. Its class contains every effect whose best fit
-//! is worse by less than 9 in units of the best fit's mean square. A size within three standard
-//! errors of 0 is not selected. Sizes are reported from finer meshes (`polish`).
+//! Shift and rotation of each film are fitted in every comparison (`registration`). var is that of
+//! `noise` plus the squared discretisation error of that pixel. A selected effect must lower chi2
+//! by more than 30 and by a fifth. Its class contains every effect whose best fit is worse by less
+//! than 9 in units of the best fit's mean square. A size within three standard errors of 0 is not
+//! selected. Sizes are reported from finer meshes (`polish`).
 
 use std::path::Path;
 
@@ -30,7 +32,7 @@ use crate::evidence::maps::screen::{Steps, detectable, screen_maps};
 use crate::evidence::maps::selection::{place, select};
 use crate::evidence::maps::simulate::{Misfit, Simulations};
 use crate::evidence::maps::sized::SizedEffects;
-use crate::finding::{ChannelGap, Fitted, HeldOut, Interval, Step};
+use crate::finding::{ChannelGap, Fitted, HeldOut, Interval, Step, Tolerated};
 use crate::options::Options;
 use crate::procedure::closed::ClosedGap;
 use crate::procedure::evidence::{
@@ -104,7 +106,7 @@ impl<'a> Maps<'a> {
     }
 
     fn unclean(&self, misfit: &Misfit) -> bool {
-        misfit.chi2 > self.rules().unclean * misfit.count
+        misfit.in_contact > self.rules().unclean * misfit.count
     }
 
     /// Whether the best candidate of a screen may be selected.
@@ -119,8 +121,9 @@ impl<'a> Maps<'a> {
     /// A named effect is doubtful if most of the misfit above the noise remains.
     fn doubt(&self, last: &Misfit, steps: &[Step]) -> Option<String> {
         let [most, share] = self.rules().doubtful;
-        let remaining = (last.chi2 - last.count) / (self.start.chi2 - self.start.count).max(1e-9);
-        let doubtful = last.chi2 > most * last.count && remaining > share;
+        let excess = |misfit: &Misfit| misfit.in_contact - misfit.count;
+        let remaining = excess(last) / excess(&self.start).max(1e-9);
+        let doubtful = last.in_contact > most * last.count && remaining > share;
         let names: Vec<&str> = steps.iter().map(|s| s.effect.as_str()).collect();
         (doubtful && !names.is_empty()).then(|| {
             format!(
@@ -204,6 +207,45 @@ impl<'a> Maps<'a> {
         }
     }
 
+    /// Positions of the films that differ from zero: within the tolerance, or as a remark.
+    fn within_tolerance(
+        &self,
+        last: &MapFit,
+        account: &mut Account,
+    ) -> Result<Vec<Tolerated>, Error> {
+        let quantile = self.options.rules.search.interval;
+        let cells = self.rules().reporting_cells;
+        let mut within = Vec::new();
+        for rows in [&self.training, &self.held_out] {
+            let films = rows.registered(&last.active, cells)?;
+            for (row, film) in rows.rows.iter().zip(films) {
+                let Some(film) = film else { continue };
+                let [along, across] = film.position.shift;
+                let parts = [
+                    ("shift of the film along", along, "m"),
+                    ("shift of the film across", across, "m"),
+                    ("rotation of the film", film.position.rotation, "rad"),
+                ];
+                for (k, (what, size, unit)) in parts.into_iter().enumerate() {
+                    let (z, half) = (film.z[k].abs(), quantile * film.errors[k]);
+                    if z > half + quantile {
+                        account.remarks.push(format!(
+                            "{what}, {}: {size:.2e} {unit}, {z:.1} standard deviations of its tolerance: it was corrected for and not named",
+                            row.name
+                        ));
+                    } else if z > half {
+                        within.push(Tolerated {
+                            what: format!("{what}, {}", row.name),
+                            size,
+                            unit: unit.to_owned(),
+                        });
+                    }
+                }
+            }
+        }
+        Ok(within)
+    }
+
     fn parameters(&self, last: &MapFit) -> Vec<Vec<Fitted>> {
         let spread = last.misfit.mean_square().sqrt();
         let quantile = self.options.rules.search.interval;
@@ -254,7 +296,7 @@ impl Evidence for Maps<'_> {
         self.next = None;
         let mut selection = None;
         if let Some(best) = lines.first() {
-            let mean_square = (best.chi2() / (before.count - 1.0).max(1.0)).max(1.0);
+            let mean_square = best.misfit().mean_square();
             if self.is_significant(best, before.chi2, mean_square) {
                 selection = Some(select(
                     &lines,
@@ -357,13 +399,14 @@ impl Evidence for Maps<'_> {
         &mut self,
         _: &MapFit,
         last: &MapFit,
-        _: &mut Account,
+        account: &mut Account,
     ) -> Result<Description, Error> {
         let infos = CATALOGUE.iter().map(|e| e.info());
         Ok(Description {
             data: "pressure measurements".to_owned(),
             training: vec![self.gap(&self.start, &last.misfit, &self.training.rows)],
             parameters: self.parameters(last),
+            within_tolerance: self.within_tolerance(last, account)?,
             bins: bins(&self.training, &SizedEffects::new())?,
             bins_after: bins(&self.training, &last.active)?,
             pictures: pictures(&self.training, &self.held_out, &last.active)?,

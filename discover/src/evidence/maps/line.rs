@@ -115,9 +115,14 @@ impl LineSearch {
         self.effect.search.back(self.points[self.best].u)
     }
 
+    /// Misfit at the best size.
+    pub fn misfit(&self) -> &Misfit {
+        &self.points[self.best].misfit
+    }
+
     /// Sum of squares at the best size.
     pub fn chi2(&self) -> f64 {
-        self.points[self.best].misfit.chi2
+        self.misfit().chi2
     }
 
     /// Sum of squares predicted for the next step.

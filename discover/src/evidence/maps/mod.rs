@@ -7,6 +7,7 @@ pub(crate) mod measured;
 pub(crate) mod next_case;
 pub(crate) mod pictures;
 pub(crate) mod polish;
+pub(crate) mod registration;
 pub(crate) mod sample;
 pub(crate) mod screen;
 pub(crate) mod selection;

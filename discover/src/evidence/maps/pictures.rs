@@ -17,8 +17,9 @@ pub fn pictures(
 ) -> Result<Vec<Picture>, Error> {
     let mut pictures: Vec<Picture> = peaks(simulations, locked, active)?.into_iter().collect();
     for (simulations, kind) in [(simulations, "a training map"), (locked, "a held-out map")] {
-        let before = simulations.maps(&SizedEffects::new(), simulations.rules.reporting_cells)?;
-        let after = simulations.maps(active, simulations.rules.reporting_cells)?;
+        let before =
+            simulations.registered(&SizedEffects::new(), simulations.rules.reporting_cells)?;
+        let after = simulations.registered(active, simulations.rules.reporting_cells)?;
         let chi2 = simulations.reporting(&SizedEffects::new())?.by_row;
         let shown = (0..simulations.rows.len())
             .filter(|k| simulations.rows[*k].map.is_some())
@@ -32,10 +33,10 @@ pub fn pictures(
                 caption: String::new(),
                 plot: Plot::Maps(Maps {
                     measured: measured.clone(),
-                    before: before.pressure.clone(),
+                    before: before.map.pressure.clone(),
                     after: match active.is_empty() {
                         true => Vec::new(),
-                        false => after.pressure.clone(),
+                        false => after.map.pressure.clone(),
                     },
                 }),
             });

@@ -1,4 +1,5 @@
-//! Simulated measurements: contact solves seen by the sensor at the pixels of the measured maps.
+//! Simulated measurements: contact solves seen by the sensor at the pixels of the measured maps,
+//! each in the position of its film that fits best ([`Film::register`]).
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -10,14 +11,14 @@ use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::evidence::maps::measured::rows::Row;
-use crate::evidence::maps::sample::sample;
+use crate::evidence::maps::registration::{Film, Moments, Registered};
+use crate::evidence::maps::sample::SolvedPressure;
 use crate::evidence::maps::sized::SizedEffects;
 use crate::procedure::rules::MapRules;
 
-/// Solution of a row before the sensor: a map on its pixels with the smallest cell of the mesh
-/// [pixels], or the peak alone.
+/// Solution of a row before the sensor: the pressure of a row with a map, or the peak alone.
 enum Simulated {
-    Map(Map, [usize; 2]),
+    Pressure(SolvedPressure),
     Peak(f64),
 }
 
@@ -40,7 +41,10 @@ pub struct Misfit {
     pub chi2: f64,
     /// chi2 of each row.
     pub by_row: Vec<f64>,
-    /// Number of independent values.
+    /// Its part at the pixels in contact. Around them is noise alone, on as many pixels as the film
+    /// is large.
+    pub in_contact: f64,
+    /// Number of independent values in contact.
     pub count: f64,
     /// Root mean square over pixels in contact [Pa].
     pub rms: f64,
@@ -53,9 +57,10 @@ pub struct Misfit {
 }
 
 impl Misfit {
-    /// Mean square in units of the noise; at least 1, as the stated noise may be too large.
+    /// Mean square in contact in units of the noise; at least 1, as the stated noise may be too
+    /// large.
     pub fn mean_square(&self) -> f64 {
-        (self.chi2 / (self.count - 1.0).max(1.0)).max(1.0)
+        (self.in_contact / (self.count - 1.0).max(1.0)).max(1.0)
     }
 
     /// Decrease of the sum of squares from this misfit to another of the same rows, by piece.
@@ -76,7 +81,8 @@ impl<'a> Simulations<'a> {
     /// Errors fall at least as the first power of the cell near the rim. With n cells on the coarse
     /// mesh and m on the fine one, the error of the fine solution is `|difference| / (m / n - 1)`.
     /// The largest difference within a cell counts, since the two may agree at a pixel by chance
-    /// where a rim lies between two nodes.
+    /// where a rim lies between two nodes. Both have the film's position of the fine one without
+    /// effects.
     pub fn new(rows: Vec<&'a Row>, rules: &MapRules) -> Result<Self, Error> {
         let mut simulations = Simulations {
             rows,
@@ -93,11 +99,15 @@ impl<'a> Simulations<'a> {
         let factor = 1.0 / (finer - 1.0).max(1e-3);
         let pairs = coarse.iter().zip(fine.iter()).zip(&simulations.rows);
         simulations.deviation = pairs
-            .map(|((coarse, fine), row)| match (coarse, fine) {
-                (Simulated::Map(a, cell), Simulated::Map(b, _)) => {
-                    let both = a.pressure.iter().zip(&b.pressure);
+            .map(|((coarse, fine), row)| match (coarse, fine, &row.map) {
+                (Simulated::Pressure(a), Simulated::Pressure(b), Some(film)) => {
+                    let position = register(row, film, b, &row.noise, &none, rules).position;
+                    let [coarse, fine] = [a, b].map(|solved| solved.on(film, &position).pressure);
+                    let both = coarse.iter().zip(&fine);
                     let differences: Vec<f64> = both.map(|(a, b)| (a - b).abs()).collect();
-                    let largest = largest_within(&differences, [a.nx, a.ny], *cell);
+                    let [along, across] = a.smallest_cell();
+                    let cell = [along / film.dx, across / film.dy].map(|c| c.ceil() as usize);
+                    let largest = largest_within(&differences, [film.nx, film.ny], cell);
                     let own = row.noise.iter().zip(largest);
                     own.map(|(sd, error)| sd.hypot(factor * error)).collect()
                 }
@@ -118,10 +128,12 @@ impl<'a> Simulations<'a> {
     }
 
     fn misfit(&self, active: &SizedEffects, cells: usize) -> Result<Misfit, Error> {
-        let seen = self.simulated(active, cells)?;
+        let registered = self.registered(active, cells)?;
+        let peaks = self.peaks(active, cells)?;
         let mut out = Misfit {
             chi2: 0.0,
             by_row: Vec::new(),
+            in_contact: 0.0,
             count: 0.0,
             rms: 0.0,
             rest: Vec::new(),
@@ -129,9 +141,16 @@ impl<'a> Simulations<'a> {
             moments: Vec::new(),
         };
         let mut values = 0.0;
-        for ((row, seen), deviation) in self.rows.iter().zip(seen.iter()).zip(&self.deviation) {
+        for (k, row) in self.rows.iter().enumerate() {
             let from = out.rest.len();
-            values += compare(row, seen, deviation, active, &self.rules, &mut out);
+            let deviation = &self.deviation[k];
+            values += match (&row.map, &registered[k], peaks[k]) {
+                (Some(film), Some(simulated), _) => {
+                    compare(film, simulated, deviation, &self.rules, &mut out)
+                }
+                (_, _, Some(peak)) => compare_peak(row, peak, deviation[0], &mut out),
+                _ => unreachable!("a row has a map or a peak"),
+            };
             let own: f64 = out.rest[from..].iter().map(|r| r * r).sum();
             out.by_row.push(own);
         }
@@ -141,15 +160,22 @@ impl<'a> Simulations<'a> {
         Ok(out)
     }
 
-    /// Simulated maps of the rows; `None` for rows without a measured map.
-    pub fn maps(&self, active: &SizedEffects, cells: usize) -> Result<Vec<Option<Map>>, Error> {
+    /// Simulated maps of the rows, registered; `None` for rows without a measured map.
+    pub fn registered(
+        &self,
+        active: &SizedEffects,
+        cells: usize,
+    ) -> Result<Vec<Option<Registered>>, Error> {
         let seen = self.simulated(active, cells)?;
-        Ok(seen
-            .iter()
-            .zip(&self.rows)
-            .map(|(seen, row)| match seen {
-                Simulated::Map(map, _) => Some(sensed(row, map, active)),
-                Simulated::Peak(_) => None,
+        let rules = &self.rules;
+        let rows = self.rows.par_iter().zip(seen.par_iter());
+        Ok(rows
+            .zip(&self.deviation)
+            .map(|((row, seen), deviation)| match (seen, &row.map) {
+                (Simulated::Pressure(solved), Some(film)) => {
+                    Some(register(row, film, solved, deviation, active, rules))
+                }
+                _ => None,
             })
             .collect())
     }
@@ -160,7 +186,7 @@ impl<'a> Simulations<'a> {
         let pairs = seen.iter().zip(&self.rows);
         Ok(pairs
             .map(|(seen, row)| match seen {
-                Simulated::Map(..) => None,
+                Simulated::Pressure(_) => None,
                 Simulated::Peak(p_max) => Some(sensed_peak(row, *p_max, active)),
             })
             .collect())
@@ -198,19 +224,7 @@ fn simulate(row: &Row, active: &SizedEffects, cells: usize) -> Result<Simulated,
     };
     let solution = solve(&problem, &options)?;
     Ok(match &row.map {
-        Some(measured) => {
-            let surface = &solution.surface;
-            let map = sample(surface, solution.bound(), measured);
-            let pixels = |nodes: &[f64], pixel: f64| {
-                let cells = nodes.windows(2).map(|pair| pair[1] - pair[0]);
-                (cells.fold(f64::INFINITY, f64::min) / pixel).ceil() as usize
-            };
-            let cell = [
-                pixels(&surface.x, measured.dx),
-                pixels(&surface.y, measured.dy),
-            ];
-            Simulated::Map(map, cell)
-        }
+        Some(_) => Simulated::Pressure(SolvedPressure::new(&solution.surface, solution.bound())),
         None => Simulated::Peak(solution.p_max),
     })
 }
@@ -227,13 +241,37 @@ fn largest_within(values: &[f64], [nx, ny]: [usize; 2], [along, across]: [usize;
         .collect()
 }
 
-/// The map as read by the sensor.
-fn sensed(row: &Row, map: &Map, active: &SizedEffects) -> Map {
-    let mut map = map.clone();
-    for (effect, size) in row.sensor.iter().chain(active) {
-        effect.sense(*size, &mut map);
-    }
-    map
+/// The solved pressure as read by the sensor, in the position of the film that fits best.
+fn register(
+    row: &Row,
+    measured: &Map,
+    solved: &SolvedPressure,
+    deviation: &[f64],
+    active: &SizedEffects,
+    rules: &MapRules,
+) -> Registered {
+    let film = Film {
+        measured,
+        weights: &weights(measured, deviation, rules),
+        tolerance: row.film,
+    };
+    film.register(solved, &|map| {
+        for (effect, size) in row.sensor.iter().chain(active) {
+            effect.sense(*size, map);
+        }
+    })
+}
+
+/// Pixels that count as one independent value, at most a 64th of the map.
+fn patch(map: &Map, rules: &MapRules) -> f64 {
+    let most = (map.nx * map.ny) as f64 / 64.0;
+    rules.independent_pixels.powi(2).min(most).max(1.0)
+}
+
+/// Weight of each pixel [1/Pa].
+fn weights(map: &Map, deviation: &[f64], rules: &MapRules) -> Vec<f64> {
+    let root = patch(map, rules).sqrt();
+    deviation.iter().map(|sd| 1.0 / (sd * root)).collect()
 }
 
 /// The peak as read by the sensor.
@@ -243,146 +281,141 @@ fn sensed_peak(row: &Row, p_max: f64, active: &SizedEffects) -> f64 {
     p_max * all.map(gain).product::<f64>()
 }
 
-/// Adds a row's weighted residuals, independent values and squares [Pa2]; returns its count.
+/// Adds the weighted residual of a peak and its square [Pa2]; returns its count.
+fn compare_peak(row: &Row, simulated: f64, deviation: f64, out: &mut Misfit) -> f64 {
+    let r = row.p_max - simulated;
+    out.rest.push(r / deviation);
+    out.size += (simulated / deviation).powi(2);
+    out.in_contact += (r / deviation).powi(2);
+    out.count += 1.0;
+    out.rms += r * r;
+    1.0
+}
+
+/// Adds a map's weighted residuals, the film's position in standard deviations, independent values
+/// and squares [Pa2]; returns its count.
 fn compare(
-    row: &Row,
-    seen: &Simulated,
+    measured: &Map,
+    simulated: &Registered,
     deviation: &[f64],
-    active: &SizedEffects,
     rules: &MapRules,
     out: &mut Misfit,
 ) -> f64 {
-    let (map, measured) = match (seen, &row.map) {
-        (Simulated::Map(map, _), Some(measured)) => (sensed(row, map, active), measured),
-        (Simulated::Map(..), None) => unreachable!("a map is simulated where one was measured"),
-        (Simulated::Peak(p_max), _) => {
-            let simulated = sensed_peak(row, *p_max, active);
-            let r = row.p_max - simulated;
-            out.rest.push(r / deviation[0]);
-            out.size += (simulated / deviation[0]).powi(2);
-            out.count += 1.0;
-            out.rms += r * r;
-            return 1.0;
-        }
-    };
-    let (own, like) = (moments(measured), moments(&map));
+    let map = &simulated.map;
+    let (own, like) = (Moments::of_map(measured), Moments::of_map(map));
+    let off =
+        |a: usize| (own.middle[a] - like.middle[a] + simulated.position.shift[a]) / own.spread[a];
     out.moments.extend([
-        (own.sum / like.sum.max(1e-300)).ln(),
-        (own.middle[0] - like.middle[0]) / own.spread[0],
-        (own.middle[1] - like.middle[1]) / own.spread[1],
+        (own.sum / like.sum).ln(),
+        off(0),
+        off(1),
         (own.spread[0] / like.spread[0]).ln(),
         (own.spread[1] / like.spread[1]).ln(),
     ]);
-    // A patch of pixels, at most a 64th of the map, counts as one value.
-    let patch = rules
-        .independent_pixels
-        .powi(2)
-        .min((map.nx * map.ny) as f64 / 64.0)
-        .max(1.0);
     let mut touched = 0.0;
     let pairs = measured.pressure.iter().zip(&map.pressure);
-    for ((m, s), sd) in pairs.zip(deviation) {
+    for ((m, s), weight) in pairs.zip(weights(measured, deviation, rules)) {
         out.rms += (m - s).powi(2);
-        let weight = 1.0 / (sd * patch.sqrt());
         out.rest.push((m - s) * weight);
         out.size += (s * weight).powi(2);
         if *s > 0.0 {
             touched += 1.0;
+            out.in_contact += ((m - s) * weight).powi(2);
         }
     }
-    out.count += touched / patch;
+    // The prior's part of the sum of squares.
+    out.rest.extend(simulated.z);
+    out.count += touched / patch(measured, rules);
     f64::max(touched, 1.0)
-}
-
-/// Sum, centre and spread of a map.
-struct Moments {
-    sum: f64,
-    middle: [f64; 2],
-    spread: [f64; 2],
-}
-
-/// Moments of the pixels above a tenth of the largest; the spread is at least a pixel.
-fn moments(map: &Map) -> Moments {
-    let least = 0.1 * map.pressure.iter().copied().fold(0.0, f64::max);
-    let (mut sum, mut first, mut second) = (0.0, [0.0; 2], [0.0; 2]);
-    for (k, p) in map.pressure.iter().enumerate().filter(|(_, p)| **p > least) {
-        sum += p;
-        for (a, place) in [(k % map.nx) as f64, (k / map.nx) as f64]
-            .into_iter()
-            .enumerate()
-        {
-            first[a] += p * place;
-            second[a] += p * place * place;
-        }
-    }
-    let (from, step) = ([map.x0, map.y0], [map.dx, map.dy]);
-    let middle = [0, 1].map(|a| first[a] / f64::max(sum, 1e-300));
-    let spread = [0, 1].map(|a| (second[a] / f64::max(sum, 1e-300) - middle[a].powi(2)).max(1.0));
-    Moments {
-        sum: sum.max(1e-300),
-        middle: [0, 1].map(|a| from[a] + step[a] * middle[a]),
-        spread: [0, 1].map(|a| step[a] * spread[a].sqrt()),
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use std::sync::Arc as Shared;
 
+    use kufe::case::effects::find;
     use kufe_contact::{Ice, Load, Problem, Runner, Tilt, hertz};
     use kufe_mesh::Paraboloid;
 
     use super::*;
     use crate::evidence::maps::measured::noise::deviations;
+    use crate::evidence::maps::polish::polish;
+    use crate::evidence::maps::registration::FilmTolerance;
+    use crate::null::random::{normal, stream};
 
-    /// A map of Hertz's closed form without noise, at these forces [N].
+    const RADII: [f64; 2] = [30.0, 0.005];
+    const E: f64 = 9.0e9;
+    const NU: f64 = 0.33;
+    /// Shift [m] and rotation [rad] of a film that was placed by hand.
+    const MOVED: ([f64; 2], f64) = ([-0.25e-3, 0.17e-3], 5e-3);
+    const IN_PLACE: ([f64; 2], f64) = ([0.0, 0.0], 0.0);
+
+    /// A row with the map of Hertz's closed form at a force [N], `gain` times, on a film whose
+    /// point X lies at `x = R(-rotation) (X - shift)`; its window follows the contact.
+    fn hertz_row(
+        fz: f64,
+        (shift, rotation): ([f64; 2], f64),
+        gain: f64,
+        rules: &MapRules,
+    ) -> Result<Row, Box<dyn std::error::Error>> {
+        let exact = hertz(RADII[0], RADII[1], E / (1.0 - NU * NU), fz)?;
+        let [a, b] = [exact.a, exact.b];
+        let (nx, ny) = (64, 64);
+        let half = [1.5 * a, 1.5 * b + 5e-3 * a];
+        let [dx, dy] = [2.0 * half[0] / nx as f64, 2.0 * half[1] / ny as f64];
+        let [x0, y0] = [shift[0] - half[0] + 0.5 * dx, shift[1] - half[1] + 0.5 * dy];
+        let (sin, cos) = rotation.sin_cos();
+        let at = |x: f64, y: f64| {
+            let (along, across) = (x - shift[0], y - shift[1]);
+            let (x, y) = (cos * along + sin * across, cos * across - sin * along);
+            exact.p_max * (1.0 - (x / a).powi(2) - (y / b).powi(2)).max(0.0).sqrt()
+        };
+        // A pixel of the sensor is the mean over its area.
+        let fine = |k: usize| (k as f64 + 0.5) / 8.0 - 0.5;
+        let pressure: Vec<f64> = (0..nx * ny)
+            .map(|k| {
+                let (x, y) = (x0 + (k % nx) as f64 * dx, y0 + (k / nx) as f64 * dy);
+                let points = (0..64).map(|p| at(x + fine(p % 8) * dx, y + fine(p / 8) * dy));
+                gain * points.sum::<f64>() / 64.0
+            })
+            .collect();
+        let map = Map {
+            nx,
+            ny,
+            x0,
+            y0,
+            dx,
+            dy,
+            pressure,
+        };
+        let runner = Runner::rigid(Shared::new(Paraboloid::new(RADII[0], RADII[1])?));
+        let load = Load::central(fz, Tilt::Free);
+        Ok(Row {
+            name: String::new(),
+            problem: Problem::new(runner, Ice::half_space(E, NU), load),
+            p_max: exact.p_max,
+            p_max_sd: 0.015 * exact.p_max,
+            noise: deviations(&map, exact.p_max, rules),
+            map: Some(map),
+            fz,
+            film: FilmTolerance {
+                shift: rules.film_shift_m,
+                rotation: rules.film_rotation_rad,
+            },
+            sensor: SizedEffects::new(),
+        })
+    }
+
     #[test]
-    fn an_exact_map_differs_by_at_most_the_solver_error() -> Result<(), Box<dyn std::error::Error>>
-    {
-        let (radius_x, radius_y, e, nu) = (30.0, 0.005, 9.0e9, 0.33);
+    fn an_exact_map_differs_by_at_most_the_solver_error_wherever_its_film_lies()
+    -> Result<(), Box<dyn std::error::Error>> {
         let rules = MapRules::default();
-        for fz in [800.0, 2000.0] {
-            let exact = hertz(radius_x, radius_y, e / (1.0 - nu * nu), fz)?;
-            let [a, b] = [exact.a, exact.b];
-            let (nx, ny) = (64, 48);
-            let (dx, dy) = (3.0 * a / nx as f64, 3.0 * b / ny as f64);
-            let (x0, y0) = (-1.5 * a + 0.5 * dx, -1.5 * b + 0.5 * dy);
-            // A pixel of the sensor is the mean over its area.
-            let fine = |k: usize| (k as f64 + 0.5) / 8.0 - 0.5;
-            let at = |x: f64, y: f64| {
-                exact.p_max * (1.0 - (x / a).powi(2) - (y / b).powi(2)).max(0.0).sqrt()
-            };
-            let pressure: Vec<f64> = (0..nx * ny)
-                .map(|k| {
-                    let (x, y) = (x0 + (k % nx) as f64 * dx, y0 + (k / nx) as f64 * dy);
-                    let points = (0..64).map(|p| at(x + fine(p % 8) * dx, y + fine(p / 8) * dy));
-                    points.sum::<f64>() / 64.0
-                })
-                .collect();
-            let map = Map {
-                nx,
-                ny,
-                x0,
-                y0,
-                dx,
-                dy,
-                pressure,
-            };
-            let runner = Runner::rigid(Shared::new(Paraboloid::new(radius_x, radius_y)?));
-            let load = Load::central(fz, Tilt::Free);
-            let row = Row {
-                name: String::new(),
-                problem: Problem::new(runner, Ice::half_space(e, nu), load),
-                p_max: exact.p_max,
-                p_max_sd: 0.015 * exact.p_max,
-                noise: deviations(&map, exact.p_max, &rules),
-                map: Some(map),
-                fz,
-                sensor: SizedEffects::new(),
-            };
+        let none = SizedEffects::new();
+        for (fz, position) in [(800.0, IN_PLACE), (2000.0, IN_PLACE), (800.0, MOVED)] {
+            let row = hertz_row(fz, position, 1.0, &rules)?;
             let simulations = Simulations::new(vec![&row], &rules)?;
-            let none = SizedEffects::new();
             for misfit in [simulations.searching(&none)?, simulations.reporting(&none)?] {
+                // The prior of the position adds 0.5^2 + 0.34^2 + 1^2.
                 let mean_square = misfit.chi2 / misfit.count;
                 println!(
                     "{fz} N: {mean_square:.3}, {:.3e} Pa, {:.1}",
@@ -391,6 +424,79 @@ mod tests {
                 assert!(mean_square < 1.0, "{fz} N: {mean_square}");
             }
         }
+        Ok(())
+    }
+
+    #[test]
+    fn shift_and_rotation_of_a_film_are_estimated_within_their_errors()
+    -> Result<(), Box<dyn std::error::Error>> {
+        let rules = MapRules::default();
+        let row = hertz_row(800.0, MOVED, 1.0, &rules)?;
+        let simulations = Simulations::new(vec![&row], &rules)?;
+        let films = simulations.registered(&SizedEffects::new(), rules.reporting_cells)?;
+        let film = films[0].as_ref().expect("a map");
+        let (shift, rotation) = MOVED;
+        let truth = [
+            shift[0] / rules.film_shift_m,
+            shift[1] / rules.film_shift_m,
+            rotation / rules.film_rotation_rad,
+        ];
+        for (k, truth) in truth.into_iter().enumerate() {
+            let (z, error) = (film.z[k], film.errors[k]);
+            println!("{k}: {z:.4} +- {error:.4}, {truth:.4}");
+            // Without noise only the mesh and the prior differ.
+            assert!(
+                (z - truth).abs() < error.max(0.01),
+                "{k}: {z} +- {error}, {truth}"
+            );
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn a_gain_is_the_same_in_place_and_moved_and_a_film_without_tolerance_stays()
+    -> Result<(), Box<dyn std::error::Error>> {
+        let rules = MapRules::default();
+        let gain = find("sensor-gain").expect("in the catalogue");
+        for position in [IN_PLACE, MOVED] {
+            let row = hertz_row(800.0, position, 1.06, &rules)?;
+            let simulations = Simulations::new(vec![&row], &rules)?;
+            let sizes = polish(&simulations, &vec![(gain, 0.055)], &[0.01])?;
+            let size = sizes.active[0].1;
+            println!("gain {size:.4} +- {:.4}", sizes.errors[0]);
+            assert!((size - 0.06).abs() < 0.003, "{size}");
+        }
+        let fixed = MapRules {
+            film_shift_m: 0.0,
+            film_rotation_rad: 0.0,
+            ..rules
+        };
+        let row = hertz_row(800.0, MOVED, 1.0, &fixed)?;
+        let misfit = Simulations::new(vec![&row], &fixed)?.searching(&SizedEffects::new())?;
+        assert!(misfit.chi2 > 10.0 * misfit.count, "{}", misfit.chi2);
+        Ok(())
+    }
+
+    #[test]
+    fn noise_around_the_contact_is_no_misfit() -> Result<(), Box<dyn std::error::Error>> {
+        let rules = MapRules::default();
+        let mut row = hertz_row(800.0, MOVED, 1.0, &rules)?;
+        let mut rng = stream(5, 1, 0);
+        let map = row.map.as_mut().expect("a map");
+        for p in &mut map.pressure {
+            *p = (*p * (1.0 + 0.03 * normal(&mut rng)) + 3e5 * normal(&mut rng)).max(0.0);
+        }
+        row.noise = deviations(map, row.p_max, &rules);
+        let simulations = Simulations::new(vec![&row], &rules)?;
+        let misfit = simulations.reporting(&SizedEffects::new())?;
+        println!("{:.1} of {:.1} values", misfit.in_contact, misfit.count);
+        // Less than a third of the film is in contact.
+        assert!(misfit.count < 0.3 * 256.0, "{}", misfit.count);
+        assert!(
+            misfit.in_contact < rules.unclean * misfit.count,
+            "{}",
+            misfit.in_contact
+        );
         Ok(())
     }
 

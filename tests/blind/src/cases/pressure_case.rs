@@ -149,7 +149,10 @@ pub fn build(label: &Label, recipe: Recipe, seed: u64) -> Result<Case, CaseError
             (world.gain - 1.0, "factor", "", &[])
         }
     };
-    let mut table = String::from("case,fz_n,radius_m,p_max_pa,p_max_sd_pa,map\n");
+    // The maps are exactly in the frame of the runner.
+    let mut table = String::from(
+        "case,fz_n,radius_m,p_max_pa,p_max_sd_pa,map,map_shift_sd_m,map_rotation_sd_rad\n",
+    );
     let mut files = vec![("case.toml".to_owned(), case_file().into_bytes())];
     for (k, (fz_n, radius_m)) in TESTS.into_iter().enumerate() {
         let (grid, film) = measure(&world, fz_n, radius_m, source)?;
@@ -169,7 +172,7 @@ pub fn build(label: &Label, recipe: Recipe, seed: u64) -> Result<Case, CaseError
         };
         let _ = writeln!(
             table,
-            "case.toml,{fz_n},{radius},{read:.0},{:.0},{name}",
+            "case.toml,{fz_n},{radius},{read:.0},{:.0},{name},0,0",
             PEAK_SD * peak
         );
     }

@@ -103,7 +103,7 @@ const EXPERIMENT_KEYS: [&str; 4] = [
     "experiments.near_largest",
     "experiments.rivals.needed_t",
 ];
-const MAP_KEYS: [&str; 8] = [
+const MAP_KEYS: [&str; 10] = [
     "maps.least_drop",
     "maps.least_share",
     "maps.rivals.needed_t",
@@ -111,6 +111,8 @@ const MAP_KEYS: [&str; 8] = [
     "maps.searching_cells",
     "maps.independent_pixels",
     "maps.pixel_place",
+    "maps.film_shift_m",
+    "maps.film_rotation_rad",
     "maps.solves",
 ];
 

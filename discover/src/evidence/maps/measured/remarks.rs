@@ -24,7 +24,7 @@ pub fn untestable(rows: &[Row]) -> Vec<(String, String)> {
 /// Remarks on the rows.
 pub fn remarks_on(rows: &[Row]) -> Vec<String> {
     let mut remarks = vec![
-        "errors of a pixel: the sensor's noise as the map itself shows it, a third of a pixel in its place, 0.3 % of the peak, and what a finer mesh changes; 16 neighbouring pixels count as one value".to_owned(),
+        "errors of a pixel: the sensor's noise as the map itself shows it, a third of a pixel in its place, 0.3 % of the peak, and what a finer mesh changes; 16 neighbouring pixels count as one value; shift and rotation of each film are fitted within its tolerance".to_owned(),
     ];
     if rows.iter().any(|r| r.map.is_none()) {
         remarks.push("rows without a map contribute their peak pressure alone".to_owned());

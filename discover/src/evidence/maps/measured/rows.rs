@@ -8,6 +8,7 @@ use kufe_contact::{Load, Problem};
 
 use crate::error::Error;
 use crate::evidence::maps::measured::noise::deviations;
+use crate::evidence::maps::registration::FilmTolerance;
 use crate::evidence::maps::sized::SizedEffects;
 use crate::input::exr_map::read_map;
 use crate::input::table::Table;
@@ -28,6 +29,8 @@ pub struct Row {
     pub fz: f64,
     /// Standard deviation of each pixel [Pa]; empty without a map.
     pub noise: Vec<f64>,
+    /// Tolerance of the film's position.
+    pub film: FilmTolerance,
     /// Effects of the sensor that the case contains.
     pub sensor: SizedEffects,
 }
@@ -52,6 +55,8 @@ pub fn read(
     let radius = table.numbers("radius_m", f64::NEG_INFINITY, f64::INFINITY)?;
     let p_max = table.numbers("p_max_pa", 0.0, 1e12)?;
     let p_max_sd = table.numbers("p_max_sd_pa", 1e-9, 1e12)?;
+    let shift = table.optional("map_shift_sd_m", 0.0, 1.0)?;
+    let rotation = table.optional("map_rotation_sd_rad", 0.0, 1.0)?;
     let maps = match table.place("map") {
         Some(_) => table.texts("map")?,
         None => vec![String::new(); cases.len()],
@@ -128,6 +133,12 @@ pub fn read(
             fz: fz[i],
             map,
             noise,
+            film: FilmTolerance {
+                shift: shift.as_ref().map_or(rules.film_shift_m, |own| own[i]),
+                rotation: rotation
+                    .as_ref()
+                    .map_or(rules.film_rotation_rad, |own| own[i]),
+            },
             sensor: sensor(&case),
         });
     }
@@ -138,6 +149,8 @@ pub fn read(
         "p_max_pa",
         "p_max_sd_pa",
         "map",
+        "map_shift_sd_m",
+        "map_rotation_sd_rad",
         "ice_c",
     ];
     let unused: Vec<&str> = table
