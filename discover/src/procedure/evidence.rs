@@ -65,7 +65,7 @@ pub trait Evidence {
     ) -> Result<HeldOutResults, Error>;
 
     /// The model to write: the fit with effects, the refitted base or the model as given, whichever
-    /// comes first of those that are no worse than the model as given on the held-out data.
+    /// comes first of those that are no worse than the model as given on data they were not fitted to.
     fn choose(
         &mut self,
         refitted: &Self::Fit,
@@ -157,7 +157,7 @@ impl Account {
         let gone = std::mem::take(&mut self.steps);
         let names: Vec<&str> = gone.iter().map(|step| step.effect.as_str()).collect();
         let withheld = format!(
-            "{} fits the training runs (p = {:.1e}), but the model with it is worse than the model as given on the held-out runs ({reason}): not named",
+            "{} fits the training runs (p = {:.1e}), but the model with it is worse than the model as given on runs it was not fitted to ({reason}): not named",
             names.join(" with "),
             gone.first().map_or(1.0, |step| step.p_value)
         );

@@ -154,7 +154,7 @@ fn details(report: &Report, viewer: Option<&str>) -> String {
     let folds = folds.into_iter().filter(|(is_shown, ..)| *is_shown);
     let mut out = String::from("<h2>In numbers</h2>\n");
     if !report.baselines.is_empty() {
-        let title = "Three models on held-out data";
+        let title = "Three models on data they were not fitted to";
         out += &models(title, &report.baselines);
     }
     out.extend(folds.map(|(_, title, inner)| fold(title, &inner)));

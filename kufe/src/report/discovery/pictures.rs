@@ -149,7 +149,7 @@ fn strip(plot: &Strip, after: bool) -> Panel {
     };
     let means = line((0..count).map(mean).collect(), 1.8, INK);
     layers.push(named(means, "mean of all runs"));
-    if after {
+    if after && !plot.discrepancy.is_empty() {
         layers.push(line(plot.discrepancy.clone(), 2.4, AFTER).named("model discrepancy"));
     }
     let (x, title) = if after {

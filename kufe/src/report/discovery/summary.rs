@@ -47,7 +47,7 @@ fn notes(report: &Report) -> Vec<(&'static str, String)> {
             _ => "The model with friction and grip refitted".to_owned(),
         };
         let text = format!(
-            "{which} is worse than the model as given on held-out data: {}.",
+            "{which} is worse than the model as given on data it was not fitted to: {}.",
             withheld.reason
         );
         notes.push(("Not written", text));
