@@ -5,6 +5,21 @@ use crate::procedure::evidence::{Account, Evidence};
 use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::rules::SearchRules;
 
+/// The step that is removed next, with the fit without it.
+struct Weakest<F> {
+    is_accepted: bool,
+    step: usize,
+    decrease: Decrease,
+    without: F,
+}
+
+impl<F> Weakest<F> {
+    /// Steps that are not accepted come first, then by strength.
+    fn rank(&self) -> (bool, f64) {
+        (self.is_accepted, self.decrease.strength())
+    }
+}
+
 /// Removes steps until the weakest one, and the whole model, lower the held-out misfit.
 ///
 /// Steps are removed one at a time, the weakest first, each with a refit. The held-out data are
@@ -24,7 +39,7 @@ pub fn verify<E: Evidence>(
             break;
         };
         let all = all.get_or_insert_with(|| whole.clone());
-        let mut weakest: Option<((bool, f64), usize, Decrease, E::Fit)> = None;
+        let mut weakest: Option<Weakest<E::Fit>> = None;
         for step in 0..account.steps.len() {
             // Without its only step a model is the base.
             let (without, decrease) = match account.steps.len() {
@@ -47,13 +62,26 @@ pub fn verify<E: Evidence>(
             };
             let decrease = decrease.of_all(all, before);
             let is_accepted = decrease.is_accepted_in(&account.steps[step].channel, rules);
-            // Steps that are not accepted come first.
-            let rank = (is_accepted, decrease.strength());
-            if weakest.as_ref().is_none_or(|(least, ..)| rank < *least) {
-                weakest = Some((rank, step, decrease, without));
+            let one = Weakest {
+                is_accepted,
+                step,
+                decrease,
+                without,
+            };
+            if weakest
+                .as_ref()
+                .is_none_or(|least| one.rank() < least.rank())
+            {
+                weakest = Some(one);
             }
         }
-        let Some(((is_accepted, _), step, decrease, without)) = weakest else {
+        let Some(Weakest {
+            is_accepted,
+            step,
+            decrease,
+            without,
+        }) = weakest
+        else {
             break;
         };
         if is_accepted && (account.steps.len() == 1 || whole.is_accepted(rules)) {
