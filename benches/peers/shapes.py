@@ -91,12 +91,13 @@ def kufe(command, folder, rocker, ice, accuracy):
         f"[ice]\nyoungs_modulus_pa = {E}\npoissons_ratio = {NU}\nthickness_m = \"half-space\"\n{ice}\n"
         f"[load]\nfz_n = {FORCE}\n[accuracy]\np_max = {accuracy}\n"
     )
-    subprocess.run([command, "press", folder / "case.toml", "-o", folder, "--quiet"], check=True, stderr=subprocess.DEVNULL)
-    file = OpenEXR.File(str(folder / "pressure.exr"), separate_channels=True)
+    out = folder / "out"
+    subprocess.run([command, "press", folder / "case.toml", "-o", out, "--quiet"], check=True, stderr=subprocess.DEVNULL)
+    file = OpenEXR.File(str(out / "pressure.exr"), separate_channels=True)
     head, pressure = file.header(), file.channels()["p"].pixels.astype(float)
     axis = lambda name, count: float(np.ravel(head[f"origin_{name}_m"])[0]) + float(np.ravel(head[f"pixel_{name}_m"])[0]) * np.arange(count)
     y, x = (axis(name, count) for name, count in zip("yx", pressure.shape))
-    return json.loads((folder / "result.json").read_text()), RegularGridInterpolator((y, x), pressure, bounds_error=False, fill_value=0.0)
+    return json.loads((out / "result.json").read_text()), RegularGridInterpolator((y, x), pressure, bounds_error=False, fill_value=0.0)
 
 
 def cell_means(at, x, y):
