@@ -260,10 +260,9 @@ impl Campaign<'_> {
         self.free.iter().zip(base).filter_map(far).collect()
     }
 
-    /// The model as given, with the discrepancy, the model error and the contacts of a fit.
+    /// The model as given, with the discrepancy and the model error of a fit.
     pub fn given_as_in(&self, fit: &RunFit) -> ResidualModel {
         ResidualModel {
-            contacts: fit.settled.contacts.clone(),
             discrepancy: fit.settled.discrepancy.clone(),
             model_error: fit.settled.model_error,
             ..self.given.clone()
