@@ -39,26 +39,20 @@ pub fn verify<E: Evidence>(
             break;
         };
         let all = all.get_or_insert_with(|| whole.clone());
+        let is_only = account.steps.len() == 1;
         let mut weakest: Option<Weakest<E::Fit>> = None;
         for step in 0..account.steps.len() {
-            // Without its only step a model is the base.
-            let (without, decrease) = match account.steps.len() {
-                1 => (base.clone(), Some(whole.clone())),
-                _ => {
-                    let without = evidence.without(&last, step)?;
-                    let decrease = evidence.misfit_decrease(&without, &last)?;
-                    (without, decrease)
-                }
-            };
-            let Some(decrease) = decrease else {
-                continue;
-            };
-            // In units of this model's residual: a large effect is far above the final noise.
-            let before = match account.steps.len() {
-                1 => 0.0,
-                _ => evidence
-                    .misfit_decrease(&without, base)?
-                    .map_or(0.0, |to| -to.by),
+            let (without, decrease, before) = if is_only {
+                // Without its only step a model is the base.
+                (base.clone(), whole.clone(), 0.0)
+            } else {
+                let without = evidence.without(&last, step)?;
+                let Some(decrease) = evidence.misfit_decrease(&without, &last)? else {
+                    continue;
+                };
+                // In units of this model's residual: a large effect is far above the final noise.
+                let before = evidence.misfit_decrease(&without, base)?;
+                (without, decrease, before.map_or(0.0, |to| -to.by))
             };
             let decrease = decrease.of_all(all, before);
             let is_accepted = decrease.is_accepted_in(&account.steps[step].channel, rules);
@@ -84,7 +78,7 @@ pub fn verify<E: Evidence>(
         else {
             break;
         };
-        if is_accepted && (account.steps.len() == 1 || whole.is_accepted(rules)) {
+        if is_accepted && (is_only || whole.is_accepted(rules)) {
             break;
         }
         tried.push(remove(account, step, &decrease));

@@ -314,12 +314,6 @@ impl Evidence for Campaign<'_> {
             )
         };
         let bins_after = bins(last);
-        if account.steps.is_empty()
-            && last.settled.base == self.given.base
-            && !self.held_out.is_empty()
-        {
-            account.remarks.push("a refit of friction and grip does not lower the misfit on the held-out runs: model.next.toml is the model as given".to_owned());
-        }
         let faults = shared_faults(&account.steps, &self.training, rules.alpha);
         account.depends.extend(faults);
         let data = match self.data.segmented {
@@ -339,7 +333,7 @@ impl Evidence for Campaign<'_> {
             data: data.to_owned(),
             remaining: self.remaining(base, last),
             pictures: [
-                self.pictures(last, &account.steps, &training),
+                self.pictures(last, &account.steps, &training, &given),
                 self.contact_pictures(last),
             ]
             .concat(),

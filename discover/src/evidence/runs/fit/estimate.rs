@@ -134,6 +134,10 @@ pub struct FittedRows<'a> {
 /// First index of the simulated runs' random streams.
 pub const FIRST_ROUND: u64 = 4_000_037;
 
+/// Fewest sessions that serve as clusters. Derived: errors with fewer than four degrees of freedom
+/// are too uncertain.
+const FEWEST: usize = 5;
+
 /// Estimates of all fitted parameters.
 ///
 /// Newton steps on the corrected scores lead from least squares to the unbiased estimate. With C
@@ -153,8 +157,9 @@ pub fn estimate(rows: &FittedRows, pairs: &[u64], trust: f64, settle: bool) -> F
         simulator,
     } = *rows;
     let mut settled = residual_model.clone();
-    let (clusters, rounds) = (clusters(frames), pairs.len());
-    let sessions = sessions(frames);
+    let (sessions, rounds) = (sessions(frames), pairs.len());
+    // Clusters with independent errors: sessions, if there are enough of them.
+    let by_session = sessions.len() >= FEWEST;
     let mut covariance = DMatrix::zeros(0, 0);
     let mut left_out = Vec::new();
     let mut drawn = FIRST_ROUND;
@@ -183,13 +188,18 @@ pub fn estimate(rows: &FittedRows, pairs: &[u64], trust: f64, settle: bool) -> F
         let prior = design.prior();
         let solved = solve(&runs, &prior);
         if round + 1 == rounds {
-            covariance = sandwich(&runs, &clusters, &prior, &solved);
-            let change = |session: Vec<usize>| {
-                let change = &solved.1 * score_without(&runs, &session, &solved);
-                (session, -change)
+            let score = |cluster: &[usize]| score_without(&runs, cluster, &solved);
+            let of_sessions: Vec<_> = sessions.iter().map(|runs| score(runs)).collect();
+            covariance = match by_session {
+                true => sandwich(&of_sessions, &prior, &solved.1),
+                false => {
+                    let of_runs: Vec<_> = (0..frames.len()).map(|run| score(&[run])).collect();
+                    sandwich(&of_runs, &prior, &solved.1)
+                }
             };
             if sessions.len() > 1 {
-                left_out = sessions.iter().cloned().map(change).collect();
+                let changes = of_sessions.iter().map(|score| -(&solved.1 * score));
+                left_out = sessions.iter().cloned().zip(changes).collect();
             }
         }
         settled = stepped(&settled, free, solved.0.as_slice(), 1.0);
@@ -218,7 +228,11 @@ pub fn estimate(rows: &FittedRows, pairs: &[u64], trust: f64, settle: bool) -> F
         values(residual_model, residual_model),
         values(&settled, residual_model),
     );
-    let n = clusters.len() as f64;
+    let n = if by_session {
+        sessions.len()
+    } else {
+        frames.len()
+    } as f64;
     let quantile =
         StudentsT::new(0.0, 1.0, (n - 1.0).max(1.0)).map_or(2.0, |law| law.inverse_cdf(0.975));
     let errors = covariance.diagonal().map(|x| x.max(0.0).sqrt());
@@ -285,20 +299,15 @@ fn score_without(
     without.lu().solve(&score).unwrap_or(score)
 }
 
-/// Sandwich covariance of a step over clusters of runs, with the prior's remaining covariance.
-fn sandwich(
-    grams: &[DMatrix<f64>],
-    clusters: &[Vec<usize>],
-    prior: &Prior,
-    solved: &(DVector<f64>, DMatrix<f64>),
-) -> DMatrix<f64> {
-    let (p, inverse) = (prior.count(), &solved.1);
+/// Sandwich covariance of a step, with the prior's remaining covariance, from the score of each
+/// cluster of runs.
+fn sandwich(scores: &[DVector<f64>], prior: &Prior, inverse: &DMatrix<f64>) -> DMatrix<f64> {
+    let p = prior.count();
     let mut meat = DMatrix::zeros(p, p);
-    for cluster in clusters {
-        let score = score_without(grams, cluster, solved);
-        meat += &score * score.transpose();
+    for score in scores {
+        meat += score * score.transpose();
     }
-    let n = clusters.len() as f64;
+    let n = scores.len() as f64;
     let random = DMatrix::from_diagonal(&prior.precision);
     inverse * (meat * ((n - 1.0) / n) + random) * inverse
 }
@@ -307,17 +316,6 @@ fn sandwich(
 fn sessions(frames: &[Frame]) -> Vec<Vec<usize>> {
     let sessions = members(frames.iter().map(|frame| frame.session.as_str()));
     sessions.into_values().collect()
-}
-
-/// Clusters of runs with independent errors: sessions, if there are enough of them.
-fn clusters(frames: &[Frame]) -> Vec<Vec<usize>> {
-    /// Fewest sessions. Derived: errors with fewer than four degrees of freedom are too uncertain.
-    const FEWEST: usize = 5;
-    let sessions = sessions(frames);
-    match sessions.len() >= FEWEST {
-        true => sessions,
-        false => (0..frames.len()).map(|i| vec![i]).collect(),
-    }
 }
 
 #[cfg(test)]

@@ -30,11 +30,20 @@ const STATED: [&str; 4] = ["ice_c", "air_c", "humidity_pct", "distance_m"];
 impl Campaign<'_> {
     /// Residuals along each track of the given and of the written model, then each effect that acts
     /// everywhere over its strongest column.
-    pub fn pictures(&self, last: &RunFit, steps: &[Step], gaps: &[ChannelGap]) -> Vec<Picture> {
+    /// `given` has the installation errors of the training runs.
+    pub fn pictures(
+        &self,
+        last: &RunFit,
+        steps: &[Step],
+        gaps: &[ChannelGap],
+        given: &ResidualModel,
+    ) -> Vec<Picture> {
         let frames: Vec<Frame> = self.whole().iter().chain(&self.held_out).cloned().collect();
         let parts = [self.whole(), &self.held_out];
-        let models = [&self.given_as_in(last), &last.settled]
-            .map(|model| parts.map(|frames| self.installed_in(model, &last.whitener, frames)));
+        let models = [given, &last.settled].map(|model| {
+            let held_out = self.installed_in(model, &last.whitener, &self.held_out);
+            [model.clone(), held_out]
+        });
         let rows_of = |models: &[ResidualModel; 2]| -> Vec<ChannelRows> {
             let [a, b] = [0, 1].map(|k| residuals(&models[k], parts[k]));
             [a, b].concat()

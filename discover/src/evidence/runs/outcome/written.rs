@@ -25,6 +25,7 @@ impl Campaign<'_> {
         let sd = 0.5 * self.options.rules.search.plausible.ln();
         let stated = found.clone().given_base(&self.free, 0.0);
         self.set_final(fit, found.given_base(&self.free, sd));
+        fit.base_as_given = None;
         let mut base_as_given = fit.clone();
         self.set_final(&mut base_as_given, stated);
         let of_base = base_as_given.estimates.iter_mut().zip(&fit.estimates);

@@ -43,8 +43,8 @@ impl Campaign<'_> {
         let Some(named) = best else {
             let differ = levels.sessions_differ.iter().copied().fold(1.0, f64::min);
             let enough = |count: &usize| least_p(*count) <= rules.alpha_levels;
-            let is_caused = differ < rules.alpha_column && account.unexplained.is_none();
-            if is_caused && !enough(&levels.sessions) {
+            let is_unexplained = differ < rules.alpha_column && account.unexplained.is_none();
+            if is_unexplained && !enough(&levels.sessions) {
                 let needed = (levels.sessions..).find(enough).unwrap_or(levels.sessions);
                 account.unexplained = Some(format!(
                     "sessions differ (p = {differ:.1e}), but {} training sessions are too few to identify the cause: {needed} at spread temperatures and humidities are needed",
