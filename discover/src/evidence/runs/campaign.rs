@@ -1,6 +1,6 @@
 //! Recorded runs, a part of them held out, and the model that they are compared with.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use kufe_sled::Model;
 
@@ -16,6 +16,7 @@ use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
+use crate::evidence::runs::recordings::place_scales::PlaceScales;
 use crate::evidence::runs::recordings::prepare::Data;
 use crate::evidence::runs::screen::track::on_track::SurveyedTrack;
 use crate::options::Options;
@@ -166,7 +167,19 @@ impl Campaign<'_> {
 
     /// Whitening of a model's residuals on the training runs, given its discrepancy.
     pub fn whitener(&self, model: &ResidualModel) -> Whitener {
-        Whitener::estimate(&conditional_residuals(model, &self.training), self.used)
+        let residuals = conditional_residuals(model, &self.training);
+        Whitener::estimate(&self.training, &residuals, self.used)
+    }
+
+    /// Divides the rows of all runs by the standard deviations of a model's residuals by place.
+    pub fn scale_places(&mut self, model: &ResidualModel) {
+        let residuals = conditional_residuals(model, &self.training);
+        let width_m = 0.5 * self.rules().discrepancy_m;
+        let scales = Arc::new(PlaceScales::estimate(&self.training, &residuals, width_m));
+        let runs = self.training.iter_mut().chain(&mut self.held_out);
+        for frame in runs.chain(&mut self.whole) {
+            frame.scales = Some(Arc::clone(&scales));
+        }
     }
 
     pub fn rules(&self) -> &RunRules {

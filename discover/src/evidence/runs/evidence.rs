@@ -121,6 +121,8 @@ impl Evidence for Campaign<'_> {
             ));
         }
         let base = self.fitted_anew(&self.given, Vec::new())?;
+        self.scale_places(&base.residual_model);
+        let base = self.fitted_anew(&self.given, Vec::new())?;
         self.given.model_error = base.residual_model.model_error;
         if self.data.noise_from == NoiseFrom::Differences {
             let n = self.data.noise.sd();

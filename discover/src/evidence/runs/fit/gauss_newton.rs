@@ -36,7 +36,7 @@ pub fn free_base(
     frames: &[Frame],
     used: [bool; CHANNELS],
 ) -> Vec<usize> {
-    let whitener = Whitener::estimate(&residuals(residual_model, frames), used);
+    let whitener = Whitener::estimate(frames, &residuals(residual_model, frames), used);
     let design = Design {
         residual_model,
         whitener: &whitener,

@@ -7,7 +7,7 @@ use crate::evidence::runs::campaign::{Campaign, INSTALLATION_PAIRS, RunFit};
 use crate::evidence::runs::contacts::own::without_contacts;
 use crate::evidence::runs::fit::estimate::{FIRST_ROUND, solve};
 use crate::evidence::runs::fit::gauss_newton::{residuals, stepped};
-use crate::evidence::runs::fit::noise_products::mean_noise_products;
+use crate::evidence::runs::fit::noise_products::{corrected, mean_noise_products};
 use crate::evidence::runs::fit::row_noise::model_error;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS, Products};
 use crate::evidence::runs::model::discrepancy::Discrepancy;
@@ -22,8 +22,8 @@ use crate::regression::scores::cross_information;
 
 /// Products of all fitted columns, with each installation error in its stated standard deviation.
 struct PartProducts {
-    /// Corrected products of base, amplitudes, parts and residual, by run.
-    by_run: Vec<DMatrix<f64>>,
+    /// Products of base, amplitudes, parts and residual by run, and their bias by noise.
+    by_run: Vec<[DMatrix<f64>; 2]>,
     /// Plain products of the parts given the base; 0 for those that equal a fitted amplitude.
     free_products: DMatrix<f64>,
 }
@@ -96,7 +96,7 @@ impl Campaign<'_> {
         }
         // From parts to combinations; the columns before and after them are unchanged.
         let count = installation.parts.len();
-        let all = products.by_run.first().map_or(0, DMatrix::ncols);
+        let all = (products.by_run.first()).map_or(0, |[products, _]| products.ncols());
         let first = all - 1 - count;
         let mut combined = DMatrix::zeros(all, first + directions.len() + 1);
         (0..first).for_each(|k| combined[(k, k)] = 1.0);
@@ -106,14 +106,11 @@ impl Campaign<'_> {
                 combined[(first + j, first + k)] = *share;
             }
         }
-        let runs: Vec<DMatrix<f64>> = products
-            .by_run
-            .iter()
-            .map(|c| combined.tr_mul(&(c * &combined)))
-            .collect();
+        let of = |products: &DMatrix<f64>| combined.tr_mul(&(products * &combined));
+        let runs = products.by_run.iter().map(|both| both.each_ref().map(of));
         let start = start.with_fixed(false);
         let prior = self.fit_design(&start, &plain.whitener).prior();
-        let step = solve(&runs, &prior).0;
+        let step = solve(&corrected(&runs.collect::<Vec<_>>(), &prior), &prior).0;
         self.with_installation(plain, &stepped(&start, &self.free, step.as_slice(), 1.0))
     }
 
@@ -157,8 +154,9 @@ impl Campaign<'_> {
             };
             let products = design.products(&frames);
             let noise = self.noise_of(&design, &frames);
-            let runs: Vec<DMatrix<f64>> = corrected_runs(&design, &products, noise);
-            let step = solve(&runs, &design.prior()).0;
+            let prior = design.prior();
+            let runs = corrected(&fitted_products(&design, &products, noise), &prior);
+            let step = solve(&runs, &prior).0;
             given = stepped(&given, &[], step.as_slice(), 1.0);
         }
         ResidualModel {
@@ -180,7 +178,7 @@ impl Campaign<'_> {
             free_products.column_mut(part).fill(0.0);
         }
         PartProducts {
-            by_run: corrected_runs(&design, &products, noise),
+            by_run: fitted_products(&design, &products, noise),
             free_products,
         }
     }
@@ -251,18 +249,16 @@ impl Campaign<'_> {
     }
 }
 
-/// Corrected products of the fitted columns and the residual, by run.
-fn corrected_runs(
+/// Products of the fitted columns and the residual by run, and their bias by noise.
+fn fitted_products(
     design: &Design,
     products: &[Products],
     noise: Vec<DMatrix<f64>>,
-) -> Vec<DMatrix<f64>> {
+) -> Vec<[DMatrix<f64>; 2]> {
     let n = design.fitted() + 1;
-    let corrected = |(x, d): (&Products, DMatrix<f64>)| {
-        let c = &x.full - d;
-        c.view((OWN_LEVELS, OWN_LEVELS), (n, n)).into_owned()
-    };
-    products.iter().zip(noise).map(corrected).collect()
+    let fitted = |all: &DMatrix<f64>| all.view((OWN_LEVELS, OWN_LEVELS), (n, n)).into_owned();
+    let runs = products.iter().zip(&noise);
+    runs.map(|(x, d)| [&x.full, d].map(fitted)).collect()
 }
 
 /// Products of installation errors after projection on the complement of the base.

@@ -11,7 +11,9 @@ impl Campaign<'_> {
     /// the prior of installation errors; the discrepancy is integrated out.
     pub fn misfit(&self, model: &ResidualModel, whitener: &Whitener) -> f64 {
         let all = residuals(model, &self.training);
-        let white: Vec<Vec<f64>> = all.iter().map(|rows| whitener.apply(rows)).collect();
+        let white: Vec<Vec<f64>> = (self.training.iter().zip(&all))
+            .map(|(frame, rows)| whitener.apply(frame, rows))
+            .collect();
         let runs = self.training.iter().zip(&white).map(|(frame, rows)| {
             let squares: f64 = rows.iter().map(|x| x * x).sum();
             let noise = log_noise_of(model, frame, self.used);

@@ -26,7 +26,7 @@ use crate::evidence::runs::model::on_run::ModelOnRun;
 use crate::evidence::runs::model::residual_model::{
     BALANCES, CHANNELS, ChannelRows, ResidualModel, TRACK,
 };
-use crate::evidence::runs::model::whiten::{Whitener, covariance};
+use crate::evidence::runs::model::whiten::{Whitener, covariance, scaled};
 use crate::evidence::runs::recordings::frame::Frame;
 
 /// Mean of `ln det(V + diag(b (dr/da)^2)) / 2` over the runs, and its derivatives.
@@ -86,11 +86,16 @@ pub fn model_error(model: &ResidualModel, frames: &[Frame]) -> [f64; BALANCES] {
     let of_run = |frame: &Frame| -> [[f64; 2]; BALANCES] {
         let (noise, mut residual) = (own_noise(model, frame), model.residuals(frame));
         model.discrepancy.subtract(frame, &mut residual);
+        let ones = residual.clone().map(|rows| vec![1.0; rows.len()]);
+        let [residual, weights] = [residual, ones].map(|rows| scaled(frame, &rows));
+        let squares = |rows: &[f64]| rows.iter().map(|r| r * r).sum::<f64>();
         std::array::from_fn(|c| {
             let gain = (noise.gain[c] * noise.gain[c]).max(1e-300);
-            let squares: f64 = residual[c].iter().map(|r| r * r).sum();
-            let n = residual[c].len() as f64;
-            [n, (squares - n * noise.covariance[(c, c)]) / gain]
+            let n = squares(&weights[c]);
+            [
+                n,
+                (squares(&residual[c]) - n * noise.covariance[(c, c)]) / gain,
+            ]
         })
     };
     let each: Vec<[[f64; 2]; BALANCES]> = frames.par_iter().map(of_run).collect();

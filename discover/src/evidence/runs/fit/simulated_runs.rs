@@ -14,6 +14,7 @@ use rayon::prelude::*;
 
 use crate::evidence::runs::fit::piece::piece_of;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows, ResidualModel};
+use crate::evidence::runs::model::whiten::scaled;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::noise::axes::ColumnNoise;
 use crate::evidence::runs::recordings::noise::sensors::SensorNoise;
@@ -65,7 +66,9 @@ impl RunSimulator {
             .par_iter()
             .enumerate()
             .map(|(i, frame)| {
-                let power = |rows: ChannelRows| rows.map(|r| r.iter().map(|x| x * x).sum::<f64>());
+                let power = |rows: ChannelRows| {
+                    scaled(frame, &rows).map(|r| r.iter().map(|x| x * x).sum::<f64>())
+                };
                 let pair = simulator.pair(frame, residual_model, 1_000_003, i);
                 [
                     power(residual_model.residuals(frame)),
@@ -171,9 +174,13 @@ impl RunSimulator {
         let flip = sign(rng);
         let sled = &residual_model.vehicle.sled;
         let mass_kg = plus.mass_kg.unwrap_or(sled.mass_kg);
+        // A residual is moved to another place: it is scaled by the deviations at both.
+        let scales = plus.scales_at(&plus.s);
         let rest = |c: usize, k: usize| -> f64 {
-            match rows[c].get(samples[(k + shift) % n]) {
-                Some(r) => flip * self.unexplained[c] * r,
+            let (from, to) = (samples[(k + shift) % n], samples[k]);
+            let scale = |i: usize| scales.get(i).and_then(|s| s.get(c)).copied().unwrap_or(1.0);
+            match rows[c].get(from) {
+                Some(r) => flip * self.unexplained[c] * r * scale(to) / scale(from),
                 None => 0.0,
             }
         };

@@ -111,6 +111,7 @@ impl TermsOnRun {
         let behind = design.candidates.len() + 1;
         all.columns_mut(before + terms.len(), behind)
             .copy_from(&self.fitted.columns(before, behind));
+        let scales = frame.row_scales();
         for (k, term) in terms.iter().enumerate() {
             let values: Vec<f64> = (0..frame.len())
                 .map(|i| term.shape.value(|column| self.columns[column][i]))
@@ -123,7 +124,7 @@ impl TermsOnRun {
                 let both = values.iter().zip(&unit[c]);
                 frame.rows(&both.map(|(f, u)| f * u).collect::<Vec<_>>())
             });
-            whitener.mix(&mut white);
+            whitener.whiten(&scales, &mut white);
             all.column_mut(before + k).copy_from_slice(&white.concat());
         }
         all

@@ -194,7 +194,10 @@ impl Design<'_> {
         }
         self.put_shifted(frame, &shifted, (&instants, &residual), &mut raw);
         // Low-passed, thinned and whitened; the channels are stacked.
-        let rows = frame.row_count() * self.whitener.count();
+        let (rows, scales) = (
+            frame.row_count() * self.whitener.count(),
+            frame.row_scales(),
+        );
         let white = |k: usize| {
             // Such as a part of another session.
             if raw.iter().all(|raw| raw[k].iter().all(|x| *x == 0.0)) {
@@ -204,7 +207,7 @@ impl Design<'_> {
             if k == count - 1 {
                 residual_model.discrepancy.subtract(frame, &mut white);
             }
-            self.whitener.mix(&mut white);
+            self.whitener.whiten(&scales, &mut white);
             white.concat()
         };
         let all: Vec<Vec<f64>> = (0..count).map(white).collect();

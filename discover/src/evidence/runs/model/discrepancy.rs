@@ -157,10 +157,18 @@ impl Discrepancy {
         (first, values.map(|value| value / 6.0))
     }
 
-    /// The same at each row of a run.
-    fn splines(&self, frame: &Frame, span: &Span) -> Vec<(usize, [f64; 4])> {
-        let places = frame.rows(&frame.s);
-        places.iter().map(|s| self.spline(span, *s)).collect()
+    /// The same at each row of a run, by balance, divided by the balance's relative standard
+    /// deviation there.
+    fn scaled_splines(&self, frame: &Frame, span: &Span) -> [Vec<(usize, [f64; 4])>; BALANCES] {
+        let (places, scales) = (frame.rows(&frame.s), frame.row_scales());
+        std::array::from_fn(|c| {
+            let at = |(i, s): (usize, &f64)| {
+                let scale = scales.get(i).map_or(1.0, |scales| scales[c]);
+                let (first, values) = self.spline(span, *s);
+                (first, values.map(|value| value / scale))
+            };
+            places.iter().enumerate().map(at).collect()
+        })
     }
 
     /// The discrepancy of a balance at these places of a track, in its unit; `None` if it has none.
@@ -187,14 +195,14 @@ impl Discrepancy {
         let Some((first, span)) = self.of_track(&frame.track).filter(|_| self.count() > 0) else {
             return (0, DMatrix::zeros(n * used, 0));
         };
-        let splines = self.splines(frame, span);
+        let splines = self.scaled_splines(frame, span);
         let balances: Vec<usize> = self.balances().collect();
         let mut columns = DMatrix::zeros(n * used, balances.len() * span.splines);
         for (b, c) in balances.iter().enumerate() {
             let shares = whitener.shares(*c);
             for block in 0..used {
                 let by = self.sd[*c] * shares[whitener.channel(block)];
-                for (i, (spline, values)) in splines.iter().enumerate() {
+                for (i, (spline, values)) in splines[*c].iter().enumerate() {
                     for (k, value) in values.iter().enumerate() {
                         columns[(block * n + i, b * span.splines + spline + k)] = by * value;
                     }
@@ -223,35 +231,39 @@ impl Discrepancy {
         let Some((first, span)) = self.of_track(&frame.track) else {
             return all;
         };
-        let splines = self.splines(frame, span);
-        let mut own = DMatrix::<f64>::zeros(span.splines, span.splines);
-        for (spline, values) in &splines {
-            for (a, x) in values.iter().enumerate() {
-                for (b, y) in values.iter().enumerate() {
-                    own[(spline + a, spline + b)] += x * y;
+        let splines = self.scaled_splines(frame, span);
+        let own = |c: usize, other: usize| {
+            let mut own = DMatrix::<f64>::zeros(span.splines, span.splines);
+            for ((spline, values), (_, others)) in splines[c].iter().zip(&splines[other]) {
+                for (a, x) in values.iter().enumerate() {
+                    for (b, y) in others.iter().enumerate() {
+                        own[(spline + a, spline + b)] += x * y;
+                    }
                 }
             }
-        }
-        let balances: Vec<[f64; BALANCES]> = self
+            own
+        };
+        let balances: Vec<(usize, [f64; BALANCES])> = self
             .balances()
-            .map(|c| whitener.shares(c).map(|share| self.sd[c] * share))
+            .map(|c| (c, whitener.shares(c).map(|share| self.sd[c] * share)))
             .collect();
         let blocks: Vec<usize> = (0..whitener.count()).map(|k| whitener.channel(k)).collect();
         let of_balance = |b: usize| at + first + b * span.splines;
-        for (b, shares) in balances.iter().enumerate() {
-            for (b2, others) in balances.iter().enumerate() {
+        for (b, (c, shares)) in balances.iter().enumerate() {
+            let splines = &splines[*c];
+            for (b2, (other, others)) in balances.iter().enumerate() {
                 let by: f64 = blocks.iter().map(|c| shares[*c] * others[*c]).sum();
                 all.view_mut(
                     (of_balance(b), of_balance(b2)),
                     (span.splines, span.splines),
                 )
-                .copy_from(&(&own * by));
+                .copy_from(&(own(*c, *other) * by));
             }
             for k in 0..m {
                 let mut sums = vec![0.0; span.splines];
                 for (block, c) in blocks.iter().enumerate() {
                     let rows = &columns.column(k).data.into_slice()[block * n..][..n];
-                    for (row, (spline, values)) in rows.iter().zip(&splines) {
+                    for (row, (spline, values)) in rows.iter().zip(splines) {
                         let row = shares[*c] * row;
                         for (sum, value) in sums[*spline..].iter_mut().zip(values) {
                             *sum += row * value;
@@ -390,7 +402,7 @@ mod tests {
         let frames = frames();
         let discrepancy = drawn(&frames);
         let all = rows(&frames, Some(&discrepancy));
-        let whitener = Whitener::estimate(&all, USED);
+        let whitener = Whitener::estimate(&frames, &all, USED);
         for (frame, of_run) in frames.iter().zip(&all) {
             let (first, own) = discrepancy.columns(frame, &whitener);
             let x = DMatrix::from_fn(own.nrows(), 3, |i, k| (0.7 * (i * (k + 1)) as f64).sin());
@@ -402,7 +414,7 @@ mod tests {
             discrepancy.subtract(frame, &mut less);
             let sizes = &discrepancy.sizes[first..first + own.ncols()];
             let taken = own * DVector::from_column_slice(sizes);
-            let [before, after] = [of_run, &less].map(|r| whitener.apply(r));
+            let [before, after] = [of_run, &less].map(|r| whitener.apply(frame, r));
             for ((before, after), taken) in before.iter().zip(&after).zip(&taken) {
                 assert!((before - after - taken).abs() < 1e-9);
             }
@@ -433,8 +445,12 @@ mod tests {
         let frames = frames();
         let discrepancy = drawn(&frames);
         let all = rows(&frames, Some(&discrepancy));
-        let whitener = Whitener::estimate(&all, USED);
-        let white: Vec<Vec<f64>> = all.iter().map(|rows| whitener.apply(rows)).collect();
+        let whitener = Whitener::estimate(&frames, &all, USED);
+        let white: Vec<Vec<f64>> = frames
+            .iter()
+            .zip(&all)
+            .map(|(frame, rows)| whitener.apply(frame, rows))
+            .collect();
         // Two hundred rows per run, so that the covariance is small.
         let mut short = frames.clone();
         short

@@ -7,12 +7,15 @@
 //! w = L^-1 r,   L L' = S,   so that   w.w = r' S^-1 r
 //! ```
 //!
+//! Residuals are first divided by their relative standard deviations by place
+//! ([`PlaceScales`](crate::evidence::runs::recordings::place_scales::PlaceScales)).
 //! Correlation in time is not removed: it is 0.1 to 0.3 at most for neighbouring rows, and none
 //! beyond.
 
 use nalgebra::Matrix3;
 
 use crate::evidence::runs::model::residual_model::{BALANCES, CHANNELS, ChannelRows};
+use crate::evidence::runs::recordings::frame::Frame;
 
 /// Smallest share of each balance's variance that is its own: if two residuals are identical but
 /// for rounding, their difference carries no information. Chosen: with half and with twice this
@@ -59,8 +62,13 @@ impl Whitener {
     }
 
     /// From the residuals of all runs.
-    pub fn estimate(rows: &[ChannelRows], used: [bool; CHANNELS]) -> Self {
-        let mut whitener = Self::of(&covariance(rows, used), used);
+    pub fn estimate(frames: &[Frame], rows: &[ChannelRows], used: [bool; CHANNELS]) -> Self {
+        let scaled = frames
+            .iter()
+            .zip(rows)
+            .map(|(frame, rows)| scaled(frame, rows));
+        let scaled: Vec<ChannelRows> = scaled.collect();
+        let mut whitener = Self::of(&covariance(&scaled, used), used);
         for c in BALANCES..CHANNELS {
             let all = rows.iter().flat_map(|run| run[c].iter());
             let (sum, count) = all.fold((0.0, 0.0), |(s, n), x| (s + x * x, n + 1.0));
@@ -104,7 +112,14 @@ impl Whitener {
         self.mix.tr_mul(&self.mix)
     }
 
-    /// Whitens rows of the three balances in place; an unused balance may be empty.
+    /// Whitens rows of the three balances in place, given their relative standard deviations
+    /// ([`Frame::row_scales`]); an unused balance may be empty.
+    pub fn whiten<R: AsMut<[f64]>>(&self, scales: &[[f64; 3]], rows: &mut [R; BALANCES]) {
+        scale(scales, rows);
+        self.mix(rows);
+    }
+
+    /// The same for rows without differences by place.
     pub fn mix<R: AsMut<[f64]>>(&self, rows: &mut [R; BALANCES]) {
         let used = (0..BALANCES).filter(|c| self.used[*c]);
         let n = used.clone().map(|c| rows[c].as_mut().len()).max();
@@ -121,7 +136,7 @@ impl Whitener {
     }
 
     /// Whitened residuals of the channels in use; the others are empty.
-    pub fn rows(&self, rows: &ChannelRows) -> ChannelRows {
+    pub fn rows(&self, frame: &Frame, rows: &ChannelRows) -> ChannelRows {
         let mut rows = rows.clone();
         for (c, row) in rows.iter_mut().enumerate() {
             match self.used[c] {
@@ -132,13 +147,13 @@ impl Whitener {
         }
         let (balances, _) = rows.split_at_mut(BALANCES);
         let balances: &mut [Vec<f64>; BALANCES] = balances.try_into().expect("three of four");
-        self.mix(balances);
+        self.whiten(&frame.row_scales(), balances);
         rows
     }
 
     /// Whitened residuals of one run, all used balances concatenated.
-    pub fn apply(&self, rows: &ChannelRows) -> Vec<f64> {
-        let [along, side, yaw, _] = self.rows(rows);
+    pub fn apply(&self, frame: &Frame, rows: &ChannelRows) -> Vec<f64> {
+        let [along, side, yaw, _] = self.rows(frame, rows);
         [along, side, yaw].concat()
     }
 
@@ -154,6 +169,24 @@ impl Whitener {
             .nth(k)
             .expect("a used channel")
     }
+}
+
+/// Divides rows of balances by their relative standard deviations.
+fn scale<R: AsMut<[f64]>>(scales: &[[f64; 3]], rows: &mut [R]) {
+    for (i, scales) in scales.iter().enumerate() {
+        for (row, scale) in rows.iter_mut().zip(scales) {
+            if let Some(r) = row.as_mut().get_mut(i) {
+                *r /= scale;
+            }
+        }
+    }
+}
+
+/// Rows with the balances divided by their relative standard deviations.
+pub fn scaled(frame: &Frame, rows: &ChannelRows) -> ChannelRows {
+    let mut rows = rows.clone();
+    scale(&frame.row_scales(), &mut rows);
+    rows
 }
 
 /// Covariance of the balances in use over the rows of all runs.
@@ -193,11 +226,17 @@ mod tests {
         [along, side, yaw, Vec::new()]
     }
 
+    fn whitened(whitener: &Whitener, rows: &ChannelRows) -> ChannelRows {
+        let [mut along, mut side, mut yaw, track] = rows.clone();
+        whitener.mix(&mut [&mut along, &mut side, &mut yaw]);
+        [along, side, yaw, track]
+    }
+
     #[test]
     fn rows_have_unit_variance_and_share_nothing() {
         let used = [true, true, true, false];
-        let whitener = Whitener::estimate(&[rows()], used);
-        let white = covariance(&[whitener.rows(&rows())], used);
+        let whitener = Whitener::of(&covariance(&[rows()], used), used);
+        let white = covariance(&[whitened(&whitener, &rows())], used);
         for a in 0..3 {
             for b in 0..3 {
                 let want = if a == b { 1.0 } else { 0.0 };
@@ -213,11 +252,12 @@ mod tests {
 
     #[test]
     fn a_balance_that_takes_no_part_changes_nothing() {
-        let whitener = Whitener::estimate(&[rows()], [false, true, true, false]);
+        let used = [false, true, true, false];
+        let whitener = Whitener::of(&covariance(&[rows()], used), used);
         let [mut some, all] = [rows(), rows()];
         some[0].clear();
-        assert_eq!(whitener.apply(&some), whitener.apply(&all));
-        assert_eq!(whitener.apply(&all).len(), 2 * all[1].len());
+        let [less, white] = [&some, &all].map(|rows| whitened(&whitener, rows));
+        assert_eq!(less[1..3], white[1..3]);
         assert_eq!((whitener.count(), whitener.channel(0)), (2, 1));
     }
 
@@ -225,8 +265,14 @@ mod tests {
     fn identical_balances_are_not_separated_by_rounding() {
         let mut rows = rows();
         rows[2] = rows[1].iter().map(|y| 2.0 * y).collect();
-        let whitener = Whitener::estimate(std::slice::from_ref(&rows), [true, true, true, false]);
-        let white = whitener.apply(&rows);
-        assert!(white.iter().all(|w| w.is_finite() && w.abs() < 10.0));
+        let used = [true, true, true, false];
+        let whitener = Whitener::of(&covariance([&rows], used), used);
+        let white = whitened(&whitener, &rows);
+        assert!(
+            white
+                .iter()
+                .flatten()
+                .all(|w| w.is_finite() && w.abs() < 10.0)
+        );
     }
 }

@@ -44,7 +44,9 @@ pub fn significant_bins(
     let rows = residuals(residual_model, frames);
     // A bin belongs to one balance.
     let uncorrelated = whitener.uncorrelated();
-    let white: Vec<Vec<f64>> = rows.iter().map(|r| uncorrelated.apply(r)).collect();
+    let white: Vec<Vec<f64>> = (frames.iter().zip(&rows))
+        .map(|(frame, rows)| uncorrelated.apply(frame, rows))
+        .collect();
     let mut cells: Vec<Cell> = Vec::new();
     for (name, of) in &COLUMNS {
         let tracks: Vec<Option<String>> = if *name == "s_m" {

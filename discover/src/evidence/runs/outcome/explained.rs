@@ -52,7 +52,7 @@ pub fn explainable_closed(
         let x = before.columns(frame);
         let f: DVector<f64> = x.columns(OWN_LEVELS, m - 1) * &coefficients;
         let r_before = x.column(m + OWN_LEVELS - 1).into_owned();
-        let r_after = DVector::from_vec(before.whitener.apply(&after.residuals(frame)));
+        let r_after = DVector::from_vec(before.whitener.apply(frame, &after.residuals(frame)));
         (f.dot(&r_before), f.dot(&r_after))
     };
     let measured: Vec<(f64, f64)> = others

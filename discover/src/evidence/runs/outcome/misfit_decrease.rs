@@ -93,7 +93,7 @@ impl Campaign<'_> {
     /// Rows of the training runs and their whitening.
     fn learned(&self, model: &ResidualModel) -> (Vec<ChannelRows>, Whitener) {
         let learned = judged_rows(model, &self.training, self.rules().track_bin_m);
-        let whitener = Whitener::estimate(&learned, self.used);
+        let whitener = Whitener::estimate(&self.training, &learned, self.used);
         (learned, whitener)
     }
 
@@ -116,7 +116,9 @@ impl Campaign<'_> {
             whitener = whitener.uncorrelated();
         }
         let alike = |contacts: &Contacts| {
-            let rows: Vec<ChannelRows> = learned.iter().map(|r| whitener.rows(r)).collect();
+            let rows: Vec<ChannelRows> = (self.training.iter().zip(&learned))
+                .map(|(frame, rows)| whitener.rows(frame, rows))
+                .collect();
             correlated_rows(contacts, &self.training, &rows)
         };
         let alike = [before, after].map(|model| model.contacts.as_ref().map_or(1.0, alike));
@@ -215,7 +217,7 @@ impl Campaign<'_> {
     /// them; the interval from the scatter of runs.
     pub fn contacts_closed(&self, with: &ComparedModel) -> Interval {
         let rows = residuals(with.training, &self.training);
-        let whitener = Whitener::estimate(&rows, self.used).uncorrelated();
+        let whitener = Whitener::estimate(&self.training, &rows, self.used).uncorrelated();
         let with = with.held_out;
         let bare = ResidualModel {
             contacts: None,
@@ -224,7 +226,7 @@ impl Campaign<'_> {
         let of_run = |frame: &Frame| -> [f64; 2] {
             let beneath = rows_beneath(frame);
             let square = |model: &ResidualModel| -> f64 {
-                let rows = whitener.rows(&model.residuals(frame));
+                let rows = whitener.rows(frame, &model.residuals(frame));
                 let there = |c: usize| rows[c].iter().zip(&beneath).filter(|(_, b)| **b);
                 [0, 2]
                     .iter()
@@ -262,7 +264,7 @@ impl Campaign<'_> {
         let mut sums: BTreeMap<Place, (f64, f64)> = BTreeMap::new();
         let mut visits: BTreeMap<Place, usize> = BTreeMap::new();
         for (frame, rows) in self.training.iter().zip(rows) {
-            let rows = whitener.rows(rows);
+            let rows = whitener.rows(frame, rows);
             let mut here: BTreeMap<Place, (f64, f64)> = BTreeMap::new();
             for (place, r) in self.placed(frame, &rows) {
                 let sum = here.entry(place).or_default();
@@ -323,7 +325,7 @@ fn shares(few: &Frame, dense: &Frame) -> [f64; CHANNELS] {
 fn judged(model: &ResidualModel, frame: &Frame, width: f64, whitener: &Whitener) -> ChannelRows {
     let mut rows = with_whole_side(model, frame);
     rows[TRACK] = rates(frame, &rows[TRACK], width);
-    whitener.rows(&rows)
+    whitener.rows(frame, &rows)
 }
 
 fn repeating(

@@ -246,7 +246,10 @@ impl Campaign<'_> {
         model: &ResidualModel,
         [before, after]: [Frame; 2],
     ) -> Whitener {
-        let sd = |frame: Frame| Whitener::estimate(&residuals(model, &[frame]), whitener.used).sd;
+        let sd = |frame: Frame| {
+            let frames = [frame];
+            Whitener::estimate(&frames, &residuals(model, &frames), whitener.used).sd
+        };
         let (before, after) = (sd(before), sd(after));
         whitener.with_sd(std::array::from_fn(|c| {
             let sd = whitener.sd[c];

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::evidence::runs::contacts::of_run::OwnContact;
+use crate::evidence::runs::recordings::place_scales::PlaceScales;
 use crate::evidence::runs::recordings::smooth::Kernel;
 
 /// One run, or one segment of a single long run.
@@ -67,6 +68,8 @@ pub struct Frame {
     pub contacts: Vec<OwnContact>,
     /// Intervals in which this run alone was pushed \[m\].
     pub pushed: Vec<[f64; 2]>,
+    /// Standard deviations of the residuals by place; `None`: equal.
+    pub scales: Option<Arc<PlaceScales>>,
     /// A piece of it with added noise of both signs, for the noise of the residuals.
     pub noisy: Option<Arc<[Frame; 2]>>,
     /// Further columns of the file.
@@ -127,6 +130,20 @@ impl Frame {
         let left_out = |i: &usize| self.centres.binary_search(i).is_err();
         let centres: Vec<usize> = self.sieve.centres(self.len()).filter(left_out).collect();
         self.sieve.smooth_at(x, &centres)
+    }
+
+    /// The relative standard deviation of each balance by row; empty if equal.
+    pub fn row_scales(&self) -> Vec<[f64; 3]> {
+        match self.scales {
+            Some(_) => self.scales_at(&self.rows(&self.s)),
+            None => Vec::new(),
+        }
+    }
+
+    /// The same at these places.
+    pub fn scales_at(&self, places: &[f64]) -> Vec<[f64; 3]> {
+        let scales = self.scales.as_ref();
+        scales.map_or_else(Vec::new, |scales| scales.along(&self.track, places))
     }
 
     /// The retained samples that are used.

@@ -3,6 +3,7 @@
 pub(crate) mod available;
 pub(crate) mod frame;
 pub(crate) mod noise;
+pub(crate) mod place_scales;
 pub(crate) mod prepare;
 pub(crate) mod read;
 pub(crate) mod smooth;

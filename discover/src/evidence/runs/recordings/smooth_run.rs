@@ -164,6 +164,7 @@ pub fn frame(
         s_of_speed,
         contacts: Vec::new(),
         pushed: Vec::new(),
+        scales: None,
         noisy: None,
         extra,
     })

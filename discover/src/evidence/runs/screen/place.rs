@@ -95,7 +95,7 @@ impl Campaign<'_> {
             None => few.iter().map(of_run).collect(),
             // Simulations do not have its column.
             Some(_) => {
-                let whitener = Whitener::estimate(&residuals(residual_model, few), self.used);
+                let whitener = Whitener::estimate(few, &residuals(residual_model, few), self.used);
                 let of_run = |frame: &Frame| {
                     let rows = self.direction(residual_model, &whitener, candidate, frame);
                     rows.map(|row| row.iter().map(|x| x * x).sum())
