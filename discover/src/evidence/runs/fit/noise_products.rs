@@ -152,6 +152,7 @@ mod tests {
         let least = (reduced - whole * (1.0 - MOST_NOISE))
             .symmetric_eigenvalues()
             .min();
-        assert!(least > -1e-9, "{least}");
+        // Up to the small precision of columns without a prior.
+        assert!(least > -1e-6, "{least}");
     }
 }
