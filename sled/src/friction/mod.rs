@@ -23,6 +23,7 @@ mod experiments;
 pub mod film;
 mod glide_run;
 mod lateral;
+mod least_squares;
 mod longitudinal;
 mod specimens;
 

@@ -7,16 +7,17 @@
 //! a time, so that correlation within a run does not make them too narrow.
 
 use std::collections::BTreeMap;
+use std::ops::Add;
 
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::storage::Owned;
-use nalgebra::{Complex, ComplexField, DMatrix, DVector, Dyn, Matrix3, U1, Vector3};
+use levenberg_marquardt::LevenbergMarquardt;
+use nalgebra::{Complex, ComplexField, DMatrix, DVector, Matrix3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, in_range};
 use crate::friction::estimate::student_quantile;
 use crate::friction::lateral::law::MagicFormula;
+use crate::friction::least_squares::minimize;
 
 /// The fitted law of one runner and what is known of its parameters, as `fit.json` states it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -334,18 +335,18 @@ struct Score {
     slope: Matrix3<f64>,
 }
 
+impl Add for Score {
+    type Output = Score;
+
+    fn add(self, other: Score) -> Score {
+        Score {
+            score: self.score + other.score,
+            slope: self.slope + other.slope,
+        }
+    }
+}
+
 impl Score {
-    fn add(&mut self, other: &Score) {
-        self.score += other.score;
-        self.slope += other.slope;
-    }
-
-    fn sum<'a>(scores: impl IntoIterator<Item = &'a Score>) -> Score {
-        let mut sum = Score::default();
-        scores.into_iter().for_each(|score| sum.add(score));
-        sum
-    }
-
     /// Score of one sample whose slip carries noise of standard deviation `slip_sd`, unbiased for
     /// the score at the true slip.
     ///
@@ -407,12 +408,8 @@ impl Identifiability {
             }
             let curvature = eigen.eigenvalues[k].max(0.0);
             let spread = (direction.transpose() * meat * direction)[0].max(0.0);
-            let known = curvature > 0.0;
-            let relative_sd = if known {
-                spread.sqrt() / curvature
-            } else {
-                f64::INFINITY
-            };
+            let known = (curvature > 0.0).then(|| spread.sqrt() / curvature);
+            let relative_sd = known.unwrap_or(f64::INFINITY);
             Combination {
                 exponents: direction.into(),
                 relative_sd,
@@ -434,19 +431,34 @@ fn least_squares(
     start: MagicFormula,
     free: [bool; 3],
 ) -> Result<MagicFormula, Error> {
-    let problem = Residuals {
-        samples,
-        theta: theta_of(&start),
-        free: (0..3).filter(|&i| free[i]).collect(),
-        e: start.e,
+    let free: Vec<usize> = (0..3).filter(|&i| free[i]).collect();
+    let whole = theta_of(&start);
+    let model = |x: &DVector<f64>| {
+        let mut theta = whole;
+        for (&i, &x) in free.iter().zip(x) {
+            theta[i] = x;
+        }
+        model_of(&theta, start.e)
+    };
+    let residuals = |x: &DVector<f64>| {
+        let model = model(x);
+        let residual = |s: &LateralSample| model.force(s.alpha, s.fz) - s.fy;
+        DVector::from_iterator(samples.len(), samples.iter().map(residual))
+    };
+    let jacobian = |x: &DVector<f64>| {
+        let model = model(x);
+        let gradients = samples.iter().flat_map(|sample| {
+            let (_, gradient) = force_and_gradient(&model, sample.alpha, sample.fz);
+            free.iter().map(move |&i| gradient[i])
+        });
+        DMatrix::from_row_iterator(samples.len(), free.len(), gradients)
     };
     // Looser than rounding: along a direction that the data do not determine the last digits cost
     // most of the time, and the corrected score takes the parameters further.
-    let (problem, report) = LevenbergMarquardt::new()
-        .with_ftol(1e-12)
-        .with_xtol(1e-10)
-        .minimize(problem);
-    let model = model_of(&problem.theta, start.e);
+    let method = LevenbergMarquardt::new().with_ftol(1e-12).with_xtol(1e-10);
+    let from = DVector::from_iterator(free.len(), free.iter().map(|&i| whole[i]));
+    let (found, report) = minimize(method, from, residuals, jacobian);
+    let model = model(&found);
     if !report.termination.was_successful() || model.check().is_err() {
         return Err(Error::NotConverged {
             what: "lateral fit, least squares",
@@ -456,48 +468,6 @@ fn least_squares(
         });
     }
     Ok(model)
-}
-
-struct Residuals<'a> {
-    samples: &'a [LateralSample],
-    theta: Vector3<f64>,
-    free: Vec<usize>,
-    e: f64,
-}
-
-impl LeastSquaresProblem<f64, Dyn, Dyn> for Residuals<'_> {
-    type ResidualStorage = Owned<f64, Dyn, U1>;
-    type JacobianStorage = Owned<f64, Dyn, Dyn>;
-    type ParameterStorage = Owned<f64, Dyn, U1>;
-
-    fn set_params(&mut self, x: &DVector<f64>) {
-        for (k, &i) in self.free.iter().enumerate() {
-            self.theta[i] = x[k];
-        }
-    }
-
-    fn params(&self) -> DVector<f64> {
-        DVector::from_iterator(self.free.len(), self.free.iter().map(|&i| self.theta[i]))
-    }
-
-    fn residuals(&self) -> Option<DVector<f64>> {
-        let model = model_of(&self.theta, self.e);
-        let residual = |s: &LateralSample| model.force(s.alpha, s.fz) - s.fy;
-        let residuals = self.samples.iter().map(residual);
-        Some(DVector::from_iterator(self.samples.len(), residuals))
-    }
-
-    fn jacobian(&self) -> Option<DMatrix<f64>> {
-        let model = model_of(&self.theta, self.e);
-        let mut jacobian = DMatrix::zeros(self.samples.len(), self.free.len());
-        for (row, sample) in self.samples.iter().enumerate() {
-            let (_, gradient) = force_and_gradient(&model, sample.alpha, sample.fz);
-            for (k, &i) in self.free.iter().enumerate() {
-                jacobian[(row, k)] = gradient[i];
-            }
-        }
-        Some(jacobian)
-    }
 }
 
 /// Decides by the three-parameter fit whether C is free.
@@ -543,7 +513,7 @@ fn judge(samples: &[LateralSample], model: &MagicFormula, slip_sd: f64) -> Ident
     for cluster in clusters.values() {
         meat += cluster.score * cluster.score.transpose();
     }
-    let total = Score::sum(clusters.values());
+    let total = clusters.into_values().fold(Score::default(), Score::add);
     Identifiability::new(&total.slope, &meat)
 }
 
@@ -555,7 +525,7 @@ fn by_cluster(
     let mut clusters: BTreeMap<u32, Score> = BTreeMap::new();
     for sample in samples {
         let cluster = clusters.entry(sample.cluster).or_default();
-        cluster.add(&Score::of_sample(model, sample, slip_sd));
+        *cluster = *cluster + Score::of_sample(model, sample, slip_sd);
     }
     clusters
 }
@@ -588,10 +558,10 @@ fn corrected_root(
     let mut length = f64::INFINITY;
     for _ in 0..MOST {
         let model = model_of(&theta, options.e);
-        let mut total = Score::default();
-        for sample in samples {
-            total.add(&Score::of_sample(&model, sample, options.slip_sd));
-        }
+        let scores = samples
+            .iter()
+            .map(|s| Score::of_sample(&model, s, options.slip_sd));
+        let total = scores.fold(Score::default(), Score::add);
         let Some(move_by) = step(&total.slope, &total.score, free) else {
             return Err(Error::Undetermined {
                 what: "K with mu_zeta*c (slip too small against its noise, or no saturation)",
@@ -622,7 +592,10 @@ fn leave_one_cluster_out(
 ) -> Result<Matrix3<f64>, Error> {
     let clusters = by_cluster(samples, model, slip_sd);
     let count = clusters.len() as f64;
-    let total = Score::sum(clusters.values());
+    let total = clusters
+        .values()
+        .copied()
+        .fold(Score::default(), Score::add);
     let mut covariance = Matrix3::zeros();
     for cluster in clusters.values() {
         let rest = total.slope - cluster.slope;
