@@ -117,7 +117,7 @@ fn place(
             "matches no place of track {}, or two: {misfit:.2} of its curvature and bank is unexplained at the best place and {elsewhere:.2} at another, expected below 0.5 and half as much again elsewhere",
             run.entry.track
         );
-        Error::file(&run.entry.file.display().to_string(), reason)
+        Error::file(run.entry.file.display(), reason)
     };
     let found = search(measured, reference);
     let (line, elsewhere) = found.ok_or_else(|| unplaced(f64::NAN, f64::NAN))?;
@@ -253,7 +253,7 @@ fn posterior(
     reference: &ReferenceProfile,
     warp: &DistanceWarp,
 ) -> Option<(Cholesky<f64, Dyn>, DVector<f64>)> {
-    let (normal, right) = misfit(measured, reference, warp);
+    let (normal, right) = normal_equations(measured, reference, warp);
     let (drift, towards) = prior(&warp.shift_m);
     Some(((normal + drift).cholesky()?, right + towards))
 }
@@ -282,7 +282,7 @@ fn prior(shift: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
 /// Normal matrix D and right-hand side r of the shifts by what a run and the reference differ in at
 /// a warp, once what the way through the curves moves is eliminated: `inv(1 + LINE_M^2 D)` times
 /// both. Growth of the distance by the own one at each metre is near 1 and neglected in the slopes.
-fn misfit(
+fn normal_equations(
     measured: &TrackSignature,
     reference: &ReferenceProfile,
     warp: &DistanceWarp,

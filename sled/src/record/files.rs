@@ -230,7 +230,7 @@ pub fn write_run(
     writer: &mut (dyn Write + Send),
     format: RunFormat,
 ) -> Result<(), Error> {
-    let failure = |reason: &dyn Display| Error::file(&run.entry.file.display().to_string(), reason);
+    let failure = |reason: &dyn Display| Error::file(run.entry.file.display(), reason);
     for (column, values) in &run.columns {
         if let Some(i) = values.iter().position(|value| value.is_infinite()) {
             let (name, value) = (&run.entry.run, values[i]);

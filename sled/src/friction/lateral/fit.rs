@@ -50,9 +50,10 @@ pub struct LateralFit {
     pub samples: usize,
     /// Runs or stretches that are resampled as one.
     pub clusters: usize,
-    /// What the data determine, judged with all three parameters free; not part of the document.
+    /// What the data determine, judged with all three parameters free, the best determined first;
+    /// not part of the document.
     #[serde(skip)]
-    pub identifiability: Identifiability,
+    pub combinations: [Combination; 3],
 }
 
 impl LateralFit {
@@ -116,7 +117,7 @@ pub fn fit_lateral(
             rough = least_squares(&used, rough, fixed)?;
         }
     }
-    let (mut free, least_squares_model, identifiability) = choose_freedom(&used, rough, options)?;
+    let (mut free, least_squares_model, combinations) = choose_freedom(&used, rough, options)?;
     let attempt = |start: &MagicFormula, free: [bool; 3]| {
         let theta = corrected_root(&used, start, free, options)?;
         let model = model_of(&theta, options.e);
@@ -166,8 +167,8 @@ pub fn fit_lateral(
         c: estimate(theta[2], covariance[(2, 2)]),
         c_held: !free[2],
         mu_zeta_c_determined: product_determined,
-        rank: identifiability.rank(),
-        identifiability,
+        rank: rank(&combinations),
+        combinations,
         plain_least_squares: least_squares_model,
         attenuation_of_plain_least_squares: least_squares_model.k_n_per_rad / model.k_n_per_rad,
         slip_sd_rad: options.slip_sd,
@@ -379,50 +380,21 @@ pub struct Combination {
     pub exponents: [f64; 3],
     /// Standard deviation of the combination's logarithm, robust to correlation within clusters.
     pub relative_sd: f64,
-    /// Whether the data determine it: relative standard deviation below [`Combination::LIMIT`].
-    pub determined: bool,
 }
 
 impl Combination {
     /// A combination known to worse than a factor of about 1.6 (95 %) is called not determined.
     pub const LIMIT: f64 = 0.25;
+
+    /// Whether the data determine it.
+    pub fn is_determined(&self) -> bool {
+        self.relative_sd < Combination::LIMIT
+    }
 }
 
-/// The three combinations, best determined first.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Identifiability {
-    /// Right singular vectors of the Jacobian, in falling order of their singular values.
-    pub combinations: [Combination; 3],
-}
-
-impl Identifiability {
-    /// From the summed slope `J^T J` and the covariance of the summed score.
-    fn new(slope: &Matrix3<f64>, meat: &Matrix3<f64>) -> Self {
-        let eigen = slope.symmetric_eigen();
-        let mut order = [0, 1, 2];
-        order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
-        let combinations = order.map(|k| {
-            let mut direction: Vector3<f64> = eigen.eigenvectors.column(k).into();
-            if direction[direction.iamax()] < 0.0 {
-                direction = -direction;
-            }
-            let curvature = eigen.eigenvalues[k].max(0.0);
-            let spread = (direction.transpose() * meat * direction)[0].max(0.0);
-            let known = (curvature > 0.0).then(|| spread.sqrt() / curvature);
-            let relative_sd = known.unwrap_or(f64::INFINITY);
-            Combination {
-                exponents: direction.into(),
-                relative_sd,
-                determined: relative_sd < Combination::LIMIT,
-            }
-        });
-        Identifiability { combinations }
-    }
-
-    /// Number of combinations that the data determine.
-    pub fn rank(&self) -> usize {
-        self.combinations.iter().filter(|c| c.determined).count()
-    }
+/// Number of combinations that the data determine.
+fn rank(combinations: &[Combination; 3]) -> usize {
+    combinations.iter().filter(|c| c.is_determined()).count()
 }
 
 /// Least squares over the free parameters by Levenberg-Marquardt.
@@ -475,7 +447,7 @@ fn choose_freedom(
     samples: &[LateralSample],
     fixed: MagicFormula,
     options: &LateralFitOptions,
-) -> Result<([bool; 3], MagicFormula, Identifiability), Error> {
+) -> Result<([bool; 3], MagicFormula, [Combination; 3]), Error> {
     let mut best = fixed;
     for c in [options.c, 1.0] {
         let start = MagicFormula {
@@ -493,28 +465,42 @@ fn choose_freedom(
         }
     }
     let judged = judge(samples, &best, options.slip_sd);
-    if judged.rank() == 3 {
+    if rank(&judged) == 3 {
         return Ok(([true; 3], best, judged));
     }
     let judged = judge(samples, &fixed, options.slip_sd);
-    let strongest = judged.combinations[0];
-    if !strongest.determined {
+    if !judged[0].is_determined() {
         return Err(Error::Undetermined {
             what: "cornering stiffness K",
-            ratio: Combination::LIMIT / strongest.relative_sd,
+            ratio: Combination::LIMIT / judged[0].relative_sd,
         });
     }
     Ok(([true, true, false], fixed, judged))
 }
 
-fn judge(samples: &[LateralSample], model: &MagicFormula, slip_sd: f64) -> Identifiability {
+/// The combinations, best determined first: right singular vectors of the Jacobian, in falling
+/// order of their singular values, with the covariance of the summed score.
+fn judge(samples: &[LateralSample], model: &MagicFormula, slip_sd: f64) -> [Combination; 3] {
     let clusters = by_cluster(samples, model, slip_sd);
-    let mut meat = Matrix3::zeros();
-    for cluster in clusters.values() {
-        meat += cluster.score * cluster.score.transpose();
-    }
+    let scores = clusters.values().map(|cluster| cluster.score);
+    let meat: Matrix3<f64> = scores.map(|score| score * score.transpose()).sum();
     let total = clusters.into_values().fold(Score::default(), Score::add);
-    Identifiability::new(&total.slope, &meat)
+    let eigen = total.slope.symmetric_eigen();
+    let mut order = [0, 1, 2];
+    order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
+    order.map(|k| {
+        let mut direction: Vector3<f64> = eigen.eigenvectors.column(k).into();
+        if direction[direction.iamax()] < 0.0 {
+            direction = -direction;
+        }
+        let curvature = eigen.eigenvalues[k].max(0.0);
+        let spread = (direction.transpose() * meat * direction)[0].max(0.0);
+        let known = (curvature > 0.0).then(|| spread.sqrt() / curvature);
+        Combination {
+            exponents: direction.into(),
+            relative_sd: known.unwrap_or(f64::INFINITY),
+        }
+    })
 }
 
 fn by_cluster(

@@ -85,32 +85,26 @@ impl Examination {
 /// # Errors
 /// Those of the index; errors of a run are in its examination.
 pub fn examine(index: &Path) -> Result<Vec<(Examination, Option<Run>)>, Error> {
-    let read = |entry: Entry| {
-        let refused = Examination {
-            run: entry.run.clone(),
-            file: entry.file.display().to_string(),
-            ..Examination::default()
-        };
-        read_run(entry, &LEAST, OnGaps::LeaveOut).map_err(|error| Examination {
-            refused: Some(error.to_string()),
-            ..refused
-        })
-    };
-    let read: Vec<Result<Run, Examination>> =
-        read_index(index)?.into_par_iter().map(read).collect();
-    let runs: Vec<&Run> = read.iter().flatten().collect();
-    let copied = copies(&runs);
+    let read = |entry: Entry| (entry.clone(), read_run(entry, &LEAST, OnGaps::LeaveOut));
+    let read: Vec<_> = read_index(index)?.into_par_iter().map(read).collect();
+    let runs: Vec<&Run> = read.iter().flat_map(|(_, run)| run).collect();
     let name = |run: &Run| run.entry.run.clone();
-    let copied: BTreeMap<String, String> = copied
-        .into_iter()
-        .map(|(first, second)| (name(runs[second]), name(runs[first])))
-        .collect();
-    let originals = runs
-        .into_iter()
-        .filter(|run| !copied.contains_key(&run.entry.run));
+    let copied = copies(&runs).into_iter();
+    let copied = copied.map(|(first, second)| (name(runs[second]), name(runs[first])));
+    let copied: BTreeMap<String, String> = copied.collect();
+    let is_original = |run: &&Run| !copied.contains_key(&run.entry.run);
+    let originals = runs.into_iter().filter(is_original);
     let faults = judge(&originals.collect::<Vec<_>>());
-    let examine_one = |read: Result<Run, Examination>| match read {
-        Err(refused) => (refused, None),
+    let examine_one = |(entry, read): (Entry, Result<Run, Error>)| match read {
+        Err(error) => {
+            let refused = Examination {
+                run: entry.run,
+                file: entry.file.display().to_string(),
+                refused: Some(error.to_string()),
+                ..Examination::default()
+            };
+            (refused, None)
+        }
         Ok(run) => {
             let own = faults.iter().filter(|fault| fault.run == run.entry.run);
             let mut one = examine_run(&run, own.cloned().collect());
@@ -295,7 +289,7 @@ fn channel_notes(
         let rate = run.rate_hz() / rows as f64;
         let what = format!("each value is repeated over {rows} rows: {rate:.1} Hz");
         note(0.02, OWN_CLOCK, what);
-    } else if still >= 0.99 * length_s {
+    } else if still >= STILL_S.max(0.99 * length_s) {
         note(share, LEAVE_OUT, "one value throughout".to_owned());
     } else if still >= STILL_S && at_end {
         let what = format!("one value for {still:.2} s, at the end of its range: saturated?");

@@ -7,11 +7,11 @@ use rayon::prelude::*;
 use crate::column::Sensor;
 use crate::error::Error;
 use crate::fault::{Fault, FaultKind};
-use crate::record::check::remedies::{REMEDIES, Remedy};
+use crate::record::check::remedies::{Mend, REMEDIES, Remedy, Unit};
 use crate::record::check::response::response_faults;
 use crate::record::check::rigid_body::{Agreement, Slow, factor};
 use crate::record::check::rotation::{BoxRotation, is_complete};
-use crate::record::check::single::{constant_fault, plain_faults, range_faults};
+use crate::record::check::single::{plain_faults, range_faults};
 use crate::record::run::Run;
 use crate::series::bridged;
 
@@ -132,8 +132,7 @@ impl RelationRules {
     /// Mends the faults that the relations show, and appends them to `faults`.
     fn mend_all(&self, run: &Run, slow: &mut Slow, faults: &mut Vec<Fault>) {
         let mut mend = |mend: &Remedy, slow: &mut Slow, proven: bool, evidence: String| {
-            let (kind, looks_like, line) = mend.describe();
-            let fault = Fault::proven(run, &mend.columns(), kind, looks_like, evidence, line);
+            let fault = Fault::proven(run, &mend.columns(), mend.1, evidence);
             faults.push(fault.proven_if(proven));
             *slow = mend.applied(slow);
         };
@@ -181,7 +180,8 @@ impl RelationRules {
         {
             let value = roll[0];
             let evidence = format!("{value} in every row, while gravity turns across the sled");
-            faults.push(constant_fault(run, name, evidence).proven_if(false));
+            let fault = Fault::proven(run, &[name], Mend::Replace, evidence);
+            faults.push(fault.proven_if(false));
         }
     }
 
@@ -262,20 +262,18 @@ fn distance_fault(run: &Run, slow: &Slow) -> Option<Fault> {
     let travelled = sum(&bridged(run.columns.get("v_mps")?)) * run.dt_s * factor;
     let share = (last - first) / travelled;
     let units = [
-        (1e-3, "kilometres", "unit = \"km\""),
-        (1e3, "millimetres", "unit = \"mm\""),
-        (100.0, "centimetres", "unit = \"cm\""),
-        (1.0 / 0.3048, "feet", "unit = \"ft\""),
-        (1.0 / 1609.344, "miles", "unit = \"mi\""),
-        (-1.0, "a distance that runs backwards", "sign = -1"),
+        ("kilometres", "km", 1e-3),
+        ("millimetres", "mm", 1e3),
+        ("centimetres", "cm", 100.0),
+        ("feet", "ft", 1.0 / 0.3048),
+        ("miles", "mi", 1.0 / 1609.344),
+        ("a distance that runs backwards", "", -1.0),
     ];
-    let mut units = units.into_iter();
-    let (_, looks_like, mend) = units.find(|(u, ..)| (share / u - 1.0).abs() < CLOSE)?;
+    let is_close = |(.., per_metre): &Unit| (share / per_metre - 1.0).abs() < CLOSE;
+    let unit = units.into_iter().find(is_close)?;
     let way = last - first;
     let evidence = format!("{way:.5} where the speed adds up to {travelled:.1} m");
-    let (kind, mend) = (FaultKind::Distance, format!("{mend} for s_m"));
-    let fault = Fault::proven(run, &["s_m"], kind, looks_like, evidence, mend);
-    Some(fault)
+    Some(Fault::proven(run, &["s_m"], Mend::Distance(unit), evidence))
 }
 
 /// Residuals of the relations before and after.

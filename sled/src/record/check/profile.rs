@@ -63,10 +63,8 @@ impl Profile {
             let pairs = stretches().flat_map(|x| x.windows(2));
             pairs.map(|w| (w[1] - w[0]).abs())
         };
-        let (count, equal) = (
-            differences().count(),
-            differences().filter(|d| *d == 0.0).count(),
-        );
+        let count = differences().count();
+        let equal = differences().filter(|d| *d == 0.0).count();
         let unequal = differences().filter(|d| *d != 0.0);
         let least = unequal.fold(f64::INFINITY, f64::min);
         let coarse = 10 * equal >= 3 * count && least.is_finite();
@@ -222,7 +220,7 @@ mod tests {
         };
         let noise: Vec<f64> = (0..16_384).map(|_| draw()).collect();
         let expected = 1.0;
-        let of = |x: &[f64]| Profile::of(x, &[0..x.len()], 500.0).0;
+        let of = |x: &[f64]| Profile::of(x, std::slice::from_ref(&(0..x.len())), 500.0).0;
         let plain = of(&noise);
         assert_eq!(plain.octaves.len(), 8);
         for (k, octave) in plain.octaves.iter().enumerate() {

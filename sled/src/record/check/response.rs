@@ -10,8 +10,9 @@
 //! leaving out a twentieth of the run at a time.
 
 use crate::column::Sensor;
-use crate::fault::{Fault, FaultKind};
+use crate::fault::Fault;
 use crate::record::check::judge::RelationRules;
+use crate::record::check::remedies::{G, Mend};
 use crate::record::check::rigid_body::{Coefficient, Slow, coefficients};
 use crate::record::run::Run;
 use crate::series::{median, root_mean_square};
@@ -19,59 +20,39 @@ use crate::series::{median, root_mean_square};
 /// Density of the air [kg/m3], as accurate as these judgements need it.
 const AIR: f64 = 1.2;
 
-/// A channel that a sled responds to.
-struct Response {
-    input: Sensor,
-    /// Its place among slip, turning, steering and roll split.
-    place: usize,
-    /// Sign of its coefficient where the channel is right.
-    sign: f64,
-    /// What responds and the unit of the coefficient.
-    output: [&'static str; 2],
-}
-
-const ACROSS: [&str; 2] = ["the acceleration sideways", "m/s2"];
-const YAW: [&str; 2] = ["the yaw acceleration", "1/s2"];
+/// A channel that a sled responds to, its place among slip, turning, steering and roll split, the
+/// sign of its coefficient where the channel is right, and what responds.
+type Response = (Sensor, usize, f64, &'static str);
 
 const RESPONSES: [Response; 3] = [
-    Response {
-        input: Sensor::Slip,
-        place: 0,
-        sign: 1.0,
-        output: ACROSS,
-    },
-    Response {
-        input: Sensor::Steering,
-        place: 2,
-        sign: 1.0,
-        output: YAW,
-    },
-    Response {
-        input: Sensor::RollSplit,
-        place: 3,
-        sign: -1.0,
-        output: YAW,
-    },
+    (Sensor::Slip, 0, 1.0, "acceleration sideways"),
+    (Sensor::Steering, 2, 1.0, "yaw acceleration"),
+    (Sensor::RollSplit, 3, -1.0, "yaw acceleration"),
 ];
 
 /// Faults by the response of these runs to steering, roll split and air; the slow parts are mended
 /// already.
 pub(super) fn response_faults(runs: &[(&Run, &Slow)], rules: &RelationRules) -> Vec<Fault> {
     let mut faults = Vec::new();
-    let reversed = |run: &Run, sensor: Sensor, evidence: String| {
-        let (name, kind) = (sensor.name(), FaultKind::Sign);
-        let mend = format!("sign = -1 for {name}");
-        Fault::proven(run, &[name], kind, "the other sign", evidence, mend).proven_if(false)
+    let mut suspect = |run: &Run, sensor: Sensor, mend: Mend, evidence: String| {
+        let fault = Fault::proven(run, &[sensor.name()], mend, evidence);
+        faults.push(fault.proven_if(false));
     };
-    for response in &RESPONSES {
-        let found: Vec<_> = runs.iter().map(|(_, slow)| response.of(slow)).collect();
-        let [what, unit] = response.output;
-        for (run, (c, error)) in wrong_way(runs, &found, rules) {
-            let c = response.sign * c;
+    for (input, place, sign, output) in RESPONSES {
+        let found = runs
+            .iter()
+            .map(|(_, slow)| response(slow, input, place, sign));
+        let unit = if input == Sensor::Slip {
+            "m/s2"
+        } else {
+            "1/s2"
+        };
+        for (run, (c, error)) in wrong_way(runs, &found.collect::<Vec<_>>(), rules) {
+            let c = sign * c;
             let evidence = format!(
-                "{what} responds with {c:.1} +- {error:.1} {unit}, good runs with the other sign"
+                "the {output} responds with {c:.1} +- {error:.1} {unit}, good runs with the other sign"
             );
-            faults.push(reversed(run, response.input, evidence));
+            suspect(run, input, Mend::Negate, evidence);
         }
     }
     let braking: Vec<_> = runs.iter().map(|(_, slow)| braking(slow, rules)).collect();
@@ -79,15 +60,12 @@ pub(super) fn response_faults(runs: &[(&Run, &Slow)], rules: &RelationRules) -> 
         format!("air brakes with c_d A/m = {c:.1e} +- {error:.1e} m2/kg, a bobsled with 7e-4")
     };
     for (run, found) in wrong_way(runs, &braking, rules) {
-        faults.push(reversed(run, Sensor::Ax, drag(found)));
+        suspect(run, Sensor::Ax, Mend::Negate, drag(found));
     }
     for ((run, _), found) in runs.iter().zip(&braking) {
         let weak = |(c, error): &Coefficient| *c > 0.0 && c + 4.0 * error < rules.least_drag;
         if let Some(found) = found.filter(weak) {
-            let (kind, name) = (FaultKind::Unit, Sensor::Ax.name());
-            let (evidence, mend) = (drag(found), format!("unit = \"g\" for {name}"));
-            let fault = Fault::proven(run, &[name], kind, "multiples of g", evidence, mend);
-            faults.push(fault.proven_if(false));
+            suspect(run, Sensor::Ax, Mend::Convert(G), drag(found));
         }
     }
     faults
@@ -116,35 +94,29 @@ fn wrong_way<'a>(
     wrong.collect()
 }
 
-impl Response {
-    /// The coefficient times its sign: positive where the channel is right; `None` where one of the
-    /// channels is not recorded. To slip the lateral acceleration responds, to the others the yaw
-    /// acceleration.
-    fn of(&self, slow: &Slow) -> Option<Coefficient> {
-        let channel = |sensor: Sensor| {
-            let recorded = slow[sensor].as_ref();
-            recorded.filter(|x| x.iter().any(|y| *y != x[0]))
-        };
-        let (yaw, v) = (channel(Sensor::YawRate)?, channel(Sensor::Speed)?);
-        let turn: Vec<f64> = yaw.iter().zip(v).map(|(r, v)| r / v).collect();
-        // Drivers turn the front part as they steer: without the roll split its share would be
-        // attributed to the steering.
-        let columns = [
-            channel(Sensor::Slip)?,
-            &turn,
-            channel(Sensor::Steering)?,
-            channel(Sensor::RollSplit)?,
-        ];
-        let output = match self.input {
-            Sensor::Slip => slow[Sensor::Ay].clone()?,
-            _ => slow.rate(yaw),
-        };
-        let inner = |x: &Vec<f64>| slow.inner(1).map(|i| x[i]).collect::<Vec<f64>>();
-        let columns = columns.map(inner);
-        let columns = columns.each_ref().map(Vec::as_slice);
-        let (c, error) = *coefficients(&columns, &inner(&output))?.get(self.place)?;
-        Some((self.sign * c, error))
-    }
+/// The coefficient times its sign: positive where the channel is right; `None` where one of the
+/// channels is not recorded. To slip the lateral acceleration responds, to the others the yaw
+/// acceleration.
+fn response(slow: &Slow, input: Sensor, place: usize, sign: f64) -> Option<Coefficient> {
+    let channel = |sensor: Sensor| {
+        let recorded = slow[sensor].as_ref();
+        recorded.filter(|x| x.iter().any(|y| *y != x[0]))
+    };
+    let (yaw, v) = (channel(Sensor::YawRate)?, channel(Sensor::Speed)?);
+    let turn: Vec<f64> = yaw.iter().zip(v).map(|(r, v)| r / v).collect();
+    let (slip, steering) = (channel(Sensor::Slip)?, channel(Sensor::Steering)?);
+    // Drivers turn the front part as they steer: without the roll split its share would be
+    // attributed to the steering.
+    let columns = [slip, &turn, steering, channel(Sensor::RollSplit)?];
+    let output = match input {
+        Sensor::Slip => slow[Sensor::Ay].clone()?,
+        _ => slow.rate(yaw),
+    };
+    let inner = |x: &Vec<f64>| slow.inner(1).map(|i| x[i]).collect::<Vec<f64>>();
+    let columns = columns.map(inner);
+    let columns = columns.each_ref().map(Vec::as_slice);
+    let (c, error) = *coefficients(&columns, &inner(&output))?.get(place)?;
+    Some((sign * c, error))
 }
 
 /// The air's share of the braking, c_d A/m [m2/kg]; `None` where something drives.

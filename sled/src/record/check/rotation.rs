@@ -18,8 +18,9 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::column::Sensor;
-use crate::fault::{Fault, FaultKind};
+use crate::fault::Fault;
 use crate::record::check::judge::{RelationRules, evidence};
+use crate::record::check::remedies::Mend;
 use crate::record::check::rigid_body::{Agreement, Slow, coefficients};
 use crate::record::run::Run;
 
@@ -109,8 +110,8 @@ impl BoxRotation {
     pub fn fault(&self, run: &Run, before: &Slow, after: &Slow) -> Fault {
         let names = Sensor::ACCELEROMETER.iter().chain(&Sensor::GYROSCOPE);
         let names: Vec<&str> = names.map(|sensor| sensor.name()).collect();
-        let (roll, pitch, yaw) = self.rotation.euler_angles();
-        let [roll, pitch, yaw] = [roll, pitch, yaw].map(|angle| {
+        let angles: [f64; 3] = self.rotation.euler_angles().into();
+        let angles = angles.map(|angle| {
             let quarter = (angle / FRAC_PI_2).round() * FRAC_PI_2;
             let is_quarter = (angle - quarter).abs() < QUARTER_TURN;
             // Not -0.
@@ -128,12 +129,8 @@ impl BoxRotation {
             axis(2),
             evidence(&Agreement::of(before), &Agreement::of(after))
         );
-        let mend = format!(
-            "rotation = [{roll:.4}, {pitch:.4}, {yaw:.4}] in [logger.NAME] of these channels"
-        );
-        let looks_like = "the axes of a box that is turned";
-        Fault::proven(run, &names, FaultKind::Rotation, looks_like, evidence, mend)
-            .proven_if(self.proven)
+        let fault = Fault::proven(run, &names, Mend::Rotate(angles), evidence);
+        fault.proven_if(self.proven)
     }
 }
 
