@@ -1,5 +1,7 @@
 //! What can go wrong between a recorded run and a driver's score.
 
+use std::fmt::Display;
+
 use crate::fault::Fault;
 
 /// Errors of the sled's readers, models and fits.
@@ -174,7 +176,7 @@ fn more_faults(more: usize) -> String {
 
 impl Error {
     /// An error of a file, with the answer of the system or a reader.
-    pub(crate) fn file(file: &str, reason: impl std::fmt::Display) -> Self {
+    pub(crate) fn file(file: impl Display, reason: impl Display) -> Self {
         Error::File {
             file: file.to_string(),
             reason: reason.to_string(),
@@ -220,7 +222,7 @@ impl Error {
         file: &str,
         row: u64,
         column: &str,
-        found: impl std::fmt::Display,
+        found: impl Display,
         expected: &str,
     ) -> Self {
         let found = found.to_string();

@@ -2,8 +2,6 @@
 
 use serde::Serialize;
 
-use crate::record::run::Run;
-
 /// What is wrong with a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -51,27 +49,6 @@ pub struct Fault {
 }
 
 impl Fault {
-    /// A fault of a run that is proved.
-    pub(crate) fn proven(
-        run: &Run,
-        columns: &[&str],
-        kind: FaultKind,
-        looks_like: &str,
-        evidence: String,
-        mend: String,
-    ) -> Fault {
-        Fault {
-            run: run.entry.run.clone(),
-            file: run.entry.file.display().to_string(),
-            columns: columns.iter().map(ToString::to_string).collect(),
-            kind,
-            proven: true,
-            looks_like: looks_like.to_owned(),
-            evidence,
-            mend,
-        }
-    }
-
     /// The same, proved or suspected only.
     pub(crate) fn proven_if(self, proven: bool) -> Fault {
         Fault { proven, ..self }

@@ -8,7 +8,8 @@ use kufe::jobs::Failure;
 use kufe::jobs::runs::run_inputs;
 use kufe::report::record_page;
 use kufe::results::RunCheck;
-use kufe_sled::{Examination, examine_with};
+use kufe_sled::{Error, Examination, Run, examine};
+use rayon::prelude::*;
 
 use crate::output::OutputDir;
 use crate::runs::{all_runs, write_view};
@@ -36,11 +37,13 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let inputs = run_inputs(&args.runs);
     let output = OutputDir::begin("runs check", &inputs, &args.out, global.force)?;
     let examined = global.during("examining the runs", || {
-        examine_with(&args.runs, |one, run| {
-            run.map_or_else(Vec::new, |run| odd_curves(one, run))
-        })
+        let curves = |(one, run): (Examination, Option<Run>)| {
+            let curves = run.map_or_else(Vec::new, |run| odd_curves(&one, &run));
+            (one, curves)
+        };
+        Ok::<_, Error>(examine(&args.runs)?.into_par_iter().map(curves).unzip())
     });
-    let (runs, curves): (Vec<_>, Vec<_>) = examined?.into_iter().unzip();
+    let (runs, curves): (Vec<_>, Vec<_>) = examined?;
     let check = RunCheck::new(args.runs.display().to_string(), runs);
     let viewer = if args.view {
         write_view(&output, &all_runs(args.runs.clone()), global)?

@@ -6,9 +6,11 @@ use std::path::{Path, PathBuf};
 
 use kufe_sled::{
     COLUMNS, Column, Entry, Examination, Inputs, Model, PrepareOptions, Prepared, Run, Section,
-    SimulateOptions, Track, TrackShape, Vehicle, bridged, examine_with, find_contacts, integral,
+    SimulateOptions, Track, TrackShape, Vehicle, bridged, examine, find_contacts, integral,
     prepare, read_index, record, replay, resample_stretches, track_file,
 };
+
+use rayon::prelude::*;
 
 use crate::jobs::failure::Failure;
 use crate::jobs::watch::Watch;
@@ -95,13 +97,15 @@ pub fn view_runs(options: &ViewOptions, watch: &Watch) -> Result<ViewedRuns, Fai
     let driven = driven.transpose()?;
     watch.progress(&format!("examining {} runs", entries.len()));
     let is_chosen = |run: &str| options.only.is_empty() || options.only.iter().any(|n| n == run);
-    let examined = examine_with(&options.runs, |one, run| {
-        let run = run.filter(|_| one.refused.is_none() && is_chosen(&one.run))?;
-        Some(viewed(run, one, driven.as_ref(), watch))
-    });
+    let shown = |(one, run): (Examination, Option<Run>)| {
+        let run = run.filter(|_| one.refused.is_none() && is_chosen(&one.run));
+        let viewed = run.map(|run| viewed(&run, &one, driven.as_ref(), watch));
+        (one, viewed)
+    };
+    let examined = examine(&options.runs)?.into_par_iter().map(shown);
     let (mut runs, mut left_out) = (BTreeMap::new(), Vec::new());
     let mut prepared = Vec::new();
-    for (one, run) in examined? {
+    for (one, run) in examined.collect::<Vec<_>>() {
         match (one.refused, run) {
             (Some(reason), _) if is_chosen(&one.run) => left_out.push([one.run, reason]),
             (_, Some((run, states))) => {

@@ -117,7 +117,7 @@ fn place(
             "matches no place of track {}, or two: {misfit:.2} of its curvature and bank is unexplained at the best place and {elsewhere:.2} at another, expected below 0.5 and half as much again elsewhere",
             run.entry.track
         );
-        Error::file(&run.entry.file.display().to_string(), reason)
+        Error::file(run.entry.file.display(), reason)
     };
     let found = search(measured, reference);
     let (line, elsewhere) = found.ok_or_else(|| unplaced(f64::NAN, f64::NAN))?;
@@ -253,7 +253,7 @@ fn posterior(
     reference: &ReferenceProfile,
     warp: &DistanceWarp,
 ) -> Option<(Cholesky<f64, Dyn>, DVector<f64>)> {
-    let (normal, right) = WarpMisfit::of(measured, reference, warp).normal();
+    let (normal, right) = normal_equations(measured, reference, warp);
     let (drift, towards) = prior(&warp.shift_m);
     Some(((normal + drift).cholesky()?, right + towards))
 }
@@ -279,67 +279,51 @@ fn prior(shift: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
     (normal, right)
 }
 
-/// Residuals between a run and the reference at a warp.
-struct WarpMisfit {
-    /// Metre by metre: knot before, share of the next, differences and slopes of the reference.
-    rows: Vec<(usize, f64, [f64; 2], [f64; 2])>,
-    /// Deviations of the differences.
-    sd: [f64; 2],
-    /// Growth of the distance by the own one at each metre is near 1 and neglected in the slopes.
-    knots: usize,
-}
-
-impl WarpMisfit {
-    fn of(
-        measured: &TrackSignature,
-        reference: &ReferenceProfile,
-        warp: &DistanceWarp,
-    ) -> WarpMisfit {
-        let mut rows = Vec::with_capacity(measured.metres.len());
-        for (i, metre) in measured.metres.iter().enumerate() {
-            let own = measured.place(i);
-            if let Some((at, slope)) = reference.at(warp.at(own)).filter(|_| metre[0].is_finite()) {
-                let (knot, share) = warp.between(own);
-                rows.push((knot, share, [metre[0] - at[0], metre[1] - at[1]], slope));
-            }
-        }
-        let sd = [0, 1].map(|k| {
-            let median = median(rows.iter().map(|row| row.2[k].abs()));
-            // The median magnitude of a normal variable; and not less than a hundredth of what the
-            // reference itself does.
-            let least = 0.01 * reference.spread[k];
-            median.map_or(1.0, |median| (median / 0.674_489_75).max(least))
-        });
-        WarpMisfit {
-            rows,
-            sd,
-            knots: warp.own_m.len(),
-        }
-    }
-
-    /// Normal matrix D and right-hand side r of the shifts, then once what the way through the
-    /// curves moves is eliminated: `inv(1 + LINE_M^2 D)` times both.
-    fn normal(&self) -> (DMatrix<f64>, DVector<f64>) {
-        let mut normal = DMatrix::zeros(self.knots, self.knots);
-        let mut right = DVector::zeros(self.knots);
-        for (knot, share, differences, slopes) in &self.rows {
-            let next = (knot + 1).min(self.knots - 1);
-            let hats = [(*knot, 1.0 - share), (next, *share)];
-            for k in 0..2 {
-                let size = (differences[k] / self.sd[k]).abs();
-                let weight = (ORDINARY / size.max(ORDINARY)) / (self.sd[k] * self.sd[k]);
-                for (a, wa) in hats {
-                    right[a] += weight * wa * slopes[k] * differences[k];
-                    for (b, wb) in hats {
-                        normal[(a, b)] += weight * wa * wb * slopes[k] * slopes[k];
-                    }
+/// Normal matrix D and right-hand side r of the shifts by what a run and the reference differ in at
+/// a warp, once what the way through the curves moves is eliminated: `inv(1 + LINE_M^2 D)` times
+/// both. Growth of the distance by the own one at each metre is near 1 and neglected in the slopes.
+fn normal_equations(
+    measured: &TrackSignature,
+    reference: &ReferenceProfile,
+    warp: &DistanceWarp,
+) -> (DMatrix<f64>, DVector<f64>) {
+    // Metre by metre: knot before and share of the next, differences and slopes of the reference.
+    let row = |(i, metre): (usize, &[f64; 3])| {
+        let own = measured.place(i);
+        let known = reference.at(warp.at(own));
+        let (at, slope) = known.filter(|_| metre[0].is_finite())?;
+        let differences = [metre[0] - at[0], metre[1] - at[1]];
+        Some((warp.between(own), differences, slope))
+    };
+    let metres = measured.metres.iter().enumerate();
+    let rows: Vec<_> = metres.filter_map(row).collect();
+    let sd = [0, 1].map(|k: usize| {
+        let median = median(rows.iter().map(|(_, differences, _)| differences[k].abs()));
+        // The median magnitude of a normal variable; and not less than a hundredth of what the
+        // reference itself does.
+        let least = 0.01 * reference.spread[k];
+        median.map_or(1.0, |median| (median / 0.674_489_75).max(least))
+    });
+    let knots = warp.own_m.len();
+    let mut normal = DMatrix::zeros(knots, knots);
+    let mut right = DVector::zeros(knots);
+    for ((knot, share), differences, slopes) in rows {
+        let next = (knot + 1).min(knots - 1);
+        let hats = [(knot, 1.0 - share), (next, share)];
+        for k in 0..2 {
+            let size = (differences[k] / sd[k]).abs();
+            let weight = (ORDINARY / size.max(ORDINARY)) / (sd[k] * sd[k]);
+            for (a, wa) in hats {
+                right[a] += weight * wa * slopes[k] * differences[k];
+                for (b, wb) in hats {
+                    normal[(a, b)] += weight * wa * wb * slopes[k] * slopes[k];
                 }
             }
         }
-        let noise = DMatrix::identity(self.knots, self.knots) + &normal * (LINE_M * LINE_M);
-        match noise.cholesky() {
-            Some(noise) => (noise.solve(&normal), noise.solve(&right)),
-            None => (normal, right),
-        }
+    }
+    let noise = DMatrix::identity(knots, knots) + &normal * (LINE_M * LINE_M);
+    match noise.cholesky() {
+        Some(noise) => (noise.solve(&normal), noise.solve(&right)),
+        None => (normal, right),
     }
 }

@@ -48,10 +48,8 @@ pub(crate) fn collect(
             .iter()
             .map(|(name, values)| format!("{name} {}", values.len()));
         let lengths = lengths.collect::<Vec<String>>().join(", ");
-        return Err(Error::file(
-            file,
-            format!("columns differ in length: {lengths}"),
-        ));
+        let reason = format!("columns differ in length: {lengths}");
+        return Err(Error::file(file, reason));
     }
     Ok(gathered)
 }

@@ -55,7 +55,7 @@ impl Effect {
             on_friction: law(ON_FRICTION, info.name),
             on_forces: law(ON_FORCES, info.name),
             on_sensors: match info.name {
-                "imu-misalignment" => Fault::MISALIGNED.as_flattened(),
+                "imu-misalignment" => [0, 1, 2].map(Fault::misaligned).concat().leak(),
                 _ => info.faults,
             },
             relaxes: (info.name == "relaxation-length").then_some(0),
@@ -175,7 +175,7 @@ pub struct Fault {
 
 impl Fault {
     /// `read = true + factor k other`.
-    pub const fn picks_up(of: Sensor, other: Sensor, factor: f64, parameter: usize) -> Self {
+    pub fn picks_up(of: Sensor, other: Sensor, factor: f64, parameter: usize) -> Self {
         Self {
             of,
             reading: Reading::PicksUp { other, factor },
@@ -186,26 +186,16 @@ impl Fault {
     /// The inertial unit turned by a small angle about x (left side up), y (nose down) and z (to
     /// the left): both of its sensors read their own axes. To second order the angle about each
     /// axis is a rotation.
-    pub const MISALIGNED: [[Self; 4]; 3] = [
+    pub fn misaligned(axis: usize) -> [Self; 4] {
+        let (a, b, sign) = [(1, 2, 1.0), (0, 2, -1.0), (0, 1, 1.0)][axis];
+        let [force, rate] = [Sensor::ACCELEROMETER, Sensor::GYROSCOPE];
         [
-            Self::picks_up(Sensor::Ay, Sensor::Az, 1.0, 0),
-            Self::picks_up(Sensor::Az, Sensor::Ay, -1.0, 0),
-            Self::picks_up(Sensor::PitchRate, Sensor::YawRate, 1.0, 0),
-            Self::picks_up(Sensor::YawRate, Sensor::PitchRate, -1.0, 0),
-        ],
-        [
-            Self::picks_up(Sensor::Ax, Sensor::Az, -1.0, 1),
-            Self::picks_up(Sensor::Az, Sensor::Ax, 1.0, 1),
-            Self::picks_up(Sensor::RollRate, Sensor::YawRate, -1.0, 1),
-            Self::picks_up(Sensor::YawRate, Sensor::RollRate, 1.0, 1),
-        ],
-        [
-            Self::picks_up(Sensor::Ax, Sensor::Ay, 1.0, 2),
-            Self::picks_up(Sensor::Ay, Sensor::Ax, -1.0, 2),
-            Self::picks_up(Sensor::RollRate, Sensor::PitchRate, 1.0, 2),
-            Self::picks_up(Sensor::PitchRate, Sensor::RollRate, -1.0, 2),
-        ],
-    ];
+            Self::picks_up(force[a], force[b], sign, axis),
+            Self::picks_up(force[b], force[a], -sign, axis),
+            Self::picks_up(rate[a], rate[b], sign, axis),
+            Self::picks_up(rate[b], rate[a], -sign, axis),
+        ]
+    }
 
     /// From the true values of one instant to the readings.
     pub fn disturb(&self, size: f64, signals: &mut Signals) {
@@ -246,7 +236,7 @@ mod tests {
     #[test]
     fn a_misaligned_unit_reads_rotated_axes_and_is_corrected_exactly() {
         let angle = 0.01;
-        for faults in Fault::MISALIGNED {
+        for faults in [0, 1, 2].map(Fault::misaligned) {
             let mut signals = Signals::default();
             for (k, value) in [1.0, -2.0, 15.0, 0.3, 0.1, -0.8].into_iter().enumerate() {
                 signals.value[k] = value;

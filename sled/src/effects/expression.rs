@@ -52,16 +52,19 @@ const POWER: Node = Node::Binary((
     |a, b| [b * a.powf(b - 1.0), a.powf(b) * a.ln()],
 ));
 
-const SUMS: [(u8, Node); 2] = [
-    (b'+', Node::Binary((|a, b| a + b, |_, _| [1.0, 1.0]))),
-    (b'-', Node::Binary((|a, b| a - b, |_, _| [1.0, -1.0]))),
-];
-const PRODUCTS: [(u8, Node); 2] = [
-    (b'*', Node::Binary((|a, b| a * b, |a, b| [b, a]))),
-    (
-        b'/',
-        Node::Binary((|a, b| a / b, |a, b| [1.0 / b, -a / (b * b)])),
-    ),
+/// Operators between two operands, those that bind tighter last.
+const OPERATORS: [[(u8, Node); 2]; 2] = [
+    [
+        (b'+', Node::Binary((|a, b| a + b, |_, _| [1.0, 1.0]))),
+        (b'-', Node::Binary((|a, b| a - b, |_, _| [1.0, -1.0]))),
+    ],
+    [
+        (b'*', Node::Binary((|a, b| a * b, |a, b| [b, a]))),
+        (
+            b'/',
+            Node::Binary((|a, b| a / b, |a, b| [1.0 / b, -a / (b * b)])),
+        ),
+    ],
 ];
 
 /// Derivatives of what is one of two arguments.
@@ -260,25 +263,19 @@ impl Parser<'_> {
         there
     }
 
-    fn operator(&mut self, known: [(u8, Node); 2]) -> Option<Node> {
-        let there = known.into_iter().find(|(byte, _)| self.take(*byte));
-        there.map(|(_, operator)| operator)
-    }
-
     fn sum(&mut self) -> Result<(), ExpressionError> {
-        self.product()?;
-        while let Some(operator) = self.operator(SUMS) {
-            self.product()?;
-            self.nodes.push(operator);
-        }
-        Ok(())
+        self.operation(&OPERATORS)
     }
 
-    fn product(&mut self) -> Result<(), ExpressionError> {
-        self.signed()?;
-        while let Some(operator) = self.operator(PRODUCTS) {
-            self.signed()?;
-            self.nodes.push(operator);
+    /// Operands with the first of these operators between them, or with those that bind tighter.
+    fn operation(&mut self, levels: &[[(u8, Node); 2]]) -> Result<(), ExpressionError> {
+        let Some((operators, tighter)) = levels.split_first() else {
+            return self.signed();
+        };
+        self.operation(tighter)?;
+        while let Some((_, operator)) = operators.iter().find(|(byte, _)| self.take(*byte)) {
+            self.operation(tighter)?;
+            self.nodes.push(*operator);
         }
         Ok(())
     }
@@ -330,22 +327,20 @@ impl Parser<'_> {
                 Ok(())
             }
             Some(b'[') => {
-                let mut name = String::new();
-                let mut rest = &self.text[start + 1..];
-                loop {
-                    let Some((before, after)) = rest.split_once(']') else {
-                        self.at = self.bytes.len();
-                        return Err(self.error("`]`"));
+                let mut end = start + 1;
+                // Twice it is a bracket of the name.
+                while self.bytes.get(end) != Some(&b']') || self.bytes.get(end + 1) == Some(&b']') {
+                    end += match self.bytes.get(end) {
+                        None => {
+                            self.at = self.bytes.len();
+                            return Err(self.error("`]`"));
+                        }
+                        Some(b']') => 2,
+                        Some(_) => 1,
                     };
-                    name += before;
-                    rest = after;
-                    match after.strip_prefix(']') {
-                        Some(after) => rest = after,
-                        None => break,
-                    }
-                    name.push(']');
                 }
-                self.at = self.bytes.len() - rest.len();
+                self.at = end + 1;
+                let name = self.text[start + 1..end].replace("]]", "]");
                 self.refer_to(&name);
                 Ok(())
             }

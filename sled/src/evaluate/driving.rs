@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::contacts::with_own_contacts;
-use crate::evaluate::track_loss::{TrackLoss, add_loss, seconds_per_joule};
+use crate::evaluate::track_loss::{Stretches, TrackLoss, add_loss, seconds_per_joule};
 use crate::evaluate::validate::{residuals, root_mean_square};
 use crate::model::vehicle::Vehicle;
 use crate::motion::aero::{along_driving_direction, drag};
@@ -125,15 +125,9 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
     let vehicle = &with_own_contacts(run, vehicle);
     let sled = &vehicle.sled;
     let mut series = Vec::with_capacity(run.states.len());
-    // Ideal loss, and what front, rear and air take in addition.
-    let mut energies = [0.0; 4];
-    let mut before: Option<[f64; 4]> = None;
-    let price = seconds_per_joule(sled, &run.states);
-    let mut losses = Vec::new();
-    for (i, state) in run.states.iter().enumerate() {
-        if run.pieces.iter().any(|piece| piece.start == i) {
-            before = None;
-        }
+    // Of a straight glide, and what front, rear and air take in addition.
+    let mut powers: Vec<[f64; 4]> = Vec::with_capacity(run.states.len());
+    for state in &run.states {
         let at = Balance::new(sled, state, &Motion::default());
         let forces = forces_at(vehicle, &at);
         let straight = straight_glide(vehicle, &at, &forces);
@@ -157,15 +151,17 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
             beta_rad: -alpha,
         });
         let [front, rear, aero] = std::array::from_fn(|k| actual[k] - ideal[k]);
-        let power = [ideal_n, front, rear, aero].map(|force: f64| force * state.v_mps);
-        if let Some(before) = before {
-            let taken: [f64; 4] = std::array::from_fn(|k| 0.5 * run.dt_s * (before[k] + power[k]));
-            energies = std::array::from_fn(|k| energies[k] + taken[k]);
-            let lost = [-taken[1], -taken[2], -taken[3]];
-            let s_m = 0.5 * (run.states[i - 1].s_m + state.s_m);
-            add_loss(&mut losses, s_m, lost, 0.5 * (price[i - 1] + price[i]));
-        }
-        before = Some(power);
+        powers.push([ideal_n, front, rear, aero].map(|force: f64| force * state.v_mps));
+    }
+    let price = seconds_per_joule(sled, &run.states);
+    let (mut energies, mut losses) = ([0.0; 4], Stretches::new());
+    for i in run.pieces.iter().flat_map(|p| p.start + 1..p.end) {
+        let [before, power] = [powers[i - 1], powers[i]];
+        let taken: [f64; 4] = std::array::from_fn(|k| 0.5 * run.dt_s * (before[k] + power[k]));
+        energies = std::array::from_fn(|k| energies[k] + taken[k]);
+        let lost = [-taken[1], -taken[2], -taken[3]];
+        let s_m = 0.5 * (run.states[i - 1].s_m + run.states[i].s_m);
+        add_loss(&mut losses, s_m, lost, 0.5 * (price[i - 1] + price[i]));
     }
     let [least, front, rear, aero] = energies;
     let angles = |pick: fn(&DrivingForce) -> f64| distribution(series.iter().map(pick));
@@ -186,7 +182,7 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
         slip_front: angles(|f| f.alpha_f_rad),
         slip_rear: angles(|f| f.alpha_r_rad),
         chassis_slip: angles(|f| f.beta_rad),
-        losses,
+        losses: losses.into_values().collect(),
         series,
         pieces: run.pieces.clone(),
     }

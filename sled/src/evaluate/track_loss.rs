@@ -1,5 +1,7 @@
 //! Where along the track a driver loses, and how many seconds it costs.
 
+use std::collections::BTreeMap;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -67,26 +69,33 @@ pub(crate) fn seconds_per_joule(sled: &Sled, states: &[State]) -> Vec<f64> {
     price
 }
 
-/// Adds losses [J] of front runner, rear runner and air at a place to the stretches, which are in
-/// the order of the track.
-pub(crate) fn add_loss(stretches: &mut Vec<TrackLoss>, s_m: f64, lost_j: [f64; 3], price: f64) {
-    let from_m = (s_m / STRETCH_M).floor() * STRETCH_M;
-    let at = stretches.partition_point(|stretch| stretch.from_m < from_m);
-    let there = stretches.get(at);
-    if there.is_none_or(|stretch| stretch.from_m != from_m) {
-        let none = TrackLoss {
-            from_m,
-            to_m: from_m + STRETCH_M,
+impl TrackLoss {
+    fn at(number: i64) -> TrackLoss {
+        TrackLoss {
+            from_m: STRETCH_M * number as f64,
+            to_m: STRETCH_M * (number + 1) as f64,
             ..TrackLoss::default()
-        };
-        stretches.insert(at, none);
+        }
     }
+
+    fn add(&mut self, [front_j, rear_j, aero_j, lost_s]: [f64; 4]) {
+        self.front_j += front_j;
+        self.rear_j += rear_j;
+        self.aero_j += aero_j;
+        self.lost_s += lost_s;
+    }
+}
+
+/// Stretches by their number from the start of the track.
+pub(crate) type Stretches = BTreeMap<i64, TrackLoss>;
+
+/// Adds losses [J] of front runner, rear runner and air at a place to its stretch.
+pub(crate) fn add_loss(stretches: &mut Stretches, s_m: f64, lost_j: [f64; 3], price: f64) {
+    let number = (s_m / STRETCH_M).floor() as i64;
+    let stretch = stretches.entry(number);
+    let stretch = stretch.or_insert_with(|| TrackLoss::at(number));
     let [front, rear, aero] = lost_j;
-    let stretch = &mut stretches[at];
-    stretch.front_j += front;
-    stretch.rear_j += rear;
-    stretch.aero_j += aero;
-    stretch.lost_s += price * (front + rear + aero);
+    stretch.add([front, rear, aero, price * (front + rear + aero)]);
 }
 
 /// The losses of each driver on each track, in the order of the runs.
@@ -106,22 +115,15 @@ pub fn losses_by_driver(runs: &[RunEvaluation]) -> Vec<DriverLosses> {
 }
 
 fn mean(driver: &str, track: &str, runs: &[&RunEvaluation]) -> DriverLosses {
-    let mut stretches: Vec<(TrackLoss, f64)> = Vec::new();
+    let mut sums: BTreeMap<i64, (TrackLoss, f64)> = BTreeMap::new();
     for one in runs.iter().flat_map(|run| &run.losses) {
-        let mut known = stretches.iter_mut();
-        match known.find(|(sum, _)| sum.from_m == one.from_m) {
-            None => stretches.push((*one, 1.0)),
-            Some((sum, count)) => {
-                sum.front_j += one.front_j;
-                sum.rear_j += one.rear_j;
-                sum.aero_j += one.aero_j;
-                sum.lost_s += one.lost_s;
-                *count += 1.0;
-            }
-        }
+        let number = (one.from_m / STRETCH_M).round() as i64;
+        let stretch = sums.entry(number);
+        let (sum, count) = stretch.or_insert_with(|| (TrackLoss::at(number), 0.0));
+        sum.add([one.front_j, one.rear_j, one.aero_j, one.lost_s]);
+        *count += 1.0;
     }
-    stretches.sort_by(|(a, _), (b, _)| a.from_m.total_cmp(&b.from_m));
-    let means = stretches.into_iter().map(|(sum, count)| TrackLoss {
+    let means = sums.into_values().map(|(sum, count)| TrackLoss {
         front_j: sum.front_j / count,
         rear_j: sum.rear_j / count,
         aero_j: sum.aero_j / count,
@@ -193,12 +195,12 @@ mod tests {
 
     #[test]
     fn losses_go_to_the_stretch_of_their_place() {
-        let mut stretches = Vec::new();
+        let mut stretches = Stretches::new();
         for (s_m, loss) in [(60.0, 1.0), (10.0, 2.0), (74.9, 4.0), (75.0, 8.0)] {
             add_loss(&mut stretches, s_m, [loss, 0.0, 2.0 * loss], 0.1);
         }
         let found: Vec<[f64; 4]> = stretches
-            .iter()
+            .values()
             .map(|one| [one.from_m, one.front_j, one.aero_j, one.lost_s])
             .collect();
         let expected = [

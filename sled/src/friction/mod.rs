@@ -23,6 +23,7 @@ mod experiments;
 pub mod film;
 mod glide_run;
 mod lateral;
+mod least_squares;
 mod longitudinal;
 mod specimens;
 
@@ -34,7 +35,7 @@ pub use glide_run::{
 pub(crate) use lateral::fit::CONFIDENCE;
 pub use lateral::fit::{Interval, LateralFit, fit_lateral};
 pub use lateral::law::{Braghin, LateralAngles, LateralDerivatives, MagicFormula, sin_cos_near};
-pub use lateral::{Combination, Identifiability, LateralFitOptions, LateralSample};
+pub use lateral::{Combination, LateralFitOptions, LateralSample};
 pub use longitudinal::law::{
     Longitudinal, LongitudinalKeys, PressureLaw, ZetaActsOn, longitudinal_force,
 };

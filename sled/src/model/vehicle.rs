@@ -45,7 +45,7 @@ impl Vehicle {
                 let reason = format!(
                     "[friction.longitudinal] {key} is missing: friction over pressure or of tables needs the runner's table"
                 );
-                Error::file(&model.name(), reason)
+                Error::file(model.name(), reason)
             })?;
             RunnerTable::open(&model.folder.join(path), quantity).map(Arc::new)
         };
@@ -89,7 +89,7 @@ impl Vehicle {
     pub fn with_effects(model: &Model) -> Result<Vehicle, Error> {
         let mut vehicle = Vehicle::new(model)?;
         let effects = Effects::from_tables(&model.effects);
-        vehicle.effects = effects.map_err(|error| Error::file(&model.name(), error))?;
+        vehicle.effects = effects.map_err(|error| Error::file(model.name(), error))?;
         if vehicle.front.film.is_none() || vehicle.rear.film.is_none() {
             refuse_effects(&vehicle.effects, &[Column::Film.name()], &model.name())?;
         }

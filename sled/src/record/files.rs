@@ -1,5 +1,6 @@
 //! A run's file: read and checked, and written again.
 
+use std::borrow::Borrow;
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::io::{BufWriter, Write};
@@ -56,11 +57,17 @@ pub fn read_good_runs(
     let (good, bad): (Vec<_>, Vec<_>) = read.into_iter().partition(Result::is_ok);
     let mut good: Vec<Run> = good.into_iter().flatten().collect();
     let mut bad: Vec<Error> = bad.into_iter().filter_map(Result::err).collect();
-    while let Some((first, second)) = find_copy(&good) {
-        bad.push(Error::DuplicateContent {
-            first: good[first].entry.run.clone(),
-            second: good[second].entry.run.clone(),
-        });
+    // From the back, so that places stay what they are.
+    let copies = copies(&good);
+    bad.extend(
+        copies
+            .iter()
+            .map(|(first, second)| Error::DuplicateContent {
+                first: good[*first].entry.run.clone(),
+                second: good[*second].entry.run.clone(),
+            }),
+    );
+    for (_, second) in copies.into_iter().rev() {
         good.remove(second);
     }
     let (proven, suspected): (Vec<_>, Vec<_>) =
@@ -165,31 +172,31 @@ fn state_distances(runs: &mut [Run]) {
     }
 }
 
-/// Two runs with the same samples: a file that is copied or named twice would count double.
-pub(crate) fn find_copy(runs: &[Run]) -> Option<(usize, usize)> {
+/// Runs with the same samples as one before, each after that one: a file that is copied or named
+/// twice would count double.
+pub(crate) fn copies<R: Borrow<Run>>(runs: &[R]) -> Vec<(usize, usize)> {
     let mut seen: BTreeMap<Vec<u64>, usize> = BTreeMap::new();
-    for (i, run) in runs.iter().enumerate() {
-        // A few samples decide almost always; whole columns are compared only where they agree.
-        let columns = COLUMNS.iter().filter_map(|name| run.columns.get(*name));
-        let some = columns.flat_map(|values| {
-            let middle = values[values.len() / 2];
-            [values.len() as u64, values[0].to_bits(), middle.to_bits()]
+    let copied = runs
+        .iter()
+        .map(R::borrow)
+        .enumerate()
+        .filter_map(|(i, run)| {
+            // A few samples decide almost always; whole columns are compared only where they agree.
+            let columns = COLUMNS.iter().filter_map(|name| run.columns.get(*name));
+            let some = columns.flat_map(|values| {
+                let middle = values[values.len() / 2];
+                [values.len() as u64, values[0].to_bits(), middle.to_bits()]
+            });
+            let first = *seen.entry(some.collect()).or_insert(i);
+            let bits = |run: &Run| -> Vec<u64> {
+                let values = run.columns.values().flatten();
+                values.map(|x| x.to_bits()).collect()
+            };
+            let other = runs[first].borrow();
+            let same = || other.columns.keys().eq(run.columns.keys()) && bits(other) == bits(run);
+            (first != i && same()).then_some((first, i))
         });
-        let key: Vec<u64> = some.collect();
-        let Some(&first) = seen.get(&key) else {
-            seen.insert(key, i);
-            continue;
-        };
-        let bits = |run: &Run| -> Vec<u64> {
-            let values = run.columns.values().flatten();
-            values.map(|x| x.to_bits()).collect()
-        };
-        let other = &runs[first];
-        if other.columns.keys().eq(run.columns.keys()) && bits(other) == bits(run) {
-            return Some((first, i));
-        }
-    }
-    None
+    copied.collect()
 }
 
 /// File formats that runs are written in.
@@ -223,7 +230,7 @@ pub fn write_run(
     writer: &mut (dyn Write + Send),
     format: RunFormat,
 ) -> Result<(), Error> {
-    let failure = |reason: &dyn Display| Error::file(&run.entry.file.display().to_string(), reason);
+    let failure = |reason: &dyn Display| Error::file(run.entry.file.display(), reason);
     for (column, values) in &run.columns {
         if let Some(i) = values.iter().position(|value| value.is_infinite()) {
             let (name, value) = (&run.entry.run, values[i]);

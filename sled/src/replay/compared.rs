@@ -174,10 +174,8 @@ pub(crate) fn sections(
 ) -> Vec<Section> {
     let mut found = Vec::new();
     for (k, sensor) in READ.iter().enumerate().filter(|(k, _)| inputs.recorded[*k]) {
-        let mut windows = Vec::new();
-        for piece in pieces {
-            windows_of(&compared[piece.clone()], k, mass_kg, &mut windows);
-        }
+        let of_piece = |piece: &Range<usize>| windows_of(&compared[piece.clone()], k, mass_kg);
+        let mut windows: Vec<Window> = pieces.iter().flat_map(of_piece).collect();
         let rms = root_mean_square(windows.iter().map(|window| window.size));
         let noise = inputs.noise_sd[k];
         let own = root_mean_square(compared.iter().map(|at| at.values[k][0]));
@@ -189,33 +187,23 @@ pub(crate) fn sections(
             _ => (NOISE_LIMIT * noise).max(LEAST_SHARE * own),
         };
         windows.retain(|window| window.size.abs() > (EXCEPTIONAL * rms).max(floor(window)));
-        let mut sections: Vec<Section> = Vec::new();
-        let mut late_before = 0.0;
-        for window in windows {
-            let times_rms = window.size.abs() / rms;
-            match sections.last_mut() {
-                Some(last)
-                    if window.from_m <= last.to_m && last.size.signum() == window.size.signum() =>
-                {
-                    last.to_m = window.to_m;
-                    last.lost_s = window.late_s[1] - late_before;
-                    if times_rms > last.times_rms {
-                        (last.times_rms, last.size) = (times_rms, window.size);
-                    }
-                }
-                _ => {
-                    late_before = window.late_s[0];
-                    sections.push(Section {
-                        column: sensor.name().to_owned(),
-                        from_m: window.from_m,
-                        to_m: window.to_m,
-                        size: window.size,
-                        times_rms,
-                        lost_s: window.late_s[1] - late_before,
-                    });
-                }
+        let is_one =
+            |a: &Window, b: &Window| b.from_m <= a.to_m && a.size.signum() == b.size.signum();
+        let section = |windows: &[Window]| {
+            let (first, last) = (&windows[0], &windows[windows.len() - 1]);
+            let by_size = |a: &&Window, b: &&Window| a.size.abs().total_cmp(&b.size.abs());
+            // The first of equals.
+            let strongest = windows.iter().rev().max_by(by_size).unwrap_or(first);
+            Section {
+                column: sensor.name().to_owned(),
+                from_m: first.from_m,
+                to_m: last.to_m,
+                size: strongest.size,
+                times_rms: strongest.size.abs() / rms,
+                lost_s: last.late_s[1] - first.late_s[0],
             }
-        }
+        };
+        let mut sections: Vec<Section> = windows.chunk_by(is_one).map(section).collect();
         sections.sort_by(|a, b| b.times_rms.total_cmp(&a.times_rms));
         sections.truncate(MOST);
         found.extend(sections);
@@ -235,9 +223,9 @@ struct Window {
 }
 
 /// Windows of column `k` a metre apart along one stretch without a gap.
-fn windows_of(compared: &[Compared], k: usize, mass_kg: f64, windows: &mut Vec<Window>) {
+fn windows_of(compared: &[Compared], k: usize, mass_kg: f64) -> Vec<Window> {
     let (Some(first), Some(last)) = (compared.first(), compared.last()) else {
-        return;
+        return Vec::new();
     };
     let count = (last.s_m - first.s_m).max(0.0) as usize + 1;
     let mut place = 0;
@@ -261,10 +249,10 @@ fn windows_of(compared: &[Compared], k: usize, mass_kg: f64, windows: &mut Vec<W
             ]
         })
         .collect();
-    for (start, window) in metres.windows(WINDOW_M + 1).enumerate() {
+    let window = |(start, window): (usize, &[[f64; 4]])| {
         let end = &window[WINDOW_M];
         let from_m = first.s_m + (start + EDGE_M) as f64;
-        windows.push(Window {
+        Window {
             from_m,
             to_m: from_m + (WINDOW_M - 2 * EDGE_M) as f64,
             size: match k {
@@ -273,6 +261,8 @@ fn windows_of(compared: &[Compared], k: usize, mass_kg: f64, windows: &mut Vec<W
             },
             late_s: [window[EDGE_M][2], window[WINDOW_M - EDGE_M][2]],
             v_mps: window[0][3],
-        });
-    }
+        }
+    };
+    let windows = metres.windows(WINDOW_M + 1).enumerate();
+    windows.map(window).collect()
 }

@@ -94,10 +94,7 @@ pub fn replay(
             "begins at s_m = {:.1}, expected a place of track {name}, from {from:.1} to {to:.1} m",
             first.s_m + 0.0
         );
-        return Err(Error::file(
-            &inputs.entry.file.display().to_string(),
-            reason,
-        ));
+        return Err(Error::file(inputs.entry.file.display(), reason));
     }
     let (steering, bridged_m) = inputs.steering()?;
     let world = World {

@@ -31,7 +31,7 @@ pub(crate) fn no_number(run: &Run, effect: Option<&Active>, t_s: f64, s_m: f64) 
     let reason = format!(
         "[effects.{name}] gives NaN at t = {t_s:.3} s, s = {s_m:.1} m: expected a number at every sample"
     );
-    Error::file(&run.entry.file.display().to_string(), reason)
+    Error::file(run.entry.file.display(), reason)
 }
 
 impl<'a> FilteredSignals<'a> {

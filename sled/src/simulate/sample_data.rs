@@ -172,16 +172,11 @@ pub struct Planned {
 pub fn sample_plan(seed: u64) -> Vec<Planned> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut plan = Vec::new();
-    for SampleDriver {
-        name: driver,
-        class,
-        runs,
-        ..
-    } in sample_drivers()
-    {
+    for own in sample_drivers() {
+        let (driver, class, runs) = (&own.name, &own.class, own.runs);
         let away = if driver == "C1" { 0 } else { 2 };
-        for i in 0..*runs {
-            let west = i + away >= *runs;
+        for i in 0..runs {
+            let west = i + away >= runs;
             let day = i % 4;
             let own_day = format!("d{}", day + 1);
             let session = if west { "w1".to_string() } else { own_day };
@@ -212,38 +207,8 @@ pub fn sample_plan(seed: u64) -> Vec<Planned> {
     plan
 }
 
-/// Drives one planned run; a driver's line varies from run to run by a factor drawn from the run's
-/// seed.
-///
-/// # Errors
-/// Those of [`simulate`].
-pub fn drive_planned(
-    planned: &Planned,
-    model: &Model,
-    vehicle: &Vehicle,
-    shape: &TrackShape,
-    track: &Track,
-) -> Result<Run, Error> {
-    let SampleDriver {
-        varies, driving, ..
-    } = sample_driver(planned.driver);
-    let mut driver = *driving;
-    let mut random = ChaCha8Rng::seed_from_u64(planned.options.seed ^ 0xd41e);
-    let form = 1.0 + random.random_range(-varies..*varies);
-    driver.wander_m *= form;
-    driver.noise_rad *= form;
-    let simulated = simulate(vehicle, shape, &driver, &planned.options)?;
-    let options = &planned.options;
-    let entry = Entry {
-        driver_class: planned.driver_class.to_string(),
-        session: planned.session.clone(),
-        ..simulated_entry(&planned.run, track, planned.driver, options.conditions)
-    };
-    let noise = model.noise.as_ref();
-    Ok(record(&simulated, vehicle, noise, entry, options.seed))
-}
-
-/// Drives the whole plan, runs in parallel and in order.
+/// Drives the whole plan, runs in parallel and in order; a driver's line varies from run to run by a
+/// factor drawn from the run's seed.
 ///
 /// # Errors
 /// The first run's error in order.
@@ -251,12 +216,23 @@ pub fn drive_sample(plan: &[Planned], model: &Model) -> Result<Vec<Run>, Error> 
     let vehicle = Vehicle::with_effects(model)?;
     let tracks = ["east", "west"].map(sample_track);
     let shapes = [0, 1].map(|i| TrackShape::new(&tracks[i]));
-    plan.par_iter()
-        .map(|planned| {
-            let i = usize::from(planned.track == "west");
-            drive_planned(planned, model, &vehicle, &shapes[i], &tracks[i])
-        })
-        .collect::<Vec<_>>()
-        .into_iter()
-        .collect()
+    let drive = |planned: &Planned| {
+        let (own, options) = (sample_driver(planned.driver), &planned.options);
+        let mut driver = own.driving;
+        let mut random = ChaCha8Rng::seed_from_u64(options.seed ^ 0xd41e);
+        let form = 1.0 + random.random_range(-own.varies..own.varies);
+        driver.wander_m *= form;
+        driver.noise_rad *= form;
+        let i = usize::from(planned.track == "west");
+        let simulated = simulate(&vehicle, &shapes[i], &driver, options)?;
+        let entry = Entry {
+            driver_class: planned.driver_class.to_string(),
+            session: planned.session.clone(),
+            ..simulated_entry(&planned.run, &tracks[i], planned.driver, options.conditions)
+        };
+        let noise = model.noise.as_ref();
+        Ok(record(&simulated, &vehicle, noise, entry, options.seed))
+    };
+    let driven: Vec<Result<Run, Error>> = plan.par_iter().map(drive).collect();
+    driven.into_iter().collect()
 }

@@ -1,6 +1,6 @@
 //! Runs whose distance was shifted and stretched come back to one, and to a track that they felt.
 
-use kufe_sled::sample_data::{drive_planned, sample_plan, sample_track};
+use kufe_sled::sample_data::{drive_sample, sample_plan, sample_track};
 use kufe_sled::{
     Aligned, Driver, Model, PrepareOptions, Prepared, Run, SimulateOptions, Tolerances, Track,
     TrackEstimate, TrackShape, Vehicle, align, prepare, simulate, state_places,
@@ -10,16 +10,11 @@ use kufe_sled::{
 /// distance of every row.
 fn shifted(count: usize) -> (Vec<Run>, Vec<Vec<f64>>) {
     let model = Model::published();
-    let vehicle = Vehicle::new(&model).unwrap();
-    let track = sample_track("east");
-    let shape = TrackShape::new(&track);
     let plan = sample_plan(1);
     let east: Vec<_> = plan.iter().filter(|run| run.track == "east").collect();
     let every = east.len() / count;
-    let planned = east.iter().step_by(every).take(count);
-    let mut runs: Vec<Run> = planned
-        .map(|planned| drive_planned(planned, &model, &vehicle, &shape, &track).unwrap())
-        .collect();
+    let planned = east.into_iter().step_by(every).take(count).cloned();
+    let mut runs = drive_sample(&planned.collect::<Vec<_>>(), &model).unwrap();
     let mut truth = Vec::new();
     for (i, run) in runs.iter_mut().enumerate() {
         // From 5 to 60 m late on the track, half a per cent longer or shorter, turn about.

@@ -85,11 +85,7 @@ pub fn film_with_outflow(
     conditions.check()?;
     properties.check()?;
     options.check()?;
-    along(&Track::new(strip, conditions, properties, outflow), options)
-}
-
-/// The film along `track`.
-fn along(track: &Track<'_>, options: &FilmOptions) -> Result<Film, Error> {
+    let track = &Track::new(strip, conditions, properties, outflow);
     let mut tolerance = 0.1 * options.accuracy;
     let mut reached = f64::INFINITY;
     for _ in 0..ROUNDS {

@@ -7,16 +7,17 @@
 //! a time, so that correlation within a run does not make them too narrow.
 
 use std::collections::BTreeMap;
+use std::ops::Add;
 
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::storage::Owned;
-use nalgebra::{Complex, ComplexField, DMatrix, DVector, Dyn, Matrix3, U1, Vector3};
+use levenberg_marquardt::LevenbergMarquardt;
+use nalgebra::{Complex, ComplexField, DMatrix, DVector, Matrix3, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, in_range};
 use crate::friction::estimate::student_quantile;
 use crate::friction::lateral::law::MagicFormula;
+use crate::friction::least_squares::minimize;
 
 /// The fitted law of one runner and what is known of its parameters, as `fit.json` states it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -49,9 +50,10 @@ pub struct LateralFit {
     pub samples: usize,
     /// Runs or stretches that are resampled as one.
     pub clusters: usize,
-    /// What the data determine, judged with all three parameters free; not part of the document.
+    /// What the data determine, judged with all three parameters free, the best determined first;
+    /// not part of the document.
     #[serde(skip)]
-    pub identifiability: Identifiability,
+    pub combinations: [Combination; 3],
 }
 
 impl LateralFit {
@@ -115,7 +117,7 @@ pub fn fit_lateral(
             rough = least_squares(&used, rough, fixed)?;
         }
     }
-    let (mut free, least_squares_model, identifiability) = choose_freedom(&used, rough, options)?;
+    let (mut free, least_squares_model, combinations) = choose_freedom(&used, rough, options)?;
     let attempt = |start: &MagicFormula, free: [bool; 3]| {
         let theta = corrected_root(&used, start, free, options)?;
         let model = model_of(&theta, options.e);
@@ -165,8 +167,8 @@ pub fn fit_lateral(
         c: estimate(theta[2], covariance[(2, 2)]),
         c_held: !free[2],
         mu_zeta_c_determined: product_determined,
-        rank: identifiability.rank(),
-        identifiability,
+        rank: rank(&combinations),
+        combinations,
         plain_least_squares: least_squares_model,
         attenuation_of_plain_least_squares: least_squares_model.k_n_per_rad / model.k_n_per_rad,
         slip_sd_rad: options.slip_sd,
@@ -334,18 +336,18 @@ struct Score {
     slope: Matrix3<f64>,
 }
 
+impl Add for Score {
+    type Output = Score;
+
+    fn add(self, other: Score) -> Score {
+        Score {
+            score: self.score + other.score,
+            slope: self.slope + other.slope,
+        }
+    }
+}
+
 impl Score {
-    fn add(&mut self, other: &Score) {
-        self.score += other.score;
-        self.slope += other.slope;
-    }
-
-    fn sum<'a>(scores: impl IntoIterator<Item = &'a Score>) -> Score {
-        let mut sum = Score::default();
-        scores.into_iter().for_each(|score| sum.add(score));
-        sum
-    }
-
     /// Score of one sample whose slip carries noise of standard deviation `slip_sd`, unbiased for
     /// the score at the true slip.
     ///
@@ -378,54 +380,21 @@ pub struct Combination {
     pub exponents: [f64; 3],
     /// Standard deviation of the combination's logarithm, robust to correlation within clusters.
     pub relative_sd: f64,
-    /// Whether the data determine it: relative standard deviation below [`Combination::LIMIT`].
-    pub determined: bool,
 }
 
 impl Combination {
     /// A combination known to worse than a factor of about 1.6 (95 %) is called not determined.
     pub const LIMIT: f64 = 0.25;
+
+    /// Whether the data determine it.
+    pub fn is_determined(&self) -> bool {
+        self.relative_sd < Combination::LIMIT
+    }
 }
 
-/// The three combinations, best determined first.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Identifiability {
-    /// Right singular vectors of the Jacobian, in falling order of their singular values.
-    pub combinations: [Combination; 3],
-}
-
-impl Identifiability {
-    /// From the summed slope `J^T J` and the covariance of the summed score.
-    fn new(slope: &Matrix3<f64>, meat: &Matrix3<f64>) -> Self {
-        let eigen = slope.symmetric_eigen();
-        let mut order = [0, 1, 2];
-        order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
-        let combinations = order.map(|k| {
-            let mut direction: Vector3<f64> = eigen.eigenvectors.column(k).into();
-            if direction[direction.iamax()] < 0.0 {
-                direction = -direction;
-            }
-            let curvature = eigen.eigenvalues[k].max(0.0);
-            let spread = (direction.transpose() * meat * direction)[0].max(0.0);
-            let known = curvature > 0.0;
-            let relative_sd = if known {
-                spread.sqrt() / curvature
-            } else {
-                f64::INFINITY
-            };
-            Combination {
-                exponents: direction.into(),
-                relative_sd,
-                determined: relative_sd < Combination::LIMIT,
-            }
-        });
-        Identifiability { combinations }
-    }
-
-    /// Number of combinations that the data determine.
-    pub fn rank(&self) -> usize {
-        self.combinations.iter().filter(|c| c.determined).count()
-    }
+/// Number of combinations that the data determine.
+fn rank(combinations: &[Combination; 3]) -> usize {
+    combinations.iter().filter(|c| c.is_determined()).count()
 }
 
 /// Least squares over the free parameters by Levenberg-Marquardt.
@@ -434,19 +403,34 @@ fn least_squares(
     start: MagicFormula,
     free: [bool; 3],
 ) -> Result<MagicFormula, Error> {
-    let problem = Residuals {
-        samples,
-        theta: theta_of(&start),
-        free: (0..3).filter(|&i| free[i]).collect(),
-        e: start.e,
+    let free: Vec<usize> = (0..3).filter(|&i| free[i]).collect();
+    let whole = theta_of(&start);
+    let model = |x: &DVector<f64>| {
+        let mut theta = whole;
+        for (&i, &x) in free.iter().zip(x) {
+            theta[i] = x;
+        }
+        model_of(&theta, start.e)
+    };
+    let residuals = |x: &DVector<f64>| {
+        let model = model(x);
+        let residual = |s: &LateralSample| model.force(s.alpha, s.fz) - s.fy;
+        DVector::from_iterator(samples.len(), samples.iter().map(residual))
+    };
+    let jacobian = |x: &DVector<f64>| {
+        let model = model(x);
+        let gradients = samples.iter().flat_map(|sample| {
+            let (_, gradient) = force_and_gradient(&model, sample.alpha, sample.fz);
+            free.iter().map(move |&i| gradient[i])
+        });
+        DMatrix::from_row_iterator(samples.len(), free.len(), gradients)
     };
     // Looser than rounding: along a direction that the data do not determine the last digits cost
     // most of the time, and the corrected score takes the parameters further.
-    let (problem, report) = LevenbergMarquardt::new()
-        .with_ftol(1e-12)
-        .with_xtol(1e-10)
-        .minimize(problem);
-    let model = model_of(&problem.theta, start.e);
+    let method = LevenbergMarquardt::new().with_ftol(1e-12).with_xtol(1e-10);
+    let from = DVector::from_iterator(free.len(), free.iter().map(|&i| whole[i]));
+    let (found, report) = minimize(method, from, residuals, jacobian);
+    let model = model(&found);
     if !report.termination.was_successful() || model.check().is_err() {
         return Err(Error::NotConverged {
             what: "lateral fit, least squares",
@@ -458,54 +442,12 @@ fn least_squares(
     Ok(model)
 }
 
-struct Residuals<'a> {
-    samples: &'a [LateralSample],
-    theta: Vector3<f64>,
-    free: Vec<usize>,
-    e: f64,
-}
-
-impl LeastSquaresProblem<f64, Dyn, Dyn> for Residuals<'_> {
-    type ResidualStorage = Owned<f64, Dyn, U1>;
-    type JacobianStorage = Owned<f64, Dyn, Dyn>;
-    type ParameterStorage = Owned<f64, Dyn, U1>;
-
-    fn set_params(&mut self, x: &DVector<f64>) {
-        for (k, &i) in self.free.iter().enumerate() {
-            self.theta[i] = x[k];
-        }
-    }
-
-    fn params(&self) -> DVector<f64> {
-        DVector::from_iterator(self.free.len(), self.free.iter().map(|&i| self.theta[i]))
-    }
-
-    fn residuals(&self) -> Option<DVector<f64>> {
-        let model = model_of(&self.theta, self.e);
-        let residual = |s: &LateralSample| model.force(s.alpha, s.fz) - s.fy;
-        let residuals = self.samples.iter().map(residual);
-        Some(DVector::from_iterator(self.samples.len(), residuals))
-    }
-
-    fn jacobian(&self) -> Option<DMatrix<f64>> {
-        let model = model_of(&self.theta, self.e);
-        let mut jacobian = DMatrix::zeros(self.samples.len(), self.free.len());
-        for (row, sample) in self.samples.iter().enumerate() {
-            let (_, gradient) = force_and_gradient(&model, sample.alpha, sample.fz);
-            for (k, &i) in self.free.iter().enumerate() {
-                jacobian[(row, k)] = gradient[i];
-            }
-        }
-        Some(jacobian)
-    }
-}
-
 /// Decides by the three-parameter fit whether C is free.
 fn choose_freedom(
     samples: &[LateralSample],
     fixed: MagicFormula,
     options: &LateralFitOptions,
-) -> Result<([bool; 3], MagicFormula, Identifiability), Error> {
+) -> Result<([bool; 3], MagicFormula, [Combination; 3]), Error> {
     let mut best = fixed;
     for c in [options.c, 1.0] {
         let start = MagicFormula {
@@ -523,28 +465,42 @@ fn choose_freedom(
         }
     }
     let judged = judge(samples, &best, options.slip_sd);
-    if judged.rank() == 3 {
+    if rank(&judged) == 3 {
         return Ok(([true; 3], best, judged));
     }
     let judged = judge(samples, &fixed, options.slip_sd);
-    let strongest = judged.combinations[0];
-    if !strongest.determined {
+    if !judged[0].is_determined() {
         return Err(Error::Undetermined {
             what: "cornering stiffness K",
-            ratio: Combination::LIMIT / strongest.relative_sd,
+            ratio: Combination::LIMIT / judged[0].relative_sd,
         });
     }
     Ok(([true, true, false], fixed, judged))
 }
 
-fn judge(samples: &[LateralSample], model: &MagicFormula, slip_sd: f64) -> Identifiability {
+/// The combinations, best determined first: right singular vectors of the Jacobian, in falling
+/// order of their singular values, with the covariance of the summed score.
+fn judge(samples: &[LateralSample], model: &MagicFormula, slip_sd: f64) -> [Combination; 3] {
     let clusters = by_cluster(samples, model, slip_sd);
-    let mut meat = Matrix3::zeros();
-    for cluster in clusters.values() {
-        meat += cluster.score * cluster.score.transpose();
-    }
-    let total = Score::sum(clusters.values());
-    Identifiability::new(&total.slope, &meat)
+    let scores = clusters.values().map(|cluster| cluster.score);
+    let meat: Matrix3<f64> = scores.map(|score| score * score.transpose()).sum();
+    let total = clusters.into_values().fold(Score::default(), Score::add);
+    let eigen = total.slope.symmetric_eigen();
+    let mut order = [0, 1, 2];
+    order.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
+    order.map(|k| {
+        let mut direction: Vector3<f64> = eigen.eigenvectors.column(k).into();
+        if direction[direction.iamax()] < 0.0 {
+            direction = -direction;
+        }
+        let curvature = eigen.eigenvalues[k].max(0.0);
+        let spread = (direction.transpose() * meat * direction)[0].max(0.0);
+        let known = (curvature > 0.0).then(|| spread.sqrt() / curvature);
+        Combination {
+            exponents: direction.into(),
+            relative_sd: known.unwrap_or(f64::INFINITY),
+        }
+    })
 }
 
 fn by_cluster(
@@ -555,7 +511,7 @@ fn by_cluster(
     let mut clusters: BTreeMap<u32, Score> = BTreeMap::new();
     for sample in samples {
         let cluster = clusters.entry(sample.cluster).or_default();
-        cluster.add(&Score::of_sample(model, sample, slip_sd));
+        *cluster = *cluster + Score::of_sample(model, sample, slip_sd);
     }
     clusters
 }
@@ -588,10 +544,10 @@ fn corrected_root(
     let mut length = f64::INFINITY;
     for _ in 0..MOST {
         let model = model_of(&theta, options.e);
-        let mut total = Score::default();
-        for sample in samples {
-            total.add(&Score::of_sample(&model, sample, options.slip_sd));
-        }
+        let scores = samples
+            .iter()
+            .map(|s| Score::of_sample(&model, s, options.slip_sd));
+        let total = scores.fold(Score::default(), Score::add);
         let Some(move_by) = step(&total.slope, &total.score, free) else {
             return Err(Error::Undetermined {
                 what: "K with mu_zeta*c (slip too small against its noise, or no saturation)",
@@ -622,7 +578,10 @@ fn leave_one_cluster_out(
 ) -> Result<Matrix3<f64>, Error> {
     let clusters = by_cluster(samples, model, slip_sd);
     let count = clusters.len() as f64;
-    let total = Score::sum(clusters.values());
+    let total = clusters
+        .values()
+        .copied()
+        .fold(Score::default(), Score::add);
     let mut covariance = Matrix3::zeros();
     for cluster in clusters.values() {
         let rest = total.slope - cluster.slope;

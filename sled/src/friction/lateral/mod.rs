@@ -4,4 +4,4 @@
 pub mod fit;
 pub mod law;
 
-pub use fit::{Combination, Identifiability, LateralFitOptions, LateralSample};
+pub use fit::{Combination, LateralFitOptions, LateralSample};

@@ -3,14 +3,14 @@
 //! Units inside the fit are the formula's: p in MPa, mu in 1e-3, so that the coefficients read like
 //! the published ones.
 
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::storage::Owned;
-use nalgebra::{DMatrix, DVector, Dyn, Matrix3, U1, Vector3};
+use levenberg_marquardt::LevenbergMarquardt;
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
 use crate::error::{Error, in_range};
 use crate::friction::estimate::{Estimate, student_quantile};
 use crate::friction::experiments::Experiment;
+use crate::friction::least_squares::minimize;
 use crate::friction::longitudinal::law::{PressureLaw, ZetaActsOn};
 
 /// The least standard deviation of a coefficient of friction that a weight is made of.
@@ -212,16 +212,36 @@ impl Points {
 
     /// Weighted by the errors of both.
     fn orthogonal(&self, start: Vector3<f64>) -> Result<Quadratic, Error> {
-        let mut unknowns = DVector::zeros(3 + self.t.len());
-        unknowns.rows_mut(0, 3).copy_from(&start);
-        let problem = Orthogonal {
-            points: self,
-            unknowns,
+        let n = self.t.len();
+        let residuals = |u: &DVector<f64>| {
+            let coefficients = Vector3::new(u[0], u[1], u[2]);
+            DVector::from_fn(2 * n, |row, _| {
+                if row >= n {
+                    return u[3 + row - n];
+                }
+                let t = self.t[row] + u[3 + row] * self.t_sd[row];
+                (quadratic(&coefficients, t) - self.mu[row]) / self.mu_sd[row]
+            })
         };
-        let (problem, report) = LevenbergMarquardt::new().minimize(problem);
+        let jacobian = |u: &DVector<f64>| {
+            let mut jacobian = DMatrix::zeros(2 * n, 3 + n);
+            for i in 0..n {
+                let (t_sd, mu_sd) = (self.t_sd[i], self.mu_sd[i]);
+                let t = self.t[i] + u[3 + i] * t_sd;
+                jacobian[(i, 0)] = t * t / mu_sd;
+                jacobian[(i, 1)] = t / mu_sd;
+                jacobian[(i, 2)] = 1.0 / mu_sd;
+                jacobian[(i, 3 + i)] = (2.0 * u[0] * t + u[1]) * t_sd / mu_sd;
+                jacobian[(n + i, 3 + i)] = 1.0;
+            }
+            jacobian
+        };
+        let mut unknowns = DVector::zeros(3 + n);
+        unknowns.rows_mut(0, 3).copy_from(&start);
+        let method = LevenbergMarquardt::new();
+        let (u, report) = minimize(method, unknowns, residuals, jacobian);
         let chi2 = 2.0 * report.objective_function;
-        let found = problem.jacobian();
-        let found = found.filter(|_| report.termination.was_successful());
+        let found = report.termination.was_successful().then(|| jacobian(&u));
         let inverse = found.and_then(|jacobian| (jacobian.transpose() * &jacobian).try_inverse());
         let inverse = inverse.ok_or(Error::NotConverged {
             what: "mu(p) fit",
@@ -229,7 +249,6 @@ impl Points {
             residual: chi2,
             tolerance: f64::EPSILON,
         })?;
-        let u = &problem.unknowns;
         Ok(Quadratic {
             coefficients: Vector3::new(u[0], u[1], u[2]),
             covariance: Matrix3::from_fn(|i, j| inverse[(i, j)]),
@@ -273,53 +292,4 @@ impl Points {
 
 fn quadratic(coefficients: &Vector3<f64>, t: f64) -> f64 {
     (coefficients[0] * t + coefficients[1]) * t + coefficients[2]
-}
-
-/// Unknowns: the three coefficients, then for each point its shift along t in standard deviations.
-struct Orthogonal<'a> {
-    points: &'a Points,
-    unknowns: DVector<f64>,
-}
-
-impl LeastSquaresProblem<f64, Dyn, Dyn> for Orthogonal<'_> {
-    type ResidualStorage = Owned<f64, Dyn, U1>;
-    type JacobianStorage = Owned<f64, Dyn, Dyn>;
-    type ParameterStorage = Owned<f64, Dyn, U1>;
-
-    fn set_params(&mut self, x: &DVector<f64>) {
-        self.unknowns.copy_from(x);
-    }
-
-    fn params(&self) -> DVector<f64> {
-        self.unknowns.clone()
-    }
-
-    fn residuals(&self) -> Option<DVector<f64>> {
-        let n = self.points.t.len();
-        let u = &self.unknowns;
-        let coefficients = Vector3::new(u[0], u[1], u[2]);
-        Some(DVector::from_fn(2 * n, |row, _| {
-            if row >= n {
-                return u[3 + row - n];
-            }
-            let t = self.points.t[row] + u[3 + row] * self.points.t_sd[row];
-            (quadratic(&coefficients, t) - self.points.mu[row]) / self.points.mu_sd[row]
-        }))
-    }
-
-    fn jacobian(&self) -> Option<DMatrix<f64>> {
-        let n = self.points.t.len();
-        let u = &self.unknowns;
-        let mut jacobian = DMatrix::zeros(2 * n, 3 + n);
-        for i in 0..n {
-            let (t_sd, mu_sd) = (self.points.t_sd[i], self.points.mu_sd[i]);
-            let t = self.points.t[i] + u[3 + i] * t_sd;
-            jacobian[(i, 0)] = t * t / mu_sd;
-            jacobian[(i, 1)] = t / mu_sd;
-            jacobian[(i, 2)] = 1.0 / mu_sd;
-            jacobian[(i, 3 + i)] = (2.0 * u[0] * t + u[1]) * t_sd / mu_sd;
-            jacobian[(n + i, 3 + i)] = 1.0;
-        }
-        Some(jacobian)
-    }
 }

@@ -158,36 +158,26 @@ pub fn longitudinal_force(fz: f64, alpha: f64, mu: f64) -> f64 {
 #[serde(deny_unknown_fields)]
 pub struct LongitudinalKeys {
     /// Fixed coefficient, dimensionless.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub mu: Option<f64>,
     /// Quadratic coefficient [1e-3/MPa2].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub b: Option<f64>,
     /// Linear coefficient [1e-3/MPa].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub c: Option<f64>,
     /// Constant [1e-3].
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub d: Option<f64>,
     /// Largest coefficient of friction, dimensionless; 0.007 where absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub mu_cap: Option<f64>,
     /// Asperity factor, of tables of mu too; 1 where absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub zeta: Option<f64>,
     /// What the asperity factor multiplies; the coefficient where absent.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub zeta_acts_on: Option<ZetaActsOn>,
     /// The melt film on the contact that each friction experiment states, times `zeta`; no law for a
     /// sled, whose runners have tables.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub film: Option<bool>,
     /// Lookup table of the front runner's pressure or, without `mu` and the quadratic, of its mu, a
     /// path.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub front_table: Option<String>,
     /// As `front_table`, of the rear runner.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rear_table: Option<String>,
 }
 

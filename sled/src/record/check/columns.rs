@@ -65,7 +65,7 @@ pub fn check_columns(
         }
     }
     for column in columns.values_mut() {
-        *column = base.column(std::mem::take(column));
+        *column = base.column(column);
     }
     let speed = columns.get("v_mps").cloned();
     let mut gaps = Gaps::find(columns, used, base.clock.dt_s);
@@ -190,17 +190,10 @@ pub struct Base {
     pub len: usize,
     /// Largest distance of a row from its place on the base, in steps; 0 where rows are on it.
     pub jitter: f64,
-    rows: Rows,
-}
-
-#[derive(Clone, Debug)]
-enum Rows {
-    /// Row `i` is sample `i`.
-    AsTheyAre,
-    /// Row `i` is sample `places[i]`.
-    Placed(Vec<usize>),
-    /// Samples lie between rows with these times.
-    Between(Vec<f64>),
+    /// The sample of each row.
+    places: Vec<usize>,
+    /// The time of each row [s], where samples lie between rows.
+    times: Option<Vec<f64>>,
 }
 
 impl Base {
@@ -228,24 +221,7 @@ impl Base {
             return Err(error(i, "irregular time"));
         }
         let (first, last) = (time[0], time[time.len() - 1]);
-        let count = steps.len();
-        let even = Clock {
-            t0_s: first,
-            dt_s: (last - first) / count as f64,
-        };
-        let close = |step: &f64| (step - usual).abs() <= ROUNDING * usual;
-        let drift = |clock: &Clock, i: usize, place: f64| {
-            ((time[i] - clock.t0_s) / clock.dt_s - place).abs()
-        };
-        if steps.iter().all(close) && (0..=count).all(|i| drift(&even, i, i as f64) < 0.5) {
-            return Ok(Base {
-                clock: even,
-                len: time.len(),
-                jitter: 0.0,
-                rows: Rows::AsTheyAre,
-            });
-        }
-        let mut places = vec![0.0];
+        let mut places = vec![0.0_f64];
         for (i, step) in steps.iter().enumerate() {
             let whole = (step / usual).round().max(1.0);
             // More is missing than there is: a clock that jumped, not a gap.
@@ -254,58 +230,48 @@ impl Base {
             }
             places.push(places[i] + whole);
         }
-        let total = places[count];
+        let total = places[steps.len()];
         let clock = Clock {
             t0_s: first,
             dt_s: (last - first) / total,
         };
-        let jitter = (0..=count).map(|i| drift(&clock, i, places[i]));
-        let jitter = jitter.fold(0.0, f64::max);
         let len = total as usize + 1;
         if len > 2 * time.len() {
-            let longest = (0..count).max_by(|a, b| steps[*a].total_cmp(&steps[*b]));
+            let longest = (0..steps.len()).max_by(|a, b| steps[*a].total_cmp(&steps[*b]));
             return Err(error(longest.unwrap_or(0), "clock jump"));
         }
-        let on_base = jitter <= ROUNDING;
-        let (jitter, rows) = if on_base {
-            let places = places.into_iter().map(|place| place as usize);
-            (0.0, Rows::Placed(places.collect()))
-        } else {
-            (jitter, Rows::Between(time.to_vec()))
-        };
+        let drift = |(t, place): (&f64, &f64)| ((t - first) / clock.dt_s - place).abs();
+        let jitter = time.iter().zip(&places).map(drift).fold(0.0, f64::max);
+        let is_close = |step: &f64| (step - usual).abs() <= ROUNDING * usual;
+        let on_base = jitter <= ROUNDING || jitter < 0.5 && steps.iter().all(is_close);
         Ok(Base {
             clock,
             len,
-            jitter,
-            rows,
+            jitter: if on_base { 0.0 } else { jitter },
+            places: places.into_iter().map(|place| place as usize).collect(),
+            times: (!on_base).then(|| time.to_vec()),
         })
     }
 
     /// A column of the file on the base: NaN where rows are missing; between rows by the cubic
     /// through the four nearest, by a straight line next to gaps.
-    pub fn column(&self, values: Vec<f64>) -> Vec<f64> {
-        match &self.rows {
-            Rows::AsTheyAre => values,
-            Rows::Placed(places) => {
-                let mut column = vec![f64::NAN; self.len];
-                for (place, value) in places.iter().zip(values) {
-                    column[*place] = value;
+    pub fn column(&self, values: &[f64]) -> Vec<f64> {
+        if let Some(times) = &self.times {
+            let mut before = 0;
+            let sample = |i: usize| {
+                let t = self.clock.t0_s + i as f64 * self.clock.dt_s;
+                while before + 2 < times.len() && times[before + 1] <= t {
+                    before += 1;
                 }
-                column
-            }
-            Rows::Between(time) => {
-                let mut before = 0;
-                (0..self.len)
-                    .map(|i| {
-                        let t = self.clock.t0_s + i as f64 * self.clock.dt_s;
-                        while before + 2 < time.len() && time[before + 1] <= t {
-                            before += 1;
-                        }
-                        self.between(time, &values, before, t)
-                    })
-                    .collect()
-            }
+                self.between(times, values, before, t)
+            };
+            return (0..self.len).map(sample).collect();
         }
+        let mut column = vec![f64::NAN; self.len];
+        for (place, value) in self.places.iter().zip(values) {
+            column[*place] = *value;
+        }
+        column
     }
 
     /// The value at `t` between rows `i` and `i + 1`.
@@ -367,7 +333,7 @@ mod tests {
             .collect();
         let base = base(&time).unwrap();
         assert_eq!((base.len, base.jitter), (200, 0.0));
-        let column = base.column(time.clone());
+        let column = base.column(&time);
         for (i, t) in column.iter().enumerate() {
             let gone = (50..60).contains(&i) || i == 120;
             assert_eq!(t.is_nan(), gone, "{i}");
@@ -391,7 +357,7 @@ mod tests {
         (time[0], time[999]) = (0.0, 0.002 * 999.0);
         let base = base(&time).unwrap();
         assert!(base.jitter > 0.2 && base.len == 1000);
-        let values = base.column(time.iter().map(|t| wave(*t)).collect());
+        let values = base.column(&time.iter().map(|t| wave(*t)).collect::<Vec<_>>());
         for (i, value) in values.iter().enumerate().skip(2).take(996) {
             let expected = wave(0.002 * i as f64);
             // A row within 5 % of a step is taken as it is: its slope times that.
@@ -407,7 +373,7 @@ mod tests {
             .chain((0..100).map(|i| 1.5037 + 0.01 * f64::from(i)))
             .collect();
         let base = base(&time).unwrap();
-        let column = base.column(time.clone());
+        let column = base.column(&time);
         for (i, t) in column.iter().enumerate() {
             let at = base.clock.t0_s + i as f64 * base.clock.dt_s;
             let inside = (0.991..1.503).contains(&at);

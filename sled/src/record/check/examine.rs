@@ -1,6 +1,7 @@
 //! Runs examined: faults, oddities, and the profile of every channel.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::Path;
 
 use rayon::prelude::*;
@@ -11,10 +12,9 @@ use crate::columns::read_columns;
 use crate::error::Error;
 use crate::fault::Fault;
 use crate::record::check::judge::judge;
-use crate::record::check::odd_stretch::{OddStretch, odd_stretches};
-use crate::record::check::profile::{Profile, longest_still};
+use crate::record::check::profile::{OddKind, OddStretch, Profile};
 use crate::record::check::rigid_body::{Slow, delays};
-use crate::record::files::{find_copy, read_run};
+use crate::record::files::{copies, read_run};
 use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps};
 use crate::record::index::{Entry, read_index};
 use crate::record::needs::Needs;
@@ -24,6 +24,8 @@ use crate::record::run::Run;
 const LEAST: [&str; 1] = ["v_mps"];
 /// Length of a stretch of one value [s] that is reported.
 const STILL_S: f64 = 0.5;
+/// Most stretches of a channel that are listed; its profile counts them all.
+const MOST_STRETCHES: usize = 100;
 /// Standstill [s] whose mean is a bias.
 const REST_S: f64 = 1.0;
 /// Delays [s] below this are not reported, nor those below five standard errors: clean runs show
@@ -77,64 +79,43 @@ impl Examination {
     }
 }
 
-/// Examines every run of an index; the worst first, else in the index's order.
+/// Examines every run of an index; the worst first, else in the index's order. A run comes with its
+/// examination where it can be read.
 ///
 /// # Errors
 /// Those of the index; errors of a run are in its examination.
-pub fn examine(index: &Path) -> Result<Vec<Examination>, Error> {
-    let examined = examine_with(index, |_, _| ())?;
-    Ok(examined.into_iter().map(|(one, ())| one).collect())
-}
-
-/// Like [`examine`], with what `also` makes of each examination and, where it can be read, of its
-/// run.
-///
-/// # Errors
-/// As [`examine`].
-pub fn examine_with<T: Send>(
-    index: &Path,
-    also: impl Fn(&Examination, Option<&Run>) -> T + Sync,
-) -> Result<Vec<(Examination, T)>, Error> {
+pub fn examine(index: &Path) -> Result<Vec<(Examination, Option<Run>)>, Error> {
     let read = |entry: Entry| (entry.clone(), read_run(entry, &LEAST, OnGaps::LeaveOut));
     let read: Vec<_> = read_index(index)?.into_par_iter().map(read).collect();
-    // Long recordings exist once in memory: runs in one list, their places in the index in another.
-    let (mut runs, mut places, mut examined) = (Vec::new(), Vec::new(), Vec::new());
-    for (place, (entry, run)) in read.into_iter().enumerate() {
-        match run {
-            Ok(run) => {
-                runs.push(run);
-                places.push(place);
-            }
-            Err(error) => {
-                let one = Examination {
-                    run: entry.run,
-                    file: entry.file.display().to_string(),
-                    refused: Some(error.to_string()),
-                    ..Examination::default()
-                };
-                let made = also(&one, None);
-                examined.push((place, (one, made)));
-            }
+    let runs: Vec<&Run> = read.iter().flat_map(|(_, run)| run).collect();
+    let name = |run: &Run| run.entry.run.clone();
+    let copied = copies(&runs).into_iter();
+    let copied = copied.map(|(first, second)| (name(runs[second]), name(runs[first])));
+    let copied: BTreeMap<String, String> = copied.collect();
+    let is_original = |run: &&Run| !copied.contains_key(&run.entry.run);
+    let originals = runs.into_iter().filter(is_original);
+    let faults = judge(&originals.collect::<Vec<_>>());
+    let examine_one = |(entry, read): (Entry, Result<Run, Error>)| match read {
+        Err(error) => {
+            let refused = Examination {
+                run: entry.run,
+                file: entry.file.display().to_string(),
+                refused: Some(error.to_string()),
+                ..Examination::default()
+            };
+            (refused, None)
         }
-    }
-    while let Some((first, second)) = find_copy(&runs) {
-        let of = runs[first].entry.run.clone();
-        let (copy, place) = (runs.remove(second), places.remove(second));
-        let mut one = examine_run(&copy, Vec::new());
-        let reason = format!("holds the same samples as run {of}: expected each run once");
-        one.refused = Some(reason);
-        let made = also(&one, Some(&copy));
-        examined.push((place, (one, made)));
-    }
-    let faults = judge(&runs);
-    examined.par_extend(runs.par_iter().zip(places).map(|(run, place)| {
-        let own = faults.iter().filter(|fault| fault.run == run.entry.run);
-        let one = examine_run(run, own.cloned().collect());
-        let made = also(&one, Some(run));
-        (place, (one, made))
-    }));
-    examined.sort_by_key(|(place, _)| *place);
-    let mut examined: Vec<(Examination, T)> = examined.into_iter().map(|(_, both)| both).collect();
+        Ok(run) => {
+            let own = faults.iter().filter(|fault| fault.run == run.entry.run);
+            let mut one = examine_run(&run, own.cloned().collect());
+            let of = copied.get(&one.run);
+            one.refused =
+                of.map(|of| format!("holds the same samples as run {of}: expected each run once"));
+            (one, Some(run))
+        }
+    };
+    let mut examined: Vec<(Examination, Option<Run>)> =
+        read.into_par_iter().map(examine_one).collect();
     let odd = |one: &Examination| one.notes.first().map_or(0.0, |note| note.weight);
     let rank = |one: &Examination| (one.refused.is_some(), one.faults.len());
     examined.sort_by(|(a, _), (b, _)| {
@@ -147,27 +128,52 @@ pub fn examine_with<T: Send>(
 fn examine_run(run: &Run, faults: Vec<Fault>) -> Examination {
     let rate_hz = run.rate_hz();
     let rest = at_rest(run);
-    let late = Slow::of(run).map(|slow| delays(&slow));
-    let mut channels = BTreeMap::new();
-    for (c, name) in COLUMNS.iter().enumerate() {
-        let Some(column) = run.columns.get(*name) else {
-            continue;
-        };
-        let delay = late.as_ref().and_then(|late| *late.get(c)?);
-        // Not of a run with faults.
-        let delay = delay.filter(|_| faults.is_empty());
-        let profile = Profile {
-            missing: run.gaps.missing.get(*name).copied().unwrap_or(0),
-            at_standstill: rest.get(*name).copied(),
-            delay_s: delay.map(|(delay, error)| [delay, error]),
-            saturation: run.saturated.get(*name).copied(),
-            ..Profile::of(run.gaps.within(column), rate_hz)
-        };
-        channels.insert((*name).to_string(), profile);
-    }
+    // Not of a run with faults.
+    let slow = Slow::of(run).filter(|_| faults.is_empty());
+    let late = slow.map(|slow| delays(&slow)).unwrap_or_default();
     let used: usize = run.gaps.pieces.iter().map(std::ops::Range::len).sum();
     let (length_s, used_s) = (run.len() as f64 * run.dt_s, used as f64 * run.dt_s);
-    let mut notes = notes(run, &channels, length_s, used_s);
+    let stretch = |column: &str, kind, from: usize, end: usize| OddStretch {
+        column: column.to_owned(),
+        kind,
+        from_s: run.t0_s + from as f64 * run.dt_s,
+        to_s: run.t0_s + (end - 1) as f64 * run.dt_s,
+    };
+    let between = run.gaps.pieces.windows(2);
+    let gaps = between.map(|pair| stretch("", OddKind::Gap, pair[0].end, pair[1].start));
+    let mut stretches: Vec<OddStretch> = gaps.take(MOST_STRETCHES).collect();
+    let mut notes = run_notes(run, length_s, used_s);
+    let mut channels = BTreeMap::new();
+    for (c, name) in COLUMNS.into_iter().enumerate() {
+        let Some(column) = run.columns.get(name) else {
+            continue;
+        };
+        let (profile, odd) = Profile::of(column, &run.gaps.pieces, rate_hz);
+        let profile = Profile {
+            missing: run.gaps.missing.get(name).copied().unwrap_or(0),
+            at_standstill: rest.get(name).copied(),
+            delay_s: late.get(c).copied().flatten().map(<[f64; 2]>::from),
+            saturation: run.saturated.get(name).copied(),
+            ..profile
+        };
+        // A low pass overshoots beside an end stop.
+        let stills = odd.iter().filter(|(kind, _)| *kind == OddKind::Still);
+        let still = stills.max_by_key(|(_, still)| still.len());
+        let value = still.map_or(0.0, |(_, still)| column[still.start].abs());
+        let largest = column.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let at_end = value > 0.0 && value >= 0.97 * largest;
+        notes.extend(channel_notes(run, name, &profile, at_end, length_s));
+        let is_long = |still: &Range<usize>| still.len() as f64 * run.dt_s > STILL_S;
+        let odd = odd
+            .iter()
+            .filter(|(kind, of)| *kind != OddKind::Still || is_long(of));
+        let odd = odd.map(|(kind, of)| (*kind, of.start, of.end));
+        let stop = profile.saturation.iter();
+        let stop = stop.map(|stop| (OddKind::Saturated, stop.begins, stop.begins + stop.longest));
+        let odd = stop.chain(odd).take(MOST_STRETCHES);
+        stretches.extend(odd.map(|(kind, from, end)| stretch(name, kind, from, end)));
+        channels.insert(name.to_owned(), profile);
+    }
     notes.sort_by(|a, b| b.weight.total_cmp(&a.weight));
     Examination {
         run: run.entry.run.clone(),
@@ -179,7 +185,7 @@ fn examine_run(run: &Run, faults: Vec<Fault>) -> Examination {
         rate_hz,
         length_s,
         used_s,
-        stretches: odd_stretches(run, &COLUMNS, STILL_S),
+        stretches,
         channels,
     }
 }
@@ -209,20 +215,6 @@ fn at_rest(run: &Run) -> BTreeMap<String, f64> {
     means
 }
 
-/// Whether the longest stretch of one value of a channel is at its largest magnitude, give or take
-/// 3 %: a low pass overshoots beside an end stop.
-fn at_its_end(run: &Run, name: &str) -> bool {
-    let pieces = run.columns.get(name).map(|x| run.gaps.within(x));
-    let stretches = pieces.into_iter().flatten().map(|x| &x[longest_still(x)]);
-    let still = stretches.max_by_key(|stretch| stretch.len());
-    let value = still
-        .and_then(|stretch| stretch.first())
-        .map_or(0.0, |x| x.abs());
-    let values = run.columns.get(name).into_iter().flatten();
-    let largest = values.fold(0.0, |most: f64, x| most.max(x.abs()));
-    value > 0.0 && value >= 0.97 * largest
-}
-
 /// Advice of notes.
 const EMPTY_CELLS: &str = "empty those cells: a gap takes no part";
 const RECORD_IT: &str = "record it, or leave the run out (--leave-out-bad-runs) where forces on the \
@@ -236,25 +228,29 @@ const STATE_NOISE: &str = "state [noise] as the step over the root of 12";
 const ALIGN: &str = "align the clocks when importing, or state delay_s in [tolerances]";
 const TAKE_OFF: &str = "take it off when importing, or state gyro_bias_radps";
 
-fn notes(run: &Run, channels: &BTreeMap<String, Profile>, length_s: f64, used_s: f64) -> Vec<Note> {
-    let mut notes = Vec::new();
-    let mut note = |column: &str, weight: f64, advice: &str, what: String| {
-        notes.push(Note {
-            column: column.to_string(),
+impl Note {
+    fn new(column: &str, weight: f64, advice: &str, what: String) -> Note {
+        Note {
+            column: column.to_owned(),
             what,
-            advice: advice.to_string(),
+            advice: advice.to_owned(),
             weight,
-        });
-    };
-    // Only those that every computation needs: errors name the other absent ones.
-    let absent = |name: &&&str| !run.columns.contains_key(**name);
-    for name in Needs::FORCES.columns.iter().filter(absent) {
-        let what = "not recorded, and forces on the runners need it";
-        note(name, 1.0, RECORD_IT, what.to_string());
+        }
     }
+}
+
+/// Notes on the whole run.
+fn run_notes(run: &Run, length_s: f64, used_s: f64) -> Vec<Note> {
+    let gaps = &run.gaps;
+    // Only those that every computation needs: errors name the other absent ones.
+    let needed = Needs::FORCES.columns.iter();
+    let absent = needed.filter(|name| !run.columns.contains_key(**name));
+    let what = "not recorded, and forces on the runners need it";
+    let mut notes: Vec<Note> = absent
+        .map(|name| Note::new(name, 1.0, RECORD_IT, what.to_owned()))
+        .collect();
     let gone = 1.0 - used_s / length_s;
     if gone > 0.0 {
-        let gaps = &run.gaps;
         let what = format!(
             "{:.2} % take no part: {} rows missing, {} samples at standstill, {} values missing",
             100.0 * gone,
@@ -262,77 +258,141 @@ fn notes(run: &Run, channels: &BTreeMap<String, Profile>, length_s: f64, used_s:
             gaps.standstill,
             gaps.missing.values().sum::<usize>()
         );
-        note("", gone, NOTHING_FOR_GAPS, what);
+        notes.push(Note::new("", gone, NOTHING_FOR_GAPS, what));
     }
-    if run.gaps.jitter > 0.0 {
-        let what = format!("rows up to {:.0} % of a step off", 100.0 * run.gaps.jitter);
+    if gaps.jitter > 0.0 {
+        let what = format!("rows up to {:.0} % of a step off", 100.0 * gaps.jitter);
         let advice = "nothing: rows are brought to even steps";
-        note("t_s", 0.01 * run.gaps.jitter, advice, what);
+        notes.push(Note::new("t_s", 0.01 * gaps.jitter, advice, what));
     }
-    for remark in &run.remarks {
-        note("", 0.001, "nothing, or record it", remark.clone());
+    let remarks = run.remarks.iter().cloned();
+    notes.extend(remarks.map(|what| Note::new("", 0.001, "nothing, or record it", what)));
+    notes
+}
+
+/// Notes on a channel; `at_end` where its longest stretch of one value is at its largest magnitude,
+/// give or take 3 %.
+fn channel_notes(
+    run: &Run,
+    name: &str,
+    profile: &Profile,
+    at_end: bool,
+    length_s: f64,
+) -> Vec<Note> {
+    let mut notes = Vec::new();
+    let mut note = |weight: f64, advice: &str, what: String| {
+        notes.push(Note::new(name, weight, advice, what));
+    };
+    let still = profile.longest_still_s;
+    let share = still / length_s;
+    if let Some(rows) = profile.rows_held {
+        let rate = run.rate_hz() / rows as f64;
+        let what = format!("each value is repeated over {rows} rows: {rate:.1} Hz");
+        note(0.02, OWN_CLOCK, what);
+    } else if still >= STILL_S.max(0.99 * length_s) {
+        note(share, LEAVE_OUT, "one value throughout".to_owned());
+    } else if still >= STILL_S && at_end {
+        let what = format!("one value for {still:.2} s, at the end of its range: saturated?");
+        note(share.max(0.05), LARGER_RANGE, what);
+    } else if still >= STILL_S {
+        note(share, LEAVE_OUT, format!("one value for {still:.2} s"));
+    } else if let Some(quantum) = profile.quantum {
+        let what = format!("steps of {quantum:.2e}, larger than its noise");
+        note(0.005, STATE_NOISE, what);
     }
-    for (name, profile) in channels {
-        let still = profile.longest_still_s;
-        if still >= STILL_S && profile.rows_held.is_none() {
-            if still >= 0.99 * length_s {
-                let what = "one value throughout".to_string();
-                note(name, still / length_s, LEAVE_OUT, what);
-            } else if at_its_end(run, name) {
-                let what =
-                    format!("one value for {still:.2} s, at the end of its range: saturated?");
-                note(name, (still / length_s).max(0.05), LARGER_RANGE, what);
-            } else {
-                let what = format!("one value for {still:.2} s");
-                note(name, still / length_s, LEAVE_OUT, what);
-            }
-        }
-        if let Some(rows) = profile.rows_held {
-            let rate = run.rate_hz() / rows as f64;
-            let what = format!("each value is repeated over {rows} rows: {rate:.1} Hz");
-            note(name, 0.02, OWN_CLOCK, what);
-        }
-        if let Some(found) = profile.saturation {
-            let what = format!(
-                "{} samples at an end of its range, {}, {} of them in one stretch from {:.3} s on: saturated?",
-                found.samples,
-                found.at,
-                found.longest,
-                run.t0_s + found.begins as f64 * run.dt_s
-            );
-            let share = found.samples as f64 / run.len() as f64;
-            note(name, share.max(0.05), LARGER_RANGE, what);
-        }
-        if profile.dropouts > 0 {
-            let what = format!(
-                "{} times one value for a moment, off all around it: it drops out",
-                profile.dropouts
-            );
-            note(name, 0.1, EMPTY_CELLS, what);
-        }
-        if profile.leaps > 0 {
-            let count = profile.leaps;
-            let what = format!("{count} single values leap off their neighbours' line");
-            note(name, 0.1, EMPTY_CELLS, what);
-        }
-        if let Some(quantum) = profile.quantum
-            && profile.rows_held.is_none()
-            && still < STILL_S
-        {
-            let what = format!("steps of {quantum:.2e}, larger than its noise");
-            note(name, 0.005, STATE_NOISE, what);
-        }
-        if let Some([delay, error]) = profile.delay_s
-            && delay.abs() > LATE_S.max(5.0 * error)
-        {
-            let [delay, error] = [delay, error].map(|time| 1e3 * time);
-            let what = format!("is {delay:.0} +- {error:.0} ms later than the others");
-            note(name, 0.2, ALIGN, what);
-        }
-        if let Some(bias) = profile.at_standstill.filter(|bias| bias.abs() > 2e-3) {
-            let what = format!("{bias:.4} rad/s at standstill");
-            note(name, 0.1, TAKE_OFF, what);
-        }
+    if let Some(found) = profile.saturation {
+        let what = format!(
+            "{} samples at an end of its range, {}, {} of them in one stretch from {:.3} s on: saturated?",
+            found.samples,
+            found.at,
+            found.longest,
+            run.t0_s + found.begins as f64 * run.dt_s
+        );
+        let share = found.samples as f64 / run.len() as f64;
+        note(share.max(0.05), LARGER_RANGE, what);
+    }
+    if profile.dropouts > 0 {
+        let count = profile.dropouts;
+        let what = format!("{count} times one value for a moment, off all around it: it drops out");
+        note(0.1, EMPTY_CELLS, what);
+    }
+    if profile.leaps > 0 {
+        let count = profile.leaps;
+        let what = format!("{count} single values leap off their neighbours' line");
+        note(0.1, EMPTY_CELLS, what);
+    }
+    if let Some([delay, error]) = profile.delay_s
+        && delay.abs() > LATE_S.max(5.0 * error)
+    {
+        let [delay, error] = [delay, error].map(|time| 1e3 * time);
+        let what = format!("is {delay:.0} +- {error:.0} ms later than the others");
+        note(0.2, ALIGN, what);
+    }
+    if let Some(bias) = profile.at_standstill.filter(|bias| bias.abs() > 2e-3) {
+        note(0.1, TAKE_OFF, format!("{bias:.4} rad/s at standstill"));
     }
     notes
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+    use std::path::Path;
+
+    use super::*;
+
+    /// A run of a sine at 100 Hz with a leap, a drop-out, a still stretch and a gap.
+    fn run(folder: &Path) -> Run {
+        let file = folder.join("a.csv");
+        std::fs::write(folder.join("runs.csv"), "run,file\na,a.csv\n").expect("a folder");
+        let mut text = String::from("t_s,v_mps,yaw_rate_radps\n");
+        for i in 0..1000 {
+            let t = 0.01 * f64::from(i);
+            // Noise of which no two values are equal.
+            let noise = 1e-2 * (f64::from(i * i % 97) / 97.0 - 0.5);
+            let yaw = match i {
+                200 => 9.0,
+                400..=403 => -9.0,
+                600..=699 => 0.25,
+                800..=819 => f64::NAN,
+                _ => (0.3 * t).sin() + noise,
+            };
+            text += &format!("{t},{},{yaw}\n", 20.0 + noise);
+        }
+        std::fs::write(&file, text).expect("a folder");
+        let entry = read_index(&folder.join("runs.csv"))
+            .expect("an index")
+            .remove(0);
+        let mut columns = read_columns(&file, &["v_mps", "yaw_rate_radps"]).expect("columns");
+        columns.remove("t_s");
+        let gaps = Gaps::find(&mut columns, &["v_mps", "yaw_rate_radps"], 0.01);
+        Run {
+            entry,
+            t0_s: 5.0,
+            dt_s: 0.01,
+            columns,
+            gaps,
+            saturated: BTreeMap::new(),
+            remarks: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn odd_stretches_are_where_they_were_made() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let run = run(folder.path());
+        let found = examine_run(&run, Vec::new()).stretches;
+        let expected = [
+            ("", OddKind::Gap, 13.0, 13.19),
+            ("yaw_rate_radps", OddKind::Leap, 7.0, 7.0),
+            ("yaw_rate_radps", OddKind::DropOut, 9.0, 9.03),
+            ("yaw_rate_radps", OddKind::Still, 11.0, 11.99),
+        ];
+        assert_eq!(found.len(), expected.len(), "{found:?}");
+        for (stretch, (column, kind, from_s, to_s)) in found.iter().zip(expected) {
+            assert_eq!((stretch.column.as_str(), stretch.kind), (column, kind));
+            assert!((stretch.from_s - from_s).abs() < 1e-9, "{stretch:?}");
+            assert!((stretch.to_s - to_s).abs() < 1e-9, "{stretch:?}");
+        }
+    }
 }

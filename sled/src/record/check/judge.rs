@@ -1,15 +1,17 @@
 //! Channels of runs whose values provably contradict their names.
 
+use std::borrow::Borrow;
+
 use rayon::prelude::*;
 
 use crate::column::Sensor;
 use crate::error::Error;
 use crate::fault::{Fault, FaultKind};
-use crate::record::check::remedies::{REMEDIES, Remedy};
+use crate::record::check::remedies::{Mend, REMEDIES, Remedy, Unit};
 use crate::record::check::response::response_faults;
 use crate::record::check::rigid_body::{Agreement, Slow, factor};
 use crate::record::check::rotation::{BoxRotation, is_complete};
-use crate::record::check::single::{constant_fault, plain_faults, range_faults};
+use crate::record::check::single::{plain_faults, range_faults};
 use crate::record::run::Run;
 use crate::series::bridged;
 
@@ -23,23 +25,28 @@ const MOST: usize = 4;
 ///   disagreement and the relations are then satisfied.
 /// - By the motion that a turned sensor box measures ([`BoxRotation`]), over all runs together.
 /// - By the response of a sled to steering ([`response_faults`]), over all runs together.
-pub fn judge(runs: &[Run]) -> Vec<Fault> {
+pub fn judge(runs: &[impl Borrow<Run> + Sync]) -> Vec<Fault> {
     judge_by(runs, &RelationRules::default())
 }
 
 /// The same by other thresholds.
-pub fn judge_by(runs: &[Run], rules: &RelationRules) -> Vec<Fault> {
+pub fn judge_by(runs: &[impl Borrow<Run> + Sync], rules: &RelationRules) -> Vec<Fault> {
+    let runs: Vec<&Run> = runs.iter().map(Borrow::borrow).collect();
+    // Faults of a run and, while relations can judge it, its slow channels.
     let plain = |run: &Run| {
         let faults = plain_faults(run);
         // A channel that is constant or repeated cannot be mended by a unit.
         let slow = Slow::of(run).filter(|_| faults.is_empty());
         (faults, slow)
     };
-    let plain: Vec<(Vec<Fault>, Option<Slow>)> = runs.par_iter().map(plain).collect();
-    let slow: Vec<&Slow> = plain.iter().filter_map(|(_, slow)| slow.as_ref()).collect();
+    let mut judged: Vec<(Vec<Fault>, Option<Slow>)> = runs.par_iter().copied().map(plain).collect();
+    let slow: Vec<&Slow> = judged
+        .iter()
+        .filter_map(|(_, slow)| slow.as_ref())
+        .collect();
     let rotation = BoxRotation::of(&slow, rules);
-    let judge_one = |(run, (mut faults, mut slow)): (&Run, (Vec<Fault>, Option<Slow>))| {
-        if let (Some(rotation), Some(slow)) = (&rotation, &mut slow)
+    let judge_one = |(run, (faults, slow)): (&&Run, &mut (Vec<Fault>, Option<Slow>))| {
+        if let (Some(rotation), Some(slow)) = (&rotation, &mut *slow)
             && is_complete(slow)
         {
             let turned = rotation.applied(slow);
@@ -48,42 +55,37 @@ pub fn judge_by(runs: &[Run], rules: &RelationRules) -> Vec<Fault> {
             }
             *slow = turned;
         }
-        let mended = slow.map(|slow| rules.mend_all(run, slow, &mut faults));
-        let ranges = range_faults(run, &faults);
+        if let Some(slow) = slow {
+            rules.mend_all(run, slow, faults);
+        }
+        let ranges = range_faults(run, faults);
+        let distance = slow.as_ref().and_then(|slow| distance_fault(run, slow));
         // The response is not judged where channels do not agree yet.
-        let responds = |slow: &Slow| ranges.is_empty() && Agreement::of(slow).is_below(rules.holds);
-        let responding = mended.clone().filter(responds);
+        let agrees =
+            |slow: &mut Slow| ranges.is_empty() && Agreement::of(slow).is_below(rules.holds);
+        slow.take_if(|slow| !agrees(slow));
         faults.extend(ranges);
-        faults.extend(mended.iter().filter_map(|slow| distance_fault(run, slow)));
-        (faults, responding)
+        faults.extend(distance);
     };
-    let by_run: Vec<_> = runs.par_iter().zip(plain).map(judge_one).collect();
-    let (mut by_run, slow): (Vec<Vec<Fault>>, Vec<Option<Slow>>) = by_run.into_iter().unzip();
-    let mended = runs.iter().zip(slow);
-    let mended: Vec<(&Run, Slow)> = mended
-        .filter_map(|(run, slow)| Some((run, slow?)))
-        .collect();
-    withdraw_where_runs_disagree(&mut by_run);
-    let mut faults = by_run.concat();
-    faults.extend(response_faults(&mended, rules));
-    faults
+    runs.par_iter().zip(&mut judged).for_each(judge_one);
+    withdraw_where_runs_disagree(&mut judged);
+    let pairs = runs.iter().zip(&judged);
+    let mended = pairs.filter_map(|(run, (_, slow))| Some((*run, slow.as_ref()?)));
+    let by_response = response_faults(&mended.collect::<Vec<_>>(), rules);
+    let own = judged.into_iter().flat_map(|(faults, _)| faults);
+    own.chain(by_response).collect()
 }
 
 /// A fault by relations is proved where every run of the campaign shows it, except for units, which
 /// differ by orders of magnitude.
-fn withdraw_where_runs_disagree(by_run: &mut [Vec<Fault>]) {
-    let runs = by_run.to_vec();
-    let in_all = |fault: &Fault| {
+fn withdraw_where_runs_disagree<T>(by_run: &mut [(Vec<Fault>, T)]) {
+    use FaultKind::{Gravity, Sign, Swapped};
+    let runs: Vec<Vec<Fault>> = by_run.iter().map(|(faults, _)| faults.clone()).collect();
+    for fault in by_run.iter_mut().flat_map(|(faults, _)| faults) {
         let same = |own: &Fault| own.kind == fault.kind && own.columns == fault.columns;
         let shows = |run: &Vec<Fault>| run.iter().any(|own| own.proven && same(own));
-        runs.iter().all(shows)
-    };
-    for fault in by_run.iter_mut().flatten() {
-        let by_relation = matches!(
-            fault.kind,
-            FaultKind::Sign | FaultKind::Swapped | FaultKind::Gravity
-        );
-        fault.proven &= !by_relation || in_all(fault);
+        let by_relation = matches!(fault.kind, Sign | Swapped | Gravity);
+        fault.proven &= !by_relation || runs.iter().all(shows);
     }
 }
 
@@ -109,10 +111,8 @@ pub fn check_relations(runs: &mut [Run]) -> Result<(), Error> {
 pub(crate) fn remark(runs: &mut [Run], suspected: &[Fault]) {
     let of = |run: &Run| suspected.iter().find(|fault| fault.run == run.entry.run);
     let count = runs.iter().filter(|run| of(run).is_some()).count();
-    let Some((first, fault)) = runs.iter_mut().find_map(|run| {
-        let fault = of(run)?;
-        Some((run, fault))
-    }) else {
+    let mut concerned = runs.iter_mut().filter_map(|run| Some((of(run)?, run)));
+    let Some((fault, first)) = concerned.next() else {
         return;
     };
     let more = match count {
@@ -130,22 +130,21 @@ pub(crate) fn remark(runs: &mut [Run], suspected: &[Fault]) {
 
 impl RelationRules {
     /// Mends the faults that the relations show, and appends them to `faults`.
-    fn mend_all(&self, run: &Run, mut slow: Slow, faults: &mut Vec<Fault>) -> Slow {
-        let fault = |mend: &Remedy, proven: bool, evidence: String| {
-            let (kind, looks_like, line) = mend.describe();
-            let columns = mend.columns();
-            Fault::proven(run, &columns, kind, looks_like, evidence, line).proven_if(proven)
+    fn mend_all(&self, run: &Run, slow: &mut Slow, faults: &mut Vec<Fault>) {
+        let mut mend = |mend: &Remedy, slow: &mut Slow, proven: bool, evidence: String| {
+            let fault = Fault::proven(run, &mend.columns(), mend.1, evidence);
+            faults.push(fault.proven_if(proven));
+            *slow = mend.applied(slow);
         };
         for _ in 0..MOST {
-            let before = Agreement::of(&slow);
-            let single = self.one(&slow, &before);
-            let Some((mends, after)) = single.or_else(|| self.two_at_once(&slow, &before)) else {
+            let before = Agreement::of(slow);
+            let single = self.one(slow, &before);
+            let Some((mends, after)) = single.or_else(|| self.two_at_once(slow, &before)) else {
                 break;
             };
             let proven = self.is_satisfied_once_mended(&before, &after);
-            for mend in &mends {
-                faults.push(fault(mend, proven, evidence(&before, &after)));
-                slow = mend.applied(&slow);
+            for one in &mends {
+                mend(one, slow, proven, evidence(&before, &after));
             }
             if mends.len() > 1 {
                 break;
@@ -154,13 +153,13 @@ impl RelationRules {
         // The factor of `ay` is often too small to show in the residual of its relation, and known
         // well enough all the same. That of `ax` is not: gravity along the sled is far larger, and
         // where a record's pitch rate misses changes of slope, it has any sign.
-        for mend in REMEDIES.iter().filter(|mend| mend.0 == [Sensor::Ay]) {
+        for one in REMEDIES.iter().filter(|mend| mend.0 == [Sensor::Ay]) {
             let axis = Sensor::Ay as usize;
-            let (Some(wanted), Some((found, error))) = (mend.factor(), factor(&slow, axis)) else {
+            let (Some(wanted), Some((found, error))) = (one.factor(), factor(slow, axis)) else {
                 continue;
             };
             // The factor means nothing where the relation is not satisfied.
-            let residual = Agreement::of(&slow).residual[axis];
+            let residual = Agreement::of(slow).residual[axis];
             let near = residual.is_some_and(|residual| residual < self.holds)
                 && (found - wanted).abs() < 0.5 * wanted.abs().max(1.0);
             let significant =
@@ -169,22 +168,21 @@ impl RelationRules {
                 let evidence = format!(
                     "the other channels' motion requires {found:.2} +- {error:.2} times its values"
                 );
-                faults.push(fault(mend, false, evidence));
-                slow = mend.applied(&slow);
+                mend(one, slow, false, evidence);
             }
         }
         // A constant roll rate shows in the residual across.
         let name = Sensor::RollRate.name();
-        let roll = run.columns.get(name);
-        let roll = roll.filter(|x| x.iter().all(|y| *y == x[0]));
-        if let (Some(roll), Some(residual)) = (roll, Agreement::of(&slow).residual[1])
+        let constant = |x: &&Vec<f64>| x.iter().all(|y| *y == x[0]);
+        if let Some(roll) = run.columns.get(name).filter(constant)
+            && let Some(residual) = Agreement::of(slow).residual[1]
             && residual > self.holds
         {
             let value = roll[0];
             let evidence = format!("{value} in every row, while gravity turns across the sled");
-            faults.push(constant_fault(run, name, evidence).proven_if(false));
+            let fault = Fault::proven(run, &[name], Mend::Replace, evidence);
+            faults.push(fault.proven_if(false));
         }
-        slow
     }
 
     /// The best single remedy that is shown to be right.
@@ -205,35 +203,37 @@ impl RelationRules {
             REMEDIES.iter().filter(|mend| mend.applies(slow)).collect();
         let with_later = |k: usize| there[k + 1..].iter().map(move |other| (k, *other));
         let pairs: Vec<(usize, &'static Remedy)> = (0..there.len()).flat_map(with_later).collect();
-        let mend_both = |(one, other): (usize, &'static Remedy)| {
-            let mended = other.applied(&there[one].applied(slow));
-            (vec![there[one], other], Agreement::of(&mended))
+        let mend_both = |(k, other): (usize, &'static Remedy)| {
+            let one = there[k];
+            let after = Agreement::of(&other.applied(&one.applied(slow)));
+            let gain = before.score() - after.score();
+            let mends = after.is_below(self.holds) && gain >= 2.0 * self.least_gain;
+            mends.then(|| (vec![one, other], after))
         };
-        let mut judged: Vec<RemedyTrial> = pairs.into_par_iter().map(mend_both).collect();
-        judged.retain(|(_, after)| {
-            after.is_below(self.holds) && before.score() - after.score() >= 2.0 * self.least_gain
-        });
+        let judged: Vec<RemedyTrial> = pairs.into_par_iter().filter_map(mend_both).collect();
         judged.into_iter().reduce(better)
     }
 
     /// Whether a relation is satisfied within its noise once mended, and not before.
     fn is_satisfied_once_mended(&self, before: &Agreement, after: &Agreement) -> bool {
-        let noise = self.noise;
-        let mut pairs = before.residual.iter().zip(&after.residual);
-        pairs.any(|pair| matches!(pair, (Some(b), Some(a)) if *b >= noise && *a < noise))
+        let mut pairs = before
+            .residual
+            .iter()
+            .zip(after.residual)
+            .flat_map(|(b, a)| b.zip(a));
+        pairs.any(|(b, a)| b >= self.noise && a < self.noise)
     }
 
     /// Whether a relation shows the fault and no other gets worse.
     fn shows(&self, before: &Agreement, after: &Agreement) -> bool {
-        let rules = self;
         let pairs = || {
-            let pairs = before.residual.iter().zip(&after.residual);
-            pairs.filter_map(|(b, a)| Some((*b, (*a)?)))
+            let pairs = before.residual.iter().zip(after.residual);
+            pairs.filter_map(|(b, a)| Some((*b, a?)))
         };
         let better = pairs()
-            .any(|(b, a)| a < rules.holds && b.is_some_and(|b| b > rules.shows && a < 0.7 * b));
-        let hold = pairs().all(|(b, a)| a < rules.holds || b.is_some_and(|b| a < b + rules.worse));
-        before.score() - after.score() >= rules.least_gain && better && hold
+            .any(|(b, a)| a < self.holds && b.is_some_and(|b| b > self.shows && a < 0.7 * b));
+        let hold = pairs().all(|(b, a)| a < self.holds || b.is_some_and(|b| a < b + self.worse));
+        before.score() - after.score() >= self.least_gain && better && hold
     }
 }
 
@@ -262,23 +262,18 @@ fn distance_fault(run: &Run, slow: &Slow) -> Option<Fault> {
     let travelled = sum(&bridged(run.columns.get("v_mps")?)) * run.dt_s * factor;
     let share = (last - first) / travelled;
     let units = [
-        (1e-3, "kilometres", "unit = \"km\""),
-        (1e3, "millimetres", "unit = \"mm\""),
-        (100.0, "centimetres", "unit = \"cm\""),
-        (1.0 / 0.3048, "feet", "unit = \"ft\""),
-        (1.0 / 1609.344, "miles", "unit = \"mi\""),
-        (-1.0, "a distance that runs backwards", "sign = -1"),
+        ("kilometres", "km", 1e-3),
+        ("millimetres", "mm", 1e3),
+        ("centimetres", "cm", 100.0),
+        ("feet", "ft", 1.0 / 0.3048),
+        ("miles", "mi", 1.0 / 1609.344),
+        ("a distance that runs backwards", "", -1.0),
     ];
-    let (_, looks_like, mend) = units
-        .into_iter()
-        .find(|(u, ..)| (share / u - 1.0).abs() < CLOSE)?;
+    let is_close = |(.., per_metre): &Unit| (share / per_metre - 1.0).abs() < CLOSE;
+    let unit = units.into_iter().find(is_close)?;
     let way = last - first;
     let evidence = format!("{way:.5} where the speed adds up to {travelled:.1} m");
-    let (kind, mend) = (FaultKind::Distance, format!("{mend} for s_m"));
-    let columns = ["s_m"];
-    Some(Fault::proven(
-        run, &columns, kind, looks_like, evidence, mend,
-    ))
+    Some(Fault::proven(run, &["s_m"], Mend::Distance(unit), evidence))
 }
 
 /// Residuals of the relations before and after.

@@ -4,7 +4,6 @@
 pub(crate) mod columns;
 pub(crate) mod examine;
 pub(crate) mod judge;
-pub(crate) mod odd_stretch;
 pub(crate) mod profile;
 mod remedies;
 mod response;

@@ -1,4 +1,5 @@
-//! Profile of a recorded channel: its noise, its steps, its stretches of one value.
+//! Profile of a recorded channel: its noise, its steps, and where it is odd: end stops, leaps,
+//! drop-outs, one value for long.
 
 use std::ops::Range;
 
@@ -50,32 +51,76 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// Of the stretches of a channel that take part, at a rate [Hz].
-    pub fn of<'a>(stretches: impl Iterator<Item = &'a [f64]> + Clone, rate_hz: f64) -> Profile {
-        let pairs = || stretches.clone().flat_map(|x| x.windows(2));
-        let differences = || pairs().map(|w| (w[1] - w[0]).abs());
-        let (count, equal) = (pairs().count(), differences().filter(|d| *d == 0.0).count());
+    /// Of a column in the pieces that take part, at a rate [Hz]; with every leap and drop-out, and
+    /// the longest stretch of one value of each piece.
+    pub fn of(
+        column: &[f64],
+        pieces: &[Range<usize>],
+        rate_hz: f64,
+    ) -> (Profile, Vec<(OddKind, Range<usize>)>) {
+        let stretches = || pieces.iter().map(|piece| &column[piece.clone()]);
+        let differences = || {
+            let pairs = stretches().flat_map(|x| x.windows(2));
+            pairs.map(|w| (w[1] - w[0]).abs())
+        };
+        let count = differences().count();
+        let equal = differences().filter(|d| *d == 0.0).count();
         let unequal = differences().filter(|d| *d != 0.0);
         let least = unequal.fold(f64::INFINITY, f64::min);
         let coarse = 10 * equal >= 3 * count && least.is_finite();
-        let limits = Limits::of(stretches.clone(), rate_hz);
-        let still = stretches.clone().map(|x| longest_still(x).len());
-        let longest = still.max().unwrap_or(0).saturating_sub(1);
-        Profile {
+        let limits = Limits::of(stretches(), rate_hz);
+        let mut odd = Vec::new();
+        for piece in pieces {
+            let found = limits.odd(&column[piece.clone()]).into_iter();
+            odd.extend(found.map(|(kind, x)| (kind, x.start + piece.start..x.end + piece.start)));
+        }
+        let of = |wanted| odd.iter().filter(move |(kind, _)| *kind == wanted);
+        let longest = of(OddKind::Still).map(|(_, still)| still.len()).max();
+        let profile = Profile {
             noise_sd: limits.noise_sd,
             quantum: coarse.then_some(least),
-            rows_held: rows_held(stretches.clone()),
-            longest_still_s: longest as f64 / rate_hz,
-            leaps: stretches.clone().map(|x| limits.leaps(x).count()).sum(),
-            dropouts: stretches.clone().map(|x| limits.dropouts(x).len()).sum(),
-            octaves: octaves(stretches, rate_hz),
+            rows_held: rows_held(stretches()),
+            longest_still_s: longest.unwrap_or(0).saturating_sub(1) as f64 / rate_hz,
+            leaps: of(OddKind::Leap).count(),
+            dropouts: of(OddKind::DropOut).count(),
+            octaves: octaves(stretches(), rate_hz),
             ..Profile::default()
-        }
+        };
+        (profile, odd)
     }
 }
 
+/// How a channel is odd for a while.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum OddKind {
+    /// A channel has no value, or the sled stands still: no channel takes part.
+    Gap,
+    /// Equal values at an end of the channel's range.
+    Saturated,
+    /// A single value off the line of its neighbours.
+    Leap,
+    /// A few equal values off that line.
+    DropOut,
+    /// The longest stretch of one value, half a second or more.
+    Still,
+}
+
+/// A stretch of a run in which a channel is odd.
+#[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct OddStretch {
+    /// The channel; empty for all.
+    pub column: String,
+    /// How.
+    pub kind: OddKind,
+    /// Time of its first sample, as recorded [s].
+    pub from_s: f64,
+    /// Time of its last sample [s].
+    pub to_s: f64,
+}
+
 /// From where on a value is off those next to it.
-pub(super) struct Limits {
+struct Limits {
     noise_sd: f64,
     /// Least size of a leap, in the channel's unit.
     far: f64,
@@ -85,10 +130,7 @@ pub(super) struct Limits {
 
 impl Limits {
     /// Of the stretches of a channel that take part, at a rate [Hz].
-    pub(super) fn of<'a>(
-        stretches: impl Iterator<Item = &'a [f64]> + Clone,
-        rate_hz: f64,
-    ) -> Limits {
+    fn of<'a>(stretches: impl Iterator<Item = &'a [f64]> + Clone, rate_hz: f64) -> Limits {
         let noise_sd = noise_sd_within(stretches.clone());
         let ends = stretches.flatten();
         let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
@@ -102,48 +144,34 @@ impl Limits {
         }
     }
 
-    /// Samples of a stretch that leap off the line of their neighbours.
-    pub(super) fn leaps<'a>(&self, x: &'a [f64]) -> impl Iterator<Item = usize> + use<'a> {
-        let (noise_sd, far) = (self.noise_sd, self.far);
-        let off = move |w: &[f64]| (w[1] - 0.5 * (w[0] + w[2])).abs() > far;
-        let near = move |w: &[f64]| noise_sd > 0.0 && (w[2] - w[0]).abs() < 10.0 * noise_sd;
-        let leaping = x.windows(3).enumerate();
-        let leaping = leaping.filter(move |(_, w)| off(w) && near(w));
-        leaping.map(|(i, _)| i + 1)
-    }
-
-    /// Stretches of equal values that are further off the values on either side than those are
-    /// from each other.
-    pub(super) fn dropouts(&self, x: &[f64]) -> Vec<Range<usize>> {
-        let (mut found, mut start) = (Vec::new(), 1);
-        while start < x.len() {
-            let value = x[start];
-            let length = x[start..].iter().take_while(|y| **y == value).count();
-            let end = start + length;
-            if (2..=self.most).contains(&length) && end < x.len() {
+    /// Samples of a stretch that leap off the line of their neighbours; stretches of equal values
+    /// that are further off the values on either side than those are from each other; the longest
+    /// stretch of equal values, the first of several.
+    fn odd(&self, x: &[f64]) -> Vec<(OddKind, Range<usize>)> {
+        let off = |w: &[f64]| (w[1] - 0.5 * (w[0] + w[2])).abs() > self.far;
+        let near = |w: &[f64]| self.noise_sd > 0.0 && (w[2] - w[0]).abs() < 10.0 * self.noise_sd;
+        let leaping = x.windows(3).enumerate().filter(|(_, w)| off(w) && near(w));
+        let mut odd: Vec<_> = leaping
+            .map(|(i, _)| (OddKind::Leap, i + 1..i + 2))
+            .collect();
+        let (mut longest, mut start) = (0..0, 0);
+        for equal in x.chunk_by(|a, b| a == b) {
+            let end = start + equal.len();
+            if start > 0 && end < x.len() && (2..=self.most).contains(&equal.len()) {
                 let (before, after) = (x[start - 1], x[end]);
-                let off = (value - before).abs().min((value - after).abs());
+                let off = (equal[0] - before).abs().min((equal[0] - after).abs());
                 if off > self.far && (after - before).abs() < off {
-                    found.push(start..end);
+                    odd.push((OddKind::DropOut, start..end));
                 }
             }
-            start = end.max(start + 1);
+            if equal.len() > longest.len() {
+                longest = start..end;
+            }
+            start = end;
         }
-        found
+        odd.push((OddKind::Still, longest));
+        odd
     }
-}
-
-/// The longest stretch of equal values, the first of several.
-pub(super) fn longest_still(x: &[f64]) -> Range<usize> {
-    let (mut longest, mut start) = (0..0, 0);
-    for stretch in x.chunk_by(|a, b| a == b) {
-        let end = start + stretch.len();
-        if stretch.len() > longest.len() {
-            longest = start..end;
-        }
-        start = end;
-    }
-    longest
 }
 
 /// Details of Haar's wavelet, octave by octave: differences of neighbouring means, so that white
@@ -192,7 +220,8 @@ mod tests {
         };
         let noise: Vec<f64> = (0..16_384).map(|_| draw()).collect();
         let expected = 1.0;
-        let plain = Profile::of(std::iter::once(noise.as_slice()), 500.0);
+        let of = |x: &[f64]| Profile::of(x, std::slice::from_ref(&(0..x.len())), 500.0).0;
+        let plain = of(&noise);
         assert_eq!(plain.octaves.len(), 8);
         for (k, octave) in plain.octaves.iter().enumerate() {
             // Of n details the deviation is known to (2 n)^-1/2; four of these.
@@ -208,7 +237,7 @@ mod tests {
         // The last of 101 equal values is a hundred rows after the first.
         let mut coarse: Vec<f64> = noise.iter().map(|x| (x * 0.5).round() * 0.25).collect();
         coarse[1000..1101].fill(5.0);
-        let coarse = Profile::of(std::iter::once(coarse.as_slice()), 500.0);
+        let coarse = of(&coarse);
         assert_eq!(coarse.quantum, Some(0.25));
         assert!((coarse.longest_still_s - 100.0 / 500.0).abs() < 1e-12);
         let mut leaping: Vec<f64> = (0..2000)
@@ -217,9 +246,6 @@ mod tests {
         for at in [300, 900, 1500] {
             leaping[at] += 1.0;
         }
-        assert_eq!(
-            Profile::of(std::iter::once(leaping.as_slice()), 500.0).leaps,
-            3
-        );
+        assert_eq!(of(&leaping).leaps, 3);
     }
 }

@@ -4,23 +4,24 @@ use std::f64::consts::PI;
 
 use crate::column::Sensor::{self, Ax, Ay, Az, PitchRate, RollRate, RollSplit};
 use crate::column::Sensor::{Slip, Speed, Steering, YawRate};
-use crate::fault::FaultKind;
+use crate::fault::{Fault, FaultKind};
 use crate::friction::GRAVITY;
 use crate::record::check::rigid_body::Slow;
+use crate::record::run::Run;
 
 /// A unit in words, as a mapping states it, and its factor to the column's.
-type Unit = (&'static str, &'static str, f64);
+pub(super) type Unit = (&'static str, &'static str, f64);
 
-const G: Unit = ("multiples of g", "g", GRAVITY);
-const DEGREES: Unit = ("degrees", "deg", PI / 180.0);
-const DEGREES_PER_SECOND: Unit = ("degrees per second", "deg/s", PI / 180.0);
-const KM_PER_HOUR: Unit = ("km/h", "km/h", 1.0 / 3.6);
+pub(super) const G: Unit = ("multiples of g", "g", GRAVITY);
+pub(super) const DEGREES: Unit = ("degrees", "deg", PI / 180.0);
+pub(super) const DEGREES_PER_SECOND: Unit = ("degrees per second", "deg/s", PI / 180.0);
+pub(super) const KM_PER_HOUR: Unit = ("km/h", "km/h", 1.0 / 3.6);
 const MILES_PER_HOUR: Unit = ("miles per hour", "mph", 0.447_04);
 const KNOTS: Unit = ("knots", "kn", 1852.0 / 3600.0);
 
-/// How channels are mended.
+/// What is wrong with channels, by what mends it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Act {
+pub(super) enum Mend {
     /// Converted from a unit.
     Convert(Unit),
     /// With the other sign.
@@ -31,87 +32,133 @@ enum Act {
     Weigh,
     /// The clock, from milliseconds.
     Clock,
+    /// From another source: one value throughout.
+    Replace,
+    /// With its own clock at this rate [Hz]: each value is repeated over so many rows.
+    OwnClock(f64, usize),
+    /// A distance converted from a unit, or turned round where its factor is negative.
+    Distance(Unit),
+    /// Turned by roll, pitch and yaw [rad].
+    Rotate([f64; 3]),
+}
+
+impl Fault {
+    /// A fault of a run that is proved.
+    pub(super) fn proven(run: &Run, columns: &[&str], mend: Mend, evidence: String) -> Fault {
+        let all = columns.join(", ");
+        let values;
+        let (kind, looks_like, line) = match mend {
+            Mend::Convert((unit, key, _)) => {
+                (FaultKind::Unit, unit, format!("unit = \"{key}\" for {all}"))
+            }
+            Mend::Negate => {
+                let line = format!("sign = -1 for {all}");
+                (FaultKind::Sign, "the other sign", line)
+            }
+            Mend::Swap => {
+                let line = format!("exchange the names of {}", columns.join(" and "));
+                (FaultKind::Swapped, "one another", line)
+            }
+            Mend::Weigh => {
+                let line = format!("zero = -9.81 for {all}");
+                (FaultKind::Gravity, "an acceleration without gravity", line)
+            }
+            Mend::Clock => {
+                let line = "unit = \"ms\" for the clock".to_owned();
+                (FaultKind::Clock, "milliseconds", line)
+            }
+            Mend::Replace => {
+                let line = format!("another source for {all}: this one does not measure");
+                (FaultKind::Constant, "one value throughout", line)
+            }
+            Mend::OwnClock(rate, rows) => {
+                values = format!("values of {rate:.4} Hz, each repeated over {rows} rows");
+                let clock = format!("its own clock ({rate:.4} Hz)");
+                let line = format!("import {all} from its own logger with {clock}");
+                (FaultKind::Held, values.as_str(), line)
+            }
+            Mend::Distance((unit, key, factor)) => {
+                let line = match factor < 0.0 {
+                    true => format!("sign = -1 for {all}"),
+                    false => format!("unit = \"{key}\" for {all}"),
+                };
+                (FaultKind::Distance, unit, line)
+            }
+            Mend::Rotate([roll, pitch, yaw]) => {
+                let angles = format!("[{roll:.4}, {pitch:.4}, {yaw:.4}]");
+                let line = format!("rotation = {angles} in [logger.NAME] of these channels");
+                (
+                    FaultKind::Rotation,
+                    "the axes of a box that is turned",
+                    line,
+                )
+            }
+        };
+        Fault {
+            run: run.entry.run.clone(),
+            file: run.entry.file.display().to_string(),
+            columns: columns.iter().map(ToString::to_string).collect(),
+            kind,
+            proven: true,
+            looks_like: looks_like.to_owned(),
+            evidence,
+            mend: line,
+        }
+    }
 }
 
 /// One possible fault, undone: the channels and what is done to them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Remedy(pub &'static [Sensor], Act);
+pub(super) struct Remedy(pub &'static [Sensor], pub Mend);
 
 /// All remedies that are tried, the likelier of two that fit equally first.
 pub(super) static REMEDIES: [Remedy; 30] = [
-    Remedy(&[Ax], Act::Convert(G)),
-    Remedy(&[Ay], Act::Convert(G)),
-    Remedy(&[Az], Act::Convert(G)),
-    Remedy(&[Ax, Ay], Act::Convert(G)),
-    Remedy(&[Ax, Ay, Az], Act::Convert(G)),
-    Remedy(&[RollRate], Act::Convert(DEGREES_PER_SECOND)),
-    Remedy(&[PitchRate], Act::Convert(DEGREES_PER_SECOND)),
-    Remedy(&[YawRate], Act::Convert(DEGREES_PER_SECOND)),
-    Remedy(&Sensor::GYROSCOPE, Act::Convert(DEGREES_PER_SECOND)),
-    Remedy(&[Speed], Act::Convert(KM_PER_HOUR)),
-    Remedy(&[Speed], Act::Convert(MILES_PER_HOUR)),
-    Remedy(&[Speed], Act::Convert(KNOTS)),
-    Remedy(&[Slip], Act::Convert(DEGREES)),
-    Remedy(&[Ax], Act::Negate),
-    Remedy(&[Ay], Act::Negate),
-    Remedy(&[Az], Act::Negate),
-    Remedy(&[RollRate], Act::Negate),
-    Remedy(&[PitchRate], Act::Negate),
-    Remedy(&[YawRate], Act::Negate),
-    Remedy(&[Slip], Act::Negate),
-    Remedy(&[Ax, Ay], Act::Swap),
-    Remedy(&[Ax, Az], Act::Swap),
-    Remedy(&[Ay, Az], Act::Swap),
-    Remedy(&[RollRate, PitchRate], Act::Swap),
-    Remedy(&[RollRate, YawRate], Act::Swap),
-    Remedy(&[PitchRate, YawRate], Act::Swap),
-    Remedy(&[Slip, Steering], Act::Swap),
-    Remedy(&[Slip, RollSplit], Act::Swap),
-    Remedy(&[Az], Act::Weigh),
-    Remedy(&[], Act::Clock),
+    Remedy(&[Ax], Mend::Convert(G)),
+    Remedy(&[Ay], Mend::Convert(G)),
+    Remedy(&[Az], Mend::Convert(G)),
+    Remedy(&[Ax, Ay], Mend::Convert(G)),
+    Remedy(&[Ax, Ay, Az], Mend::Convert(G)),
+    Remedy(&[RollRate], Mend::Convert(DEGREES_PER_SECOND)),
+    Remedy(&[PitchRate], Mend::Convert(DEGREES_PER_SECOND)),
+    Remedy(&[YawRate], Mend::Convert(DEGREES_PER_SECOND)),
+    Remedy(&Sensor::GYROSCOPE, Mend::Convert(DEGREES_PER_SECOND)),
+    Remedy(&[Speed], Mend::Convert(KM_PER_HOUR)),
+    Remedy(&[Speed], Mend::Convert(MILES_PER_HOUR)),
+    Remedy(&[Speed], Mend::Convert(KNOTS)),
+    Remedy(&[Slip], Mend::Convert(DEGREES)),
+    Remedy(&[Ax], Mend::Negate),
+    Remedy(&[Ay], Mend::Negate),
+    Remedy(&[Az], Mend::Negate),
+    Remedy(&[RollRate], Mend::Negate),
+    Remedy(&[PitchRate], Mend::Negate),
+    Remedy(&[YawRate], Mend::Negate),
+    Remedy(&[Slip], Mend::Negate),
+    Remedy(&[Ax, Ay], Mend::Swap),
+    Remedy(&[Ax, Az], Mend::Swap),
+    Remedy(&[Ay, Az], Mend::Swap),
+    Remedy(&[RollRate, PitchRate], Mend::Swap),
+    Remedy(&[RollRate, YawRate], Mend::Swap),
+    Remedy(&[PitchRate, YawRate], Mend::Swap),
+    Remedy(&[Slip, Steering], Mend::Swap),
+    Remedy(&[Slip, RollSplit], Mend::Swap),
+    Remedy(&[Az], Mend::Weigh),
+    Remedy(&[], Mend::Clock),
 ];
 
 impl Remedy {
     /// Names of the channels.
     pub fn columns(&self) -> Vec<&'static str> {
         match self.1 {
-            Act::Clock => vec!["t_s"],
+            Mend::Clock => vec!["t_s"],
             _ => self.0.iter().map(|sensor| sensor.name()).collect(),
-        }
-    }
-
-    /// What is wrong, what the channels resemble, and what to write in the mapping.
-    pub fn describe(&self) -> (FaultKind, &'static str, String) {
-        let names = |between: &str| self.columns().join(between);
-        match self.1 {
-            Act::Convert((looks_like, unit, _)) => {
-                let line = format!("unit = \"{unit}\" for {}", names(", "));
-                (FaultKind::Unit, looks_like, line)
-            }
-            Act::Negate => {
-                let line = format!("sign = -1 for {}", names(", "));
-                (FaultKind::Sign, "the other sign", line)
-            }
-            Act::Swap => {
-                let line = format!("exchange the names of {}", names(" and "));
-                (FaultKind::Swapped, "one another", line)
-            }
-            Act::Weigh => {
-                let line = "zero = -9.81 for az_mps2".to_string();
-                (FaultKind::Gravity, "an acceleration without gravity", line)
-            }
-            Act::Clock => {
-                let line = "unit = \"ms\" for the clock".to_string();
-                (FaultKind::Clock, "milliseconds", line)
-            }
         }
     }
 
     /// The factor on its channels, where it is one.
     pub fn factor(&self) -> Option<f64> {
         match self.1 {
-            Act::Convert((.., factor)) => Some(factor),
-            Act::Negate => Some(-1.0),
+            Mend::Convert((.., factor)) => Some(factor),
+            Mend::Negate => Some(-1.0),
             _ => None,
         }
     }
@@ -125,9 +172,9 @@ impl Remedy {
     pub fn applied(&self, slow: &Slow) -> Slow {
         let mut mended = slow.clone();
         match self.1 {
-            Act::Swap => mended.channels.swap(self.0[0] as usize, self.0[1] as usize),
-            Act::Clock => mended.dt_s *= 1e-3,
-            Act::Convert(_) | Act::Negate | Act::Weigh => {
+            Mend::Swap => mended.channels.swap(self.0[0] as usize, self.0[1] as usize),
+            Mend::Clock => mended.dt_s *= 1e-3,
+            _ => {
                 let (factor, added) = match self.factor() {
                     Some(factor) => (factor, 0.0),
                     None => (1.0, GRAVITY),

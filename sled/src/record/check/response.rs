@@ -10,57 +10,62 @@
 //! leaving out a twentieth of the run at a time.
 
 use crate::column::Sensor;
-use crate::fault::{Fault, FaultKind};
+use crate::fault::Fault;
 use crate::record::check::judge::RelationRules;
+use crate::record::check::remedies::{G, Mend};
 use crate::record::check::rigid_body::{Coefficient, Slow, coefficients};
 use crate::record::run::Run;
+use crate::series::{median, root_mean_square};
 
 /// Density of the air [kg/m3], as accurate as these judgements need it.
 const AIR: f64 = 1.2;
 
+/// A channel that a sled responds to, its place among slip, turning, steering and roll split, the
+/// sign of its coefficient where the channel is right, and what responds.
+type Response = (Sensor, usize, f64, &'static str);
+
+const RESPONSES: [Response; 3] = [
+    (Sensor::Slip, 0, 1.0, "acceleration sideways"),
+    (Sensor::Steering, 2, 1.0, "yaw acceleration"),
+    (Sensor::RollSplit, 3, -1.0, "yaw acceleration"),
+];
+
 /// Faults by the response of these runs to steering, roll split and air; the slow parts are mended
 /// already.
-pub(super) fn response_faults(runs: &[(&Run, Slow)], rules: &RelationRules) -> Vec<Fault> {
+pub(super) fn response_faults(runs: &[(&Run, &Slow)], rules: &RelationRules) -> Vec<Fault> {
     let mut faults = Vec::new();
-    let mut reverse = |run: &Run, name: &str, evidence: String| {
-        let (kind, mend) = (FaultKind::Sign, format!("sign = -1 for {name}"));
-        let fault = Fault::proven(run, &[name], kind, "the other sign", evidence, mend);
+    let mut suspect = |run: &Run, sensor: Sensor, mend: Mend, evidence: String| {
+        let fault = Fault::proven(run, &[sensor.name()], mend, evidence);
         faults.push(fault.proven_if(false));
     };
-    for (input, place, sign) in RESPONSES {
+    for (input, place, sign, output) in RESPONSES {
         let found = runs
             .iter()
             .map(|(_, slow)| response(slow, input, place, sign));
-        let (what, unit) = match input {
-            Sensor::Slip => ("the acceleration sideways", "m/s2"),
-            _ => ("the yaw acceleration", "1/s2"),
+        let unit = if input == Sensor::Slip {
+            "m/s2"
+        } else {
+            "1/s2"
         };
         for (run, (c, error)) in wrong_way(runs, &found.collect::<Vec<_>>(), rules) {
             let c = sign * c;
             let evidence = format!(
-                "{what} responds with {c:.1} +- {error:.1} {unit}, good runs with the other sign"
+                "the {output} responds with {c:.1} +- {error:.1} {unit}, good runs with the other sign"
             );
-            reverse(run, input.name(), evidence);
+            suspect(run, input, Mend::Negate, evidence);
         }
     }
-    let braking = runs.iter().map(|(_, slow)| braking(slow, rules));
-    let braking: Vec<Option<Coefficient>> = braking.collect();
-    let drag = |c: f64, error: f64| {
+    let braking: Vec<_> = runs.iter().map(|(_, slow)| braking(slow, rules)).collect();
+    let drag = |(c, error): Coefficient| {
         format!("air brakes with c_d A/m = {c:.1e} +- {error:.1e} m2/kg, a bobsled with 7e-4")
     };
-    for (run, (c, error)) in wrong_way(runs, &braking, rules) {
-        reverse(run, Sensor::Ax.name(), drag(c, error));
+    for (run, found) in wrong_way(runs, &braking, rules) {
+        suspect(run, Sensor::Ax, Mend::Negate, drag(found));
     }
     for ((run, _), found) in runs.iter().zip(&braking) {
-        if let Some((c, error)) = *found
-            && c > 0.0
-            && c + 4.0 * error < rules.least_drag
-        {
-            let (kind, name) = (FaultKind::Unit, Sensor::Ax.name());
-            let mend = format!("unit = \"g\" for {name}");
-            let evidence = drag(c, error);
-            let fault = Fault::proven(run, &[name], kind, "multiples of g", evidence, mend);
-            faults.push(fault.proven_if(false));
+        let weak = |(c, error): &Coefficient| *c > 0.0 && c + 4.0 * error < rules.least_drag;
+        if let Some(found) = found.filter(weak) {
+            suspect(run, Sensor::Ax, Mend::Convert(G), drag(found));
         }
     }
     faults
@@ -72,7 +77,7 @@ pub(super) fn response_faults(runs: &[(&Run, Slow)], rules: &RelationRules) -> V
 /// By itself a run must respond as strongly as others do: a run that hits walls responds to them, a
 /// little and either way.
 fn wrong_way<'a>(
-    runs: &[(&'a Run, Slow)],
+    runs: &[(&'a Run, &Slow)],
     each: &[Option<Coefficient>],
     rules: &RelationRules,
 ) -> Vec<(&'a Run, Coefficient)> {
@@ -81,24 +86,13 @@ fn wrong_way<'a>(
     let t = known().map(|(c, error)| c / error.powi(2)).sum::<f64>() / weights.sqrt().max(1e-300);
     let below = known().filter(|(c, _)| *c < 0.0).count();
     let all = t < -rules.least_t && below as f64 >= rules.agree * known().count() as f64;
-    let mut sizes: Vec<f64> = known().map(|(c, _)| c.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    let strong = rules.alike * sizes.get(sizes.len() / 2).unwrap_or(&0.0);
+    let strong = rules.alike * median(known().map(|(c, _)| c.abs())).unwrap_or(0.0);
     let wrong =
         |(c, error): &Coefficient| *c < -strong && *c < -rules.least_t * error || (all && *c < 0.0);
-    runs.iter()
-        .zip(each)
-        .filter_map(|((run, _), found)| Some((*run, found.filter(wrong)?)))
-        .collect()
+    let pairs = runs.iter().zip(each);
+    let wrong = pairs.filter_map(|((run, _), found)| Some((*run, found.filter(wrong)?)));
+    wrong.collect()
 }
-
-/// The channels that a sled responds to, their place among slip, turning, steering and roll split,
-/// and the sign of the coefficient.
-const RESPONSES: [(Sensor, usize, f64); 3] = [
-    (Sensor::Slip, 0, 1.0),
-    (Sensor::Steering, 2, 1.0),
-    (Sensor::RollSplit, 3, -1.0),
-];
 
 /// The coefficient times its sign: positive where the channel is right; `None` where one of the
 /// channels is not recorded. To slip the lateral acceleration responds, to the others the yaw
@@ -110,21 +104,18 @@ fn response(slow: &Slow, input: Sensor, place: usize, sign: f64) -> Option<Coeff
     };
     let (yaw, v) = (channel(Sensor::YawRate)?, channel(Sensor::Speed)?);
     let turn: Vec<f64> = yaw.iter().zip(v).map(|(r, v)| r / v).collect();
+    let (slip, steering) = (channel(Sensor::Slip)?, channel(Sensor::Steering)?);
     // Drivers turn the front part as they steer: without the roll split its share would be
     // attributed to the steering.
-    let columns: [&[f64]; 4] = [
-        channel(Sensor::Slip)?,
-        &turn,
-        channel(Sensor::Steering)?,
-        channel(Sensor::RollSplit)?,
-    ];
-    let output = |i: usize| match input {
-        Sensor::Slip => Some(slow[Sensor::Ay].as_ref()?[i]),
-        _ => Some((yaw[i + 1] - yaw[i - 1]) / (2.0 * slow.dt_s)),
+    let columns = [slip, &turn, steering, channel(Sensor::RollSplit)?];
+    let output = match input {
+        Sensor::Slip => slow[Sensor::Ay].clone()?,
+        _ => slow.rate(yaw),
     };
-    let inner = slow.pieces.iter().flat_map(|p| p.start + 1..p.end - 1);
-    let rows: Option<Vec<(usize, f64)>> = inner.map(|i| Some((i, output(i)?))).collect();
-    let (c, error) = *coefficients(&columns, &rows?)?.get(place)?;
+    let inner = |x: &Vec<f64>| slow.inner(1).map(|i| x[i]).collect::<Vec<f64>>();
+    let columns = columns.map(inner);
+    let columns = columns.each_ref().map(Vec::as_slice);
+    let (c, error) = *coefficients(&columns, &inner(&output))?.get(place)?;
     Some((sign * c, error))
 }
 
@@ -132,13 +123,12 @@ fn response(slow: &Slow, input: Sensor, place: usize, sign: f64) -> Option<Coeff
 fn braking(slow: &Slow, rules: &RelationRules) -> Option<Coefficient> {
     let (ax, v) = (slow[Sensor::Ax].as_ref()?, slow[Sensor::Speed].as_ref()?);
     let mean = ax.iter().sum::<f64>() / ax.len() as f64;
-    let spread = ax.iter().map(|a| (a - mean).powi(2)).sum::<f64>() / ax.len() as f64;
-    if spread.sqrt() > rules.free {
+    if root_mean_square(ax.iter().map(|a| a - mean)) > rules.free {
         return None;
     }
     let pressure: Vec<f64> = v.iter().map(|v| 0.5 * AIR * v * v).collect();
     let mut columns: Vec<&[f64]> = vec![&pressure];
     columns.extend(slow[Sensor::Az].as_deref());
-    let rows: Vec<(usize, f64)> = ax.iter().map(|a| -a).enumerate().collect();
-    coefficients(&columns, &rows)?.first().copied()
+    let brakes: Vec<f64> = ax.iter().map(|a| -a).collect();
+    coefficients(&columns, &brakes)?.first().copied()
 }

@@ -12,12 +12,14 @@
 //! accelerometer 0.37 m off) it is below 0.1, 0.03 and 0.01 for x, y and z, in the real car's 0.06
 //! and 0.05 for x and y.
 
-use std::ops::{Index, IndexMut, Range};
+use std::borrow::Cow;
+use std::ops::{Div, Index, IndexMut, Range, Sub};
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::column::{COLUMNS, SENSORS, Sensor};
 use crate::friction::GRAVITY;
+use crate::motion::state::lever_acceleration;
 use crate::record::run::Run;
 use crate::series::median;
 
@@ -42,7 +44,7 @@ struct Instant {
     /// Terms of each, that of its own accelerometer first [m/s3].
     terms: [[f64; 5]; 3],
     /// Specific force less the acceleration of the motion [m/s2].
-    lift: [f64; 3],
+    lift: Vector3<f64>,
 }
 
 impl Instant {
@@ -54,71 +56,52 @@ impl Instant {
 /// The relations at every instant of a run; a channel that is not recorded counts as 0, the
 /// vertical accelerometer as gravity.
 fn instants(slow: &Slow) -> Vec<Instant> {
-    let n = slow.len();
-    let channel = |sensor: Sensor, absent: f64| match &slow[sensor] {
-        Some(x) => x.clone(),
-        None => vec![absent; n],
+    let force = slow.vectors(Sensor::ACCELEROMETER, [0.0, 0.0, GRAVITY]);
+    let turn = slow.vectors(Sensor::GYROSCOPE, [0.0; 3]);
+    let motion = [Sensor::Speed, Sensor::Slip].map(|sensor| slow.channel(sensor, 0.0));
+    let pairs = motion[0].iter().zip(motion[1].iter());
+    let velocity = pairs.map(|(v, alpha)| Vector3::new(v * alpha.cos(), -v * alpha.sin(), 0.0));
+    let velocity: Vec<Vector3<f64>> = velocity.collect();
+    let growth = slow.rate(&velocity);
+    // dv/dt + w x v, of which each axis has two terms.
+    let of_motion = |i: usize| {
+        let (w, v, growth) = (turn[i], velocity[i], growth[i]);
+        let first = Vector3::new(growth.x, growth.y, -w.y * v.x);
+        (first, Vector3::new(-w.z * v.y, w.z * v.x, w.x * v.y))
     };
-    let a = [
-        channel(Sensor::Ax, 0.0),
-        channel(Sensor::Ay, 0.0),
-        channel(Sensor::Az, GRAVITY),
-    ];
-    let [p, q, r] = Sensor::GYROSCOPE.map(|sensor| channel(sensor, 0.0));
-    let (v, alpha) = (channel(Sensor::Speed, 0.0), channel(Sensor::Slip, 0.0));
-    let ahead: Vec<f64> = (0..n).map(|i| v[i] * alpha[i].cos()).collect();
-    let aside: Vec<f64> = (0..n).map(|i| -v[i] * alpha[i].sin()).collect();
-    // w x v, along the axes.
-    let turned = |sign: f64, w: &[f64], v: &[f64]| -> Vec<f64> {
-        w.iter().zip(v).map(|(w, v)| sign * w * v).collect()
-    };
-    // Accelerations of the motion, in parts.
-    let parts = [
-        [slow.rate(&ahead), turned(-1.0, &r, &aside)],
-        [slow.rate(&aside), turned(1.0, &r, &ahead)],
-        [turned(-1.0, &q, &ahead), turned(1.0, &p, &aside)],
-    ];
-    let lift: [Vec<f64>; 3] = std::array::from_fn(|axis| {
-        let [one, two] = &parts[axis];
-        (0..n).map(|i| a[axis][i] - one[i] - two[i]).collect()
-    });
-    let own = a.each_ref().map(|x| slow.rate(x));
-    let parts = parts.map(|pair| pair.map(|part| slow.rate(&part)));
-    let (w, u) = ([&p, &q, &r], &lift);
-    let inner = |piece: &Range<usize>| piece.start + 2..piece.end.saturating_sub(2);
-    let inner = slow.pieces.iter().flat_map(inner);
-    let instant = |i: usize| Instant {
-        terms: std::array::from_fn(|axis| {
+    let (first, second): (Vec<_>, Vec<_>) = (0..slow.len()).map(of_motion).unzip();
+    let lift = |i: usize| force[i] - first[i] - second[i];
+    let rates = [&force, &first, &second].map(|x| slow.rate(x));
+    let instant = |i: usize| {
+        let (w, u) = (turn[i], lift(i));
+        let [own, first, second] = [0, 1, 2].map(|part: usize| rates[part][i]);
+        let terms = |axis: usize| {
             let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
-            [
-                own[axis][i],
-                -parts[axis][0][i],
-                -parts[axis][1][i],
-                w[j][i] * u[k][i],
-                -w[k][i] * u[j][i],
-            ]
-        }),
-        lift: [u[0][i], u[1][i], u[2][i]],
+            let turned = [w[j] * u[k], -w[k] * u[j]];
+            [own[axis], -first[axis], -second[axis], turned[0], turned[1]]
+        };
+        Instant {
+            terms: [0, 1, 2].map(terms),
+            lift: u,
+        }
     };
-    inner.map(instant).collect()
+    slow.inner(2).map(instant).collect()
 }
 
 /// The factor on an accelerometer's axis with which its relation is satisfied, with its standard
 /// error.
 pub(super) fn factor(slow: &Slow, axis: usize) -> Option<Coefficient> {
     slow.channels[axis].as_ref()?;
-    let all = instants(slow);
-    let own: Vec<f64> = all.iter().map(|at| at.terms[axis][0]).collect();
-    let rest = |at: &Instant| -at.terms[axis][1..].iter().sum::<f64>();
-    let rows: Vec<(usize, f64)> = all.iter().map(rest).enumerate().collect();
-    coefficients(&[&own], &rows)?.first().copied()
+    let terms = instants(slow).into_iter().map(|at| at.terms[axis]);
+    let pairs = terms.map(|[own, rest @ ..]| (own, -rest.iter().sum::<f64>()));
+    let (own, rest): (Vec<f64>, Vec<f64>) = pairs.unzip();
+    coefficients(&[&own], &rest)?.first().copied()
 }
 
 impl Agreement {
     /// Of the slow channels of a run.
     pub fn of(slow: &Slow) -> Agreement {
         let all = instants(slow);
-        let size = |at: &Instant| at.lift.iter().map(|u| u * u).sum::<f64>().sqrt();
         let weighed = slow[Sensor::Az].is_some();
         let turns = slow[Sensor::RollRate].is_some() || slow[Sensor::PitchRate].is_some();
         let [along, across] = [Sensor::Ax, Sensor::Ay].map(|sensor| slow[sensor].is_some());
@@ -131,7 +114,7 @@ impl Agreement {
         };
         Agreement {
             residual: [0, 1, 2].map(residual),
-            lift: median(all.iter().map(size)).filter(|_| weighed),
+            lift: median(all.iter().map(|at| at.lift.norm())).filter(|_| weighed),
         }
     }
 
@@ -189,9 +172,33 @@ impl Slow {
         self.pieces.last().map_or(0, |piece| piece.end)
     }
 
-    /// Rate of a slow channel, stretch by stretch.
-    pub fn rate(&self, x: &[f64]) -> Vec<f64> {
-        let mut rates = vec![0.0; x.len()];
+    /// A channel, `absent` throughout where it is not recorded.
+    fn channel(&self, sensor: Sensor, absent: f64) -> Cow<'_, [f64]> {
+        match &self[sensor] {
+            Some(x) => x.into(),
+            None => vec![absent; self.len()].into(),
+        }
+    }
+
+    /// A vector at every sample by the sensors of its axes.
+    pub fn vectors(&self, axes: [Sensor; 3], absent: [f64; 3]) -> Vec<Vector3<f64>> {
+        let axes: [_; 3] = std::array::from_fn(|axis| self.channel(axes[axis], absent[axis]));
+        let vector = |i: usize| Vector3::from_fn(|axis, _| axes[axis][i]);
+        (0..self.len()).map(vector).collect()
+    }
+
+    /// Samples that are so many or more from the ends of their stretch.
+    pub fn inner(&self, margin: usize) -> impl Iterator<Item = usize> {
+        let pieces = self.pieces.iter();
+        pieces.flat_map(move |piece| piece.start + margin..piece.end.saturating_sub(margin))
+    }
+
+    /// Rate of slow numbers or vectors, stretch by stretch.
+    pub fn rate<T>(&self, x: &[T]) -> Vec<T>
+    where
+        T: Copy + Default + Sub<Output = T> + Div<f64, Output = T>,
+    {
+        let mut rates = vec![T::default(); x.len()];
         for piece in &self.pieces {
             for i in piece.clone() {
                 let (before, after) = (i.max(piece.start + 1) - 1, (i + 1).min(piece.end - 1));
@@ -248,19 +255,19 @@ impl Slow {
 /// A coefficient and its standard error.
 pub(super) type Coefficient = (f64, f64);
 
-/// Coefficients of columns and a constant, with errors by leaving out a twentieth at a time; `rows`
-/// are places in the columns and values. `None` where the columns do not determine them.
-pub(super) fn coefficients(columns: &[&[f64]], rows: &[(usize, f64)]) -> Option<Vec<Coefficient>> {
+/// Coefficients of columns and a constant for these values, with errors by leaving out a twentieth
+/// at a time; `None` where the columns do not determine them.
+pub(super) fn coefficients(columns: &[&[f64]], values: &[f64]) -> Option<Vec<Coefficient>> {
     const BLOCKS: usize = 20;
     let width = columns.len() + 1;
     let largest = |x: &&[f64]| x.iter().fold(1e-300_f64, |most, y| most.max(y.abs()));
     let scale: Vec<f64> = columns.iter().map(largest).collect();
     let empty = (DMatrix::zeros(width, width), DVector::zeros(width));
     let mut blocks = vec![empty.clone(); BLOCKS];
-    for (k, (i, y)) in rows.iter().enumerate() {
-        let own = columns.iter().zip(&scale).map(|(x, scale)| x[*i] / scale);
+    for (i, y) in values.iter().enumerate() {
+        let own = columns.iter().zip(&scale).map(|(x, scale)| x[i] / scale);
         let x = DVector::from_iterator(width, own.chain([1.0]));
-        let block = &mut blocks[k * BLOCKS / rows.len()];
+        let block = &mut blocks[i * BLOCKS / values.len()];
         block.0 += &x * x.transpose();
         block.1 += &x * *y;
     }
@@ -307,54 +314,40 @@ pub(super) fn delays(slow: &Slow) -> [Option<Coefficient>; 8] {
     };
     let mut places: Vec<Vec<f64>> = (0..3).map(|axis| change(&displaced(slow, axis))).collect();
     let mut ahead = slow.clone();
-    if let (Some(alpha), Some(yaw), Some(v)) = (
-        &mut ahead[Sensor::Slip],
-        &slow[Sensor::YawRate],
-        &slow[Sensor::Speed],
-    ) {
+    let sensors = [Sensor::YawRate, Sensor::Speed].map(|sensor| slow[sensor].as_ref());
+    if let (Some(alpha), [Some(yaw), Some(v)]) = (&mut ahead[Sensor::Slip], sensors) {
         for (alpha, (r, v)) in alpha.iter_mut().zip(yaw.iter().zip(v)) {
             *alpha -= r / v;
         }
     }
     places.push(change(&ahead));
     places.retain(|place| place.iter().any(|x| *x != 0.0));
+    let off: Vec<f64> = now.iter().map(|x| -x).collect();
     std::array::from_fn(|c| {
         if c == Sensor::Ay as usize && slow[Sensor::Slip].is_none() {
             return None;
         }
-        let x = slow.channels[c].as_ref()?;
         let mut later = slow.clone();
-        let rates = slow.rate(x);
+        let rates = slow.rate(slow.channels[c].as_ref()?);
         for (x, rate) in later.channels[c].as_mut()?.iter_mut().zip(rates) {
             *x += STEP_S * rate;
         }
         let change = change(&later);
         let columns = std::iter::once(&change).chain(&places);
         let columns: Vec<&[f64]> = columns.map(Vec::as_slice).collect();
-        let rows: Vec<(usize, f64)> = now.iter().map(|x| -x).enumerate().collect();
-        let (steps, error) = *coefficients(&columns, &rows)?.first()?;
+        let (steps, error) = *coefficients(&columns, &off)?.first()?;
         Some((STEP_S * steps, STEP_S * error))
     })
 }
 
-/// The readings of the accelerometer a metre further along an axis: `dw/dt x e + w x (w x e)` more.
+/// The readings of the accelerometer a metre further along an axis.
 fn displaced(slow: &Slow, axis: usize) -> Slow {
     let mut moved = slow.clone();
-    let still = vec![0.0; slow.len()];
-    let w = Sensor::GYROSCOPE.map(|sensor| slow[sensor].as_ref().unwrap_or(&still));
-    let turning = w.map(|w| slow.rate(w));
-    let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
-    for i in 0..slow.len() {
-        // dw/dt x e has components along the other two axes, w x (w x e) along all:
-        // w_axis w - |w|^2 e.
-        let mut more = [0.0; 3];
-        more[j] += turning[k][i];
-        more[k] -= turning[j][i];
-        let size: f64 = w.iter().map(|w| w[i] * w[i]).sum();
-        for (to, own) in more.iter_mut().zip(w) {
-            *to += w[axis][i] * own[i];
-        }
-        more[axis] -= size;
+    let rates = slow.vectors(Sensor::GYROSCOPE, [0.0; 3]);
+    let turning = slow.rate(&rates);
+    let place = Vector3::from_fn(|k, _| if k == axis { 1.0 } else { 0.0 });
+    for (i, (w, dw)) in rates.into_iter().zip(turning).enumerate() {
+        let more = lever_acceleration(w.into(), dw.into(), place.into());
         for (channel, more) in moved.channels[..3].iter_mut().zip(more) {
             if let Some(a) = channel {
                 a[i] += more;

@@ -18,8 +18,9 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::column::Sensor;
-use crate::fault::{Fault, FaultKind};
+use crate::fault::Fault;
 use crate::record::check::judge::{RelationRules, evidence};
+use crate::record::check::remedies::Mend;
 use crate::record::check::rigid_body::{Agreement, Slow, coefficients};
 use crate::record::run::Run;
 
@@ -93,8 +94,7 @@ impl BoxRotation {
     pub fn applied(&self, slow: &Slow) -> Slow {
         let mut turned = slow.clone();
         for axes in [Sensor::ACCELEROMETER, Sensor::GYROSCOPE] {
-            for i in 0..slow.len() {
-                let own = Vector3::from_fn(|axis, _| value(slow, axes[axis], i));
+            for (i, own) in slow.vectors(axes, [0.0; 3]).iter().enumerate() {
                 let sled = self.rotation * own;
                 for (sensor, x) in axes.iter().zip(&sled) {
                     if let Some(values) = &mut turned[*sensor] {
@@ -110,8 +110,8 @@ impl BoxRotation {
     pub fn fault(&self, run: &Run, before: &Slow, after: &Slow) -> Fault {
         let names = Sensor::ACCELEROMETER.iter().chain(&Sensor::GYROSCOPE);
         let names: Vec<&str> = names.map(|sensor| sensor.name()).collect();
-        let (roll, pitch, yaw) = self.rotation.euler_angles();
-        let [roll, pitch, yaw] = [roll, pitch, yaw].map(|angle| {
+        let angles: [f64; 3] = self.rotation.euler_angles().into();
+        let angles = angles.map(|angle| {
             let quarter = (angle / FRAC_PI_2).round() * FRAC_PI_2;
             let is_quarter = (angle - quarter).abs() < QUARTER_TURN;
             // Not -0.
@@ -129,12 +129,8 @@ impl BoxRotation {
             axis(2),
             evidence(&Agreement::of(before), &Agreement::of(after))
         );
-        let mend = format!(
-            "rotation = [{roll:.4}, {pitch:.4}, {yaw:.4}] in [logger.NAME] of these channels"
-        );
-        let looks_like = "the axes of a box that is turned";
-        Fault::proven(run, &names, FaultKind::Rotation, looks_like, evidence, mend)
-            .proven_if(self.proven)
+        let fault = Fault::proven(run, &names, Mend::Rotate(angles), evidence);
+        fault.proven_if(self.proven)
     }
 }
 
@@ -145,57 +141,39 @@ pub(super) fn is_complete(slow: &Slow) -> bool {
     needed.all(|sensor| slow[*sensor].is_some())
 }
 
-fn value(slow: &Slow, sensor: Sensor, i: usize) -> f64 {
-    slow[sensor].as_ref().map_or(0.0, |values| values[i])
-}
-
 fn mean_force(slow: &Slow) -> Vector3<f64> {
-    let mean = |sensor: Sensor| {
-        let values = slow[sensor].iter().flatten();
-        values.sum::<f64>() / slow.len().max(1) as f64
-    };
-    Vector3::from(Sensor::ACCELEROMETER.map(mean))
-}
-
-/// A vector over time by its axes.
-type Series = [Vec<f64>; 3];
-
-/// `dx/dt + w x x`.
-fn derivative(slow: &Slow, x: &Series) -> Series {
-    let w = |axis: usize, i: usize| value(slow, Sensor::GYROSCOPE[axis], i);
-    std::array::from_fn(|axis| {
-        let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
-        let rate = slow.rate(&x[axis]).into_iter().enumerate();
-        rate.map(|(i, rate)| rate + w(j, i) * x[k][i] - w(k, i) * x[j][i])
-            .collect()
-    })
+    let forces = slow.vectors(Sensor::ACCELEROMETER, [0.0; 3]);
+    forces.iter().sum::<Vector3<f64>>() / slow.len().max(1) as f64
 }
 
 /// The forward axis in the box and the standard error of its direction [rad].
 fn forward_axis(runs: &[&Slow]) -> Option<(Vector3<f64>, f64)> {
-    let mut columns: [Vec<f64>; 3] = Default::default();
-    let mut rows: Vec<(usize, f64)> = Vec::new();
+    let (mut columns, mut forces): ([Vec<f64>; 3], Vec<f64>) = Default::default();
     for slow in runs {
-        let force = Sensor::ACCELEROMETER.map(|sensor| slow[sensor].clone().unwrap_or_default());
-        let force = derivative(slow, &force);
-        let along: [Series; 3] = std::array::from_fn(|axis| {
-            let mut velocity: Series = std::array::from_fn(|_| vec![0.0; slow.len()]);
-            velocity[axis] = slow[Sensor::Speed].clone().unwrap_or_default();
-            derivative(slow, &derivative(slow, &velocity))
+        let turn = slow.vectors(Sensor::GYROSCOPE, [0.0; 3]);
+        // D x = dx/dt + w x x
+        let derivative = |x: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
+            let turned = turn.iter().zip(x).map(|(w, x)| w.cross(x));
+            turned
+                .zip(slow.rate(x))
+                .map(|(turned, rate)| rate + turned)
+                .collect()
+        };
+        let force = derivative(&slow.vectors(Sensor::ACCELEROMETER, [0.0; 3]));
+        let along = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| {
+            let speed = slow[Sensor::Speed].iter().flatten();
+            let velocity: Vec<Vector3<f64>> = speed.map(|v| axis * *v).collect();
+            derivative(&derivative(&velocity))
         });
         // Three derivatives spend four samples on each side.
-        let inner = slow.pieces.iter();
-        let inner = inner.flat_map(|piece| piece.start + 4..piece.end.saturating_sub(4));
-        for i in inner {
-            for (axis, force) in force.iter().enumerate() {
-                rows.push((rows.len(), force[i]));
-                for (column, along) in columns.iter_mut().zip(&along) {
-                    column.push(along[axis][i]);
-                }
+        for i in slow.inner(4) {
+            forces.extend(&force[i]);
+            for (column, along) in columns.iter_mut().zip(&along) {
+                column.extend(&along[i]);
             }
         }
     }
-    let found = coefficients(&columns.each_ref().map(Vec::as_slice), &rows)?;
+    let found = coefficients(&columns.each_ref().map(Vec::as_slice), &forces)?;
     let axis = Vector3::from_fn(|k, _| found[k].0);
     let errors = Vector3::from_fn(|k, _| found[k].1);
     Some((axis, errors.norm() / axis.norm()))

@@ -2,7 +2,8 @@
 //! no sled reaches.
 
 use crate::column::{COLUMNS, Sensor};
-use crate::fault::{Fault, FaultKind};
+use crate::fault::Fault;
+use crate::record::check::remedies::{DEGREES, DEGREES_PER_SECOND, G, KM_PER_HOUR, Mend, Unit};
 use crate::record::gaps::rows_held;
 use crate::record::run::Run;
 use crate::series::median;
@@ -31,16 +32,7 @@ pub(super) fn plain_faults(run: &Run) -> Vec<Fault> {
     if run.dt_s >= LONGEST_STEP_S {
         let step = run.dt_s;
         let evidence = format!("a row every {step} s; good runs have one every 0.02 s or less");
-        let (kind, mend) = (FaultKind::Clock, "unit = \"ms\" for the clock".to_owned());
-        let milliseconds = "milliseconds";
-        faults.push(Fault::proven(
-            run,
-            &["t_s"],
-            kind,
-            milliseconds,
-            evidence,
-            mend,
-        ));
+        faults.push(Fault::proven(run, &["t_s"], Mend::Clock, evidence));
     }
     let one_value = |name: &str| {
         let mut values = run.gaps.within(run.columns.get(name)?).flatten();
@@ -58,7 +50,7 @@ pub(super) fn plain_faults(run: &Run) -> Vec<Fault> {
         for name in still {
             let value = one_value(name).unwrap_or(0.0);
             let evidence = format!("{value} in every row, while {other} moves");
-            faults.push(constant_fault(run, name, evidence));
+            faults.push(Fault::proven(run, &[name], Mend::Replace, evidence));
         }
     }
     for name in COLUMNS {
@@ -68,24 +60,14 @@ pub(super) fn plain_faults(run: &Run) -> Vec<Fault> {
         };
         let rate = run.rate_hz() / rows as f64;
         if rows >= HELD_ROWS && rate < LEAST_RATE_HZ {
-            let values = format!("values of {rate:.4} Hz, each repeated over {rows} rows");
             let evidence = format!(
                 "9 of 10 values or more are repeated so; filters at 20 Hz need {LEAST_RATE_HZ} Hz"
             );
-            let mend =
-                format!("import {name} from its own logger with its own clock ({rate:.4} Hz)");
-            let fault = Fault::proven(run, &[name], FaultKind::Held, &values, evidence, mend);
+            let fault = Fault::proven(run, &[name], Mend::OwnClock(rate, rows), evidence);
             faults.push(fault.proven_if(false));
         }
     }
     faults
-}
-
-/// The fault of a channel with one value throughout.
-pub(super) fn constant_fault(run: &Run, name: &str, evidence: String) -> Fault {
-    let mend = format!("another source for {name}: this one does not measure");
-    let values = "one value throughout";
-    Fault::proven(run, &[name], FaultKind::Constant, values, evidence, mend)
 }
 
 /// Channels of a run that exceed their range; those with a fault already are skipped.
@@ -94,49 +76,49 @@ pub(super) fn range_faults(run: &Run, known: &[Fault]) -> Vec<Fault> {
     let fault = |name: &'static str| {
         let column = run.columns.get(name).filter(|_| !judged(name))?;
         let values: Vec<f64> = run.gaps.within(column).flatten().copied().collect();
-        let (kind, looks_like, evidence, mend) = out_of_range(name, &values)?;
-        let mend = format!("{mend} for {name}");
-        let columns = [name];
-        Some(Fault::proven(
-            run, &columns, kind, looks_like, evidence, mend,
-        ))
+        let (mend, evidence) = out_of_range(name, &values)?;
+        Some(Fault::proven(run, &[name], mend, evidence))
     };
     COLUMNS.into_iter().filter_map(fault).collect()
 }
 
-/// Largest magnitude of channels, their unit, and the unit in which they exceed it: in words, and
-/// as a mapping states it.
-type Range = (&'static [Sensor], f64, &'static str, [&'static str; 2]);
+/// Largest magnitude of channels, their unit in words, and the unit in which they exceed it.
+type Range = (&'static [Sensor], f64, &'static str, Unit);
 
 const ANGLE: &str = "radians";
-const DEGREES: [&str; 2] = ["degrees", "deg"];
-const TURN: &str = "radians per second";
-const DEGREES_PER_SECOND: [&str; 2] = ["degrees per second", "deg/s"];
-const FORCE: &str = "metres per second squared";
-const UNKNOWN: [&str; 2] = ["a raw count or another unit", "..."];
+const UNKNOWN: Unit = ("a raw count or another unit", "...", f64::NAN);
 
 const RANGES: [Range; 5] = [
     (&[Sensor::Slip, Sensor::RollSplit], 0.4, ANGLE, DEGREES),
     (&[Sensor::Steering], 0.6, ANGLE, DEGREES),
-    (&Sensor::GYROSCOPE, 12.0, TURN, DEGREES_PER_SECOND),
-    (&[Sensor::Speed], 70.0, "metres per second", ["km/h"; 2]),
-    (&Sensor::ACCELEROMETER, 500.0, FORCE, UNKNOWN),
+    (
+        &Sensor::GYROSCOPE,
+        12.0,
+        "radians per second",
+        DEGREES_PER_SECOND,
+    ),
+    (&[Sensor::Speed], 70.0, "metres per second", KM_PER_HOUR),
+    (
+        &Sensor::ACCELEROMETER,
+        500.0,
+        "metres per second squared",
+        UNKNOWN,
+    ),
 ];
 
-/// Kind, what the values seem to be, evidence and remedy of a channel out of its range.
-fn out_of_range(column: &str, values: &[f64]) -> Option<(FaultKind, &'static str, String, String)> {
+/// Remedy and evidence of a channel out of its range.
+fn out_of_range(column: &str, values: &[f64]) -> Option<(Mend, String)> {
     let sensor = Sensor::named(column)?;
     let largest = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     // A sled that spins slips by up to half a turn for a while, but not for most of its run.
     let far = values.iter().filter(|v| v.abs() > 0.4).count();
     let spins = sensor == Sensor::Slip && largest <= std::f64::consts::PI && 4 * far < values.len();
     let range = RANGES.iter().find(|(of, ..)| of.contains(&sensor))?;
-    let (_, most, own, [looks_like, unit]) = range;
+    let (_, most, own, unit) = range;
     if largest > *most && !spins {
         let evidence =
             format!("largest magnitude {largest:.4}; expected {own}, magnitudes below {most}");
-        let mend = format!("unit = \"{unit}\"");
-        return Some((FaultKind::Unit, looks_like, evidence, mend));
+        return Some((Mend::Convert(*unit), evidence));
     }
     if sensor != Sensor::Az {
         return None;
@@ -146,11 +128,9 @@ fn out_of_range(column: &str, values: &[f64]) -> Option<(FaultKind, &'static str
         "median {median:.3}; expected metres per second squared, +9.81 at rest on level ice"
     );
     if (0.5..4.5).contains(&median.abs()) {
-        let mend = "unit = \"g\"".to_owned();
-        return Some((FaultKind::Unit, "multiples of g", evidence, mend));
+        return Some((Mend::Convert(G), evidence));
     }
-    let down = "an axis that points down";
-    (median < 0.0).then(|| (FaultKind::Sign, down, evidence, "sign = -1".to_owned()))
+    (median < 0.0).then_some((Mend::Negate, evidence))
 }
 
 #[cfg(test)]

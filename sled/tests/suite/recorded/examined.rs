@@ -48,7 +48,7 @@ fn said(run: &Run, lines: impl Fn(Vec<String>) -> Vec<String>) -> Examination {
 fn one(folder: &Path) -> Examination {
     let index = folder.join("runs.csv");
     std::fs::write(&index, "run,file\nr,r.csv\n").unwrap();
-    examine(&index).unwrap().remove(0)
+    examine(&index).unwrap().remove(0).0
 }
 
 /// The run with a column changed.

@@ -86,7 +86,8 @@ fn what_a_computation_lacks_is_named_with_the_computation() {
             .iter()
             .any(|note| note.column == "gamma_rad" && note.what.contains("not recorded"))
     };
-    assert!(!examined[0].is_wrong() && noted(&examined[0]));
+    let (first, _) = &examined[0];
+    assert!(!first.is_wrong() && noted(first));
     // A place along the track asks for no roll split, and for no weather.
     let runs = read_runs(&index, &Needs::PLACE, OnGaps::LeaveOut).unwrap();
     let options = PrepareOptions {

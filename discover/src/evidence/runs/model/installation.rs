@@ -444,7 +444,7 @@ impl Installation {
             let gyros = [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate];
             match part.wrong {
                 ErrorKind::Misaligned(axis) => {
-                    for fault in Fault::MISALIGNED[axis].iter().rev() {
+                    for fault in Fault::misaligned(axis).iter().rev() {
                         channels.correct(fault, size);
                     }
                 }
