@@ -5,8 +5,9 @@ use kufe_mesh::Hull;
 use serde::Serialize;
 
 use crate::report::grid::PackedGrid;
-use crate::report::pack::{Packed, pack};
-use crate::results::{ContactResult, Description, ErrorPart, SeriesResult, SeriesRow};
+use crate::results::{
+    ContactResult, Description, ErrorPart, Packed, SeriesResult, SeriesRow, pack,
+};
 
 /// Data of the page of one contact.
 #[derive(Clone, Debug, Serialize)]

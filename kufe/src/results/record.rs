@@ -75,7 +75,7 @@ pub fn write_csv<T: Serialize>(writer: impl Write, rows: &[T]) -> std::io::Resul
     let mut records = Vec::new();
     for row in rows {
         match Datum::of(row)? {
-            Datum::Group(cells) if cells.iter().all(|(_, cell)| cell.is_single()) => {
+            Datum::Group(cells) if cells.values().all(Datum::is_single) => {
                 records.push(cells);
             }
             other => {
@@ -84,17 +84,14 @@ pub fn write_csv<T: Serialize>(writer: impl Write, rows: &[T]) -> std::io::Resul
             }
         }
     }
-    let Some(longest) = records.iter().max_by_key(|cells| cells.0.len()) else {
+    let Some(longest) = records.iter().max_by_key(|cells| cells.len()) else {
         return Ok(());
     };
-    let columns: Vec<&str> = longest.iter().map(|(key, _)| key).collect();
     let mut csv = csv::Writer::from_writer(writer);
-    csv.write_record(&columns)?;
+    csv.write_record(longest.keys())?;
     for cells in &records {
-        csv.write_record(columns.iter().map(|column| {
-            let cell = cells.get(column);
-            cell.map_or(String::new(), Datum::to_string)
-        }))?;
+        let text = |column| cells.get(column).map_or(String::new(), Datum::to_string);
+        csv.write_record(longest.keys().map(text))?;
     }
     csv.flush()
 }

@@ -142,14 +142,10 @@ pub fn write_evaluation_csv(writer: impl Write, runs: &[RunEvaluation]) -> std::
             ("session", &run.session),
         ];
         let names = names.map(|(key, name)| (key.to_owned(), Datum::Text(name.clone())));
-        let number = |(key, of): &Column| Ok((key.to_string(), Datum::of(&of(run))?));
-        let numbers = COLUMNS
-            .iter()
-            .map(number)
-            .collect::<std::io::Result<Vec<_>>>()?;
-        Ok(Data(names.into_iter().chain(numbers).collect()))
+        let numbers = COLUMNS.map(|(key, of)| (key.to_owned(), Datum::Number(of(run))));
+        names.into_iter().chain(numbers).collect()
     });
-    write_csv(writer, &rows.collect::<std::io::Result<Vec<_>>>()?)
+    write_csv(writer, &rows.collect::<Vec<Data>>())
 }
 
 /// `validation.json`: measured and modelled lateral force.

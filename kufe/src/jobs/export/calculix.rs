@@ -13,7 +13,7 @@ use kufe_contact::{
 use kufe_mesh::HexMesh;
 use serde::Serialize;
 
-use crate::jobs::case_file::{EMPTY, LoadedCase, around};
+use crate::jobs::case_file::{LoadedCase, around};
 use crate::jobs::failure::Failure;
 use crate::results::RunnerResult;
 
@@ -56,12 +56,12 @@ impl<'a> CalculixDeck<'a> {
     /// Those of the solver, and [`Failure::BadInput`] for a problem that the deck cannot state.
     pub fn solve(loaded: &'a LoadedCase, cells: Option<usize>) -> Result<Self, Failure> {
         let problem = loaded.stated()?.problem;
-        check_statable(&problem).map_err(|reason| loaded.bad_input(reason))?;
+        loaded.valid(check_statable(&problem))?;
         let options = Options {
             cells,
             ..loaded.case.options()
         };
-        let solution = solve(&problem, &options).map_err(|error| loaded.failure(&error))?;
+        let solution = loaded.solved(solve(&problem, &options))?;
         Ok(CalculixDeck {
             loaded,
             problem,
@@ -167,7 +167,7 @@ impl<'a> CalculixDeck<'a> {
         }
         writeln!(out, "*SURFACE, NAME=SURFACE_OF_ICE, TYPE=ELEMENT")?;
         let low = runner.points.iter().filter(|p| p[2] < NEAR * approach);
-        let [x0, x1, y0, y1] = low.fold(EMPTY, |reach, p| around(reach, [p[0], p[1]]));
+        let [x0, x1, y0, y1] = around(low.map(|p| [p[0], p[1]]));
         for (cell, c) in ice.cells.iter().enumerate().skip((nz - 2) * per_layer) {
             let (low, high) = (ice.points[c[4]], ice.points[c[6]]);
             if high[0] >= x0 && low[0] <= x1 && high[1] >= y0 && low[1] <= y1 {
@@ -204,8 +204,7 @@ impl<'a> CalculixDeck<'a> {
     /// Those of the loads on the mount.
     pub fn result(&self, path: &Path) -> Result<DeckResult, Failure> {
         let solution = &self.solution;
-        let loads = runner_loads(&self.problem, solution);
-        let loads = loads.map_err(|error| self.loaded.failure(&error))?;
+        let loads = self.loaded.solved(runner_loads(&self.problem, solution))?;
         Ok(DeckResult {
             deck: path.display().to_string(),
             p_max_pa: solution.p_max,

@@ -25,7 +25,7 @@ pub struct Packed {
 /// Steps are 1/65534 of the range of the finite values. The codes are little-endian, in base64.
 ///
 /// ```
-/// let packed = kufe::report::pack([0.0, 65534.0, f64::INFINITY]);
+/// let packed = kufe::results::pack([0.0, 65534.0, f64::INFINITY]);
 /// assert_eq!((packed.low, packed.step), (0.0, 1.0));
 /// assert_eq!(packed.codes, "AAD+////");
 /// ```
