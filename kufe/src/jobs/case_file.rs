@@ -4,11 +4,11 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use kufe_contact::{Error, NUMERICS, Solution, SurfaceField};
+use kufe_contact::{Error, NUMERICS, Problem, Solution, SurfaceField};
 use kufe_files::{read_regular, sha256, text_of_regular};
 use kufe_mesh::{Hull, HullFormat, Orientation, hull_files, smaller_by};
 
-use crate::case::{Case, FittedHull, StatedProblem};
+use crate::case::{Case, FittedHull};
 use crate::jobs::failure::{Failure, Located};
 use crate::jobs::watch::Watch;
 
@@ -132,11 +132,11 @@ impl LoadedCase {
         Ok(sha256(digests.join("\n").as_bytes()))
     }
 
-    /// The problem that the case states, of a contact at rest.
+    /// The problem that the case states, of a contact at rest, and its hull, where it names one.
     ///
     /// # Errors
     /// [`Failure::BadInput`] where the hull cannot be obtained, and for a case that slides.
-    pub fn stated(&self) -> Result<StatedProblem, Failure> {
+    pub fn stated(&self) -> Result<(Problem, Option<FittedHull>), Failure> {
         if self.case.sliding.is_some() {
             return Err(self.bad_input(
                 "[sliding]: expected a case at rest: `kufe press` and `kufe friction --groove` take one that slides",
@@ -149,7 +149,7 @@ impl LoadedCase {
     ///
     /// # Errors
     /// As [`stated`](Self::stated).
-    pub fn stated_sliding(&self) -> Result<StatedProblem, Failure> {
+    pub fn stated_sliding(&self) -> Result<(Problem, Option<FittedHull>), Failure> {
         self.valid(self.case.stated(&self.base, self.hull.as_deref()))
     }
 

@@ -9,7 +9,6 @@ use kufe_sled::friction::film::Patch;
 use kufe_sled::friction::{Longitudinal, longitudinal_force};
 use kufe_sled::{Conditions, Model};
 
-use crate::case::StatedProblem;
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::{Failure, Located};
 use crate::jobs::watch::Watch;
@@ -91,7 +90,7 @@ impl FrictionLaw {
     ) -> Result<FrictionByLaw, Failure> {
         conditions.check()?;
         watch.progress("solving the contact");
-        let StatedProblem { problem, hull } = loaded.stated()?;
+        let (problem, hull) = loaded.stated()?;
         let started = Instant::now();
         let solution = loaded.solved(solve(&problem, &loaded.case.options()))?;
         loaded.fine_enough(hull.as_ref(), &solution)?;

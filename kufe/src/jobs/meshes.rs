@@ -2,10 +2,10 @@
 
 use std::fs::File;
 
-use kufe_contact::{Options, VolumeField, solve};
+use kufe_contact::{Options, Problem, VolumeField, solve};
 use kufe_mesh::{HexMesh, MeshError, VtuField, graded_levels, mapped_runner_mesh, write_vtu};
 
-use crate::case::{Shape, StatedProblem};
+use crate::case::{FittedHull, Shape};
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
 use crate::jobs::watch::Watch;
@@ -30,21 +30,21 @@ impl CaseMeshes {
     /// # Errors
     /// Those of the solver, and [`Failure::BadInput`] where no hexahedra fit into the hull.
     pub fn of(loaded: &LoadedCase, watch: &Watch) -> Result<CaseMeshes, Failure> {
-        let stated = loaded.stated()?;
-        loaded.hull_warnings(stated.hull.as_ref(), watch);
+        let (problem, hull) = loaded.stated()?;
+        loaded.hull_warnings(hull.as_ref(), watch);
         watch.progress("finding the contact that the grid is graded to");
         // In the volume, whatever it touches.
         let options = Options {
             subsurface: true,
             ..loaded.case.options()
         };
-        let solution = loaded.solved(solve(&stated.problem, &options))?;
+        let solution = loaded.solved(solve(&problem, &options))?;
         let Some(VolumeField { grid, .. }) = solution.volume else {
             unreachable!("the shear under the peak is followed in a volume");
         };
-        let runner = top(loaded, &stated).map(|top| {
-            let underside = &stated.problem.runner.underside;
-            let part = if stated.hull.is_some() { INSET } else { 1.0 };
+        let runner = top(loaded, &problem, hull.as_ref()).map(|top| {
+            let underside = &problem.runner.underside;
+            let part = if hull.is_some() { INSET } else { 1.0 };
             let [x0, x1, y0, y1] = underside.extent();
             let x = columns(&grid.x, shrunk([x0, x1], part));
             let y = columns(&grid.y, shrunk([y0, y1], part));
@@ -61,15 +61,15 @@ impl CaseMeshes {
 
 /// Height of the runner's flat top over its lowest point [m]; none for a paraboloid, which has no
 /// end.
-fn top(loaded: &LoadedCase, stated: &StatedProblem) -> Option<f64> {
+fn top(loaded: &LoadedCase, problem: &Problem, hull: Option<&FittedHull>) -> Option<f64> {
     if loaded.case.runner.mesh.is_some() {
         return None;
     }
-    let filled = stated.problem.runner.elastic.as_ref().map(|e| e.top);
+    let filled = problem.runner.elastic.as_ref().map(|e| e.top);
     if let Some(top) = filled.filter(|top| top.is_finite()) {
         return Some(top);
     }
-    match (&stated.hull, &loaded.case.runner.shape) {
+    match (hull, &loaded.case.runner.shape) {
         (Some(hull), _) => Some(hull.report.extent[2]),
         (None, Some(Shape::Bob { height_m, .. } | Shape::Luge { height_m, .. })) => Some(*height_m),
         (None, _) => None,

@@ -32,6 +32,12 @@ pub enum Datum {
     Group(Data),
 }
 
+impl Default for Datum {
+    fn default() -> Self {
+        Datum::Group(Data::default())
+    }
+}
+
 /// Data with their keys, in the order of the document.
 pub type Data = IndexMap<String, Datum>;
 

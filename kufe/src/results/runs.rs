@@ -428,7 +428,7 @@ pub struct ImportList {
 }
 
 /// One imported run.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct ImportedRun {
     /// Its name.
     pub run: String,
@@ -467,37 +467,35 @@ pub struct FoundDelay {
 impl ImportedRun {
     /// Of a run that was made so.
     pub fn of(note: &Note) -> ImportedRun {
-        let samples = note.channels.iter().map(|(name, channel)| {
+        let mut imported = ImportedRun {
+            run: note.run.clone(),
+            seconds: note.rows as f64 / note.rate_hz,
+            remarks: note.remarks.clone(),
+            ..ImportedRun::default()
+        };
+        for (name, channel) in &note.channels {
             let count = SampleCount {
                 expected: channel.expected_samples,
                 read: channel.samples,
             };
-            (name.clone(), count)
-        });
-        let missing = note
-            .channels
-            .iter()
-            .map(|(name, c)| (name.clone(), c.missing_rows));
+            imported.samples.insert(name.clone(), count);
+            if channel.missing_rows > 0 {
+                let rows = channel.missing_rows;
+                imported.missing_rows.insert(name.clone(), rows);
+            }
+        }
         let clocks = note
             .loggers
             .iter()
             .map(|(name, logger)| (name, &logger.clock));
-        let found = clocks.filter(|(_, clock)| clock.source == "found");
-        let delays = found.map(|(name, clock)| {
+        for (name, clock) in clocks.filter(|(_, clock)| clock.source == "found") {
             let delay = FoundDelay {
                 delay_s: clock.delay_s,
                 delay_sd_s: clock.delay_sd_s,
                 delay_includes: clock.delay_includes,
             };
-            (name.clone(), delay)
-        });
-        ImportedRun {
-            run: note.run.clone(),
-            seconds: note.rows as f64 / note.rate_hz,
-            samples: samples.collect(),
-            missing_rows: missing.filter(|(_, rows)| *rows > 0).collect(),
-            delays: delays.collect(),
-            remarks: note.remarks.clone(),
+            imported.delays.insert(name.clone(), delay);
         }
+        imported
     }
 }

@@ -55,7 +55,7 @@ impl<'a> CalculixDeck<'a> {
     /// # Errors
     /// Those of the solver, and [`Failure::BadInput`] for a problem that the deck cannot state.
     pub fn solve(loaded: &'a LoadedCase, cells: Option<usize>) -> Result<Self, Failure> {
-        let problem = loaded.stated()?.problem;
+        let (problem, _) = loaded.stated()?;
         loaded.valid(check_statable(&problem))?;
         let options = Options {
             cells,

@@ -50,7 +50,7 @@ impl AssembledStiffness {
         };
         Ok(AssembledStiffness {
             title: format!("{}, by kufe {}", loaded.name, env!("CARGO_PKG_VERSION")),
-            solution: loaded.solved(solve(&loaded.stated()?.problem, &options))?,
+            solution: loaded.solved(solve(&loaded.stated()?.0, &options))?,
         })
     }
 

@@ -3,7 +3,7 @@
 use kufe_contact::Options;
 use kufe_sled::friction::{Response, Span};
 
-use crate::case::{SlidingTable, StatedProblem};
+use crate::case::SlidingTable;
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
 use crate::jobs::slide::ploughing::{Ploughing, SolvedGroove};
@@ -46,7 +46,7 @@ pub fn friction_table(
                 let stopped = |failure: Failure| failure.within(&loaded.name);
                 watch.check().map_err(stopped)?;
                 watch.progress(&format!("groove on ice of {ice_c} C"));
-                let StatedProblem { problem, hull } = case.stated_sliding()?;
+                let (problem, hull) = case.stated_sliding()?;
                 let options = case.case.options_on(options.clone());
                 let found = Ploughing::new(case, table, &problem)?.groove(&options)?;
                 case.fine_enough(hull.as_ref(), &found.solution.contact)?;

@@ -61,12 +61,12 @@ fn top(figures: &Data) -> String {
         rest = fold("Further figures", &rest);
     }
     let cases = cases.into_iter().map(|(key, value)| {
-        let mut rows = Vec::new();
-        match value {
-            Datum::List(cases) => cases.iter().for_each(|case| stated(&mut rows, "", case)),
-            case => stated(&mut rows, "", case),
-        }
-        fold(&format!("{}, as stated", capital(key)), &table(&[], rows))
+        let list = match value {
+            Datum::List(cases) => cases,
+            case => std::slice::from_ref(case),
+        };
+        let tables: String = list.iter().map(as_stated).collect();
+        fold(&format!("{}, as stated", capital(key)), &tables)
     });
     pairs(&first) + &parts(nested) + &rest + &cases.collect::<String>()
 }
@@ -244,7 +244,13 @@ fn within(rows: &[Datum]) -> IndexMap<&String, Vec<Datum>> {
     tables
 }
 
-/// Adds the keys of a case as its file has them.
+/// A case with the keys that its file has.
+fn as_stated(case: &Datum) -> String {
+    let mut rows = Vec::new();
+    stated(&mut rows, "", case);
+    table(&[], rows)
+}
+
 fn stated(rows: &mut Vec<[String; 2]>, path: &str, value: &Datum) {
     match value {
         Datum::Group(figures) => {
