@@ -100,6 +100,11 @@ pub fn check_hull(
             forces.iter().map(known).collect::<Result<Vec<_>, String>>()
         });
     report.warnings.extend(outliers);
+    let usual = if noise.found > 0.0 {
+        USUAL_SHARE
+    } else {
+        WITHOUT_NOISE
+    };
     let [length_m, width_m, height_m] = report.extent;
     let result = HullCheck {
         file: file.to_path_buf(),
@@ -130,11 +135,7 @@ pub fn check_hull(
     Ok(ExaminedHull {
         result,
         oriented: orientation.is_some(),
-        p_max: p_max.unwrap_or(if noise.found > 0.0 {
-            USUAL_SHARE
-        } else {
-            WITHOUT_NOISE
-        }),
+        p_max: p_max.unwrap_or(usual),
         options: frame.options,
         offset_m,
     })

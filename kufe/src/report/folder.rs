@@ -103,10 +103,9 @@ pub fn result_page(result: &Path, out: Option<&Path>) -> Result<ResultPage, Fail
         return Err(wrong("cannot be read: there is no such file or folder"));
     }
     if !result.is_dir() {
-        if result.extension().is_none_or(|ending| ending != "lut") {
-            return Err(wrong(
-                "expected a folder that a command of kufe has written, or a .lut file",
-            ));
+        if !ends_in(result, "lut") {
+            let reason = "expected a folder that a command of kufe has written, or a .lut file";
+            return Err(wrong(reason));
         }
         return Ok(ResultPage {
             kind: "table",
@@ -321,13 +320,12 @@ fn documents(folder: &Path, files: &[PathBuf], viewer: Option<&str>) -> Result<S
 /// The result of a fit or a validation in a sentence; nothing of other folders, and of documents
 /// of another form.
 fn headline(folder: &Path) -> Option<String> {
-    fn read<T: DeserializeOwned>(folder: &Path, name: &str) -> Option<T> {
-        read_json(&folder.join(name), LONGEST_TREE).ok()
-    }
-    let fit: Option<LateralFitDocument> = read(folder, "fit.json");
-    let validation = || read::<Validation>(folder, "validation.json");
-    fit.map(|fit| fit.headline())
-        .or_else(|| validation().map(|validation| validation.headline()))
+    let fit = read_json::<LateralFitDocument>(&folder.join("fit.json"), LONGEST_TREE);
+    let validation = || {
+        let file = folder.join("validation.json");
+        read_json::<Validation>(&file, LONGEST_TREE).map(|validation| validation.headline())
+    };
+    fit.map(|fit| fit.headline()).or_else(|_| validation()).ok()
 }
 
 /// The replay in a `simulation.json`.

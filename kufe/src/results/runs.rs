@@ -49,18 +49,13 @@ pub struct LateralFitDocument {
 impl LateralFitDocument {
     /// The fitted laws in one sentence a runner.
     pub fn headline(&self) -> String {
+        let between = |x: &Interval, unit: &str| {
+            let amount = |value| quantity(value, unit);
+            let ends = x.low.zip(x.high);
+            let ends = ends.map(|(low, high)| format!(" ({} to {})", amount(low), amount(high)));
+            amount(x.value) + &ends.unwrap_or_default()
+        };
         let of = |(runner, fit): (&str, &LateralFit)| {
-            let between = |x: &Interval, unit: &str| {
-                let value = quantity(x.value, unit);
-                let ends = x.low.zip(x.high);
-                ends.map_or_else(
-                    || value.clone(),
-                    |(low, high)| {
-                        let [low, high] = [low, high].map(|end| quantity(end, unit));
-                        format!("{value} ({low} to {high})")
-                    },
-                )
-            };
             format!(
                 "{runner} runner: stiffness {}, largest grip {}, r.m.s. residual {}.",
                 between(&fit.k_n_per_rad, "N/rad"),
@@ -68,9 +63,8 @@ impl LateralFitDocument {
                 quantity(fit.residual_rms_n, "N"),
             )
         };
-        [("Front", &self.fit.front), ("Rear", &self.fit.rear)]
-            .map(of)
-            .join(" ")
+        let runners = [("Front", &self.fit.front), ("Rear", &self.fit.rear)];
+        runners.map(of).join(" ")
     }
 }
 

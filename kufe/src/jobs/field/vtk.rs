@@ -135,7 +135,7 @@ fn write(
     ];
     fields.extend(
         largest
-            .iter()
+            .as_ref()
             .map(|values| field("max_shear_pa", 1, values)),
     );
     fields.extend(own.iter().map(|&(name, values)| field(name, 1, values)));
