@@ -101,14 +101,14 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             return Err(Failure::in_file(path, reason));
         }
     };
-    let mut info = vec![
+    let mut info = Data::from([
         ("file".to_owned(), Datum::Text(path.display().to_string())),
         ("size_bytes".to_owned(), Datum::Large(found.len())),
-    ];
-    if let Datum::Group(Data(contents)) = contents? {
+    ]);
+    if let Datum::Group(contents) = contents? {
         info.extend(contents);
     }
-    let info = Datum::Group(Data(info));
+    let info = Datum::Group(info);
     global.answer(&info, || text(&info, 0))
 }
 
@@ -165,7 +165,7 @@ fn map(path: &Path) -> exr::error::Result<MapInfo> {
         width: header.layer_size.width(),
         height: header.layer_size.height(),
         channels: channels.map(|channel| channel.name.to_string()).collect(),
-        attributes: Data(attributes.into_iter().collect()),
+        attributes: attributes.into_iter().collect(),
     })
 }
 
@@ -196,7 +196,7 @@ fn text(figure: &Datum, depth: usize) -> String {
     };
     let indent = "  ".repeat(depth);
     let is_sentence = |figure: &Datum| figure.text().is_some_and(|text| text.contains(' '));
-    let line = |(key, figure): (&str, &Datum)| match figure {
+    let line = |(key, figure): (&String, &Datum)| match figure {
         Datum::Group(inner) => match range(key, figure, inner) {
             Some(range) => format!("{indent}{key}: {range}\n"),
             None => format!("{indent}{key}:\n{}", text(figure, depth + 1)),
@@ -259,9 +259,9 @@ fn range(key: &str, figure: &Datum, inner: &Data) -> Option<String> {
             value
         });
     }
-    let part = |(name, figure): (&str, &Datum)| {
+    let part = |(name, figure): (&String, &Datum)| {
         let number = figure.number();
-        Some(match name {
+        Some(match &**name {
             _ if figure.is_empty() => String::new(),
             "points" | "missing" => format!("{figure} {name}"),
             "from" | "to" | "min" | "max" => format!("{name} {}", with_unit(key, number?)),

@@ -25,7 +25,13 @@ impl Case {
         check_keys_of_hulls(self)?;
         check_shape(self)?;
         check_shares(self)?;
-        check_track_radius(self)
+        let radius = self.track.radius_m.unwrap_or(f64::INFINITY);
+        require(
+            (1.0..=LARGEST_RADIUS).contains(&radius.abs()) || radius.is_infinite(),
+            "track.radius_m",
+            radius,
+            "a radius in metres from 1 to 1e6 in size, positive in a valley, negative on a crest, or inf",
+        )
     }
 }
 
@@ -33,29 +39,25 @@ impl Case {
 fn runner_contradiction(case: &Case) -> Option<&'static str> {
     let runner = &case.runner;
     let (hull, shape) = (runner.hull.is_some(), runner.shape.is_some());
-    let mesh = runner.mesh.is_some();
-    let text = if mesh && (hull || shape) {
-        "runner.mesh: either hull, shape or mesh, not two of them"
+    let (mesh, section) = (runner.mesh.is_some(), runner.section.as_ref());
+    let has_section = matches!(runner.shape, Some(Shape::Bob { .. } | Shape::Luge { .. }));
+    if mesh && (hull || shape) {
+        Some("runner.mesh: either hull, shape or mesh, not two of them")
     } else if !(hull || shape || mesh) {
-        "runner: expected a hull, a shape or a mesh"
+        Some("runner: expected a hull, a shape or a mesh")
     } else if hull && shape {
-        "runner.shape: either hull or shape, not both"
+        Some("runner.shape: either hull or shape, not both")
     } else if mesh && !runner.elastic {
-        "runner.mesh: given only with elastic = true: expected hull for a rigid runner"
+        Some("runner.mesh: given only with elastic = true: expected hull for a rigid runner")
     } else if runner.height_m.is_some() && !runner.elastic {
-        "runner.height_m: given only with elastic = true"
-    } else if let Some(section) = &runner.section {
-        if !matches!(runner.shape, Some(Shape::Bob { .. } | Shape::Luge { .. })) {
-            "runner.section: belongs to a shape of kind \"bob\" or \"luge\""
-        } else if section.profile.is_some() && section.points_m.is_some() {
-            "runner.section.points_m: either profile or points_m, not both"
-        } else {
-            return None;
-        }
+        Some("runner.height_m: given only with elastic = true")
+    } else if section.is_some() && !has_section {
+        Some("runner.section: belongs to a shape of kind \"bob\" or \"luge\"")
+    } else if section.is_some_and(|s| s.profile.is_some() && s.points_m.is_some()) {
+        Some("runner.section.points_m: either profile or points_m, not both")
     } else {
-        return None;
-    };
-    Some(text)
+        None
+    }
 }
 
 /// Refuses the keys that describe the file of a hull, for a shape and for a mesh; a mesh may state
@@ -63,6 +65,13 @@ fn runner_contradiction(case: &Case) -> Option<&'static str> {
 fn check_keys_of_hulls(case: &Case) -> Checked {
     let runner = &case.runner;
     let mesh = runner.mesh.is_some();
+    let expected = if mesh {
+        "belongs to a hull, not to a mesh"
+    } else if runner.shape.is_some() {
+        "belongs to a hull, not to a shape"
+    } else {
+        return Ok(());
+    };
     let given = [
         ("runner.scale", runner.scale.is_some() && !mesh),
         ("runner.up", runner.up.is_some()),
@@ -74,46 +83,37 @@ fn check_keys_of_hulls(case: &Case) -> Checked {
         ("runner.height_m", runner.height_m.is_some()),
     ];
     match given.into_iter().find(|(_, given)| *given) {
-        Some((key, _)) if mesh => Err(combination(key, "belongs to a hull, not to a mesh")),
-        Some((key, _)) if runner.shape.is_some() => {
-            Err(combination(key, "belongs to a hull, not to a shape"))
-        }
-        _ => Ok(()),
+        Some((key, _)) => Err(combination(key, expected)),
+        None => Ok(()),
     }
 }
 
 fn check_shape(case: &Case) -> Checked {
-    let (length, rocker_radius) = match case.runner.shape {
-        Some(Shape::Bob {
-            length_m,
-            rocker_radius_m,
-            section_radius_m,
-            width_m,
-            ..
-        }) => {
-            require(
-                section_radius_m.is_finite(),
-                "runner.shape.section_radius_m",
-                section_radius_m,
-                "a finite radius in metres: a bobsled runner's section is round",
-            )?;
-            require(
-                width_m <= 2.0 * section_radius_m,
-                "runner.shape.width_m",
-                width_m,
-                "at most twice section_radius_m",
-            )?;
-            (length_m, rocker_radius_m)
-        }
-        Some(Shape::Luge {
-            length_m,
-            rocker_radius_m,
-            ..
-        }) => (length_m, rocker_radius_m),
-        Some(Shape::Paraboloid { .. }) | None => return Ok(()),
+    let Some(shape) = &case.runner.shape else {
+        return Ok(());
     };
+    if let Shape::Bob {
+        section_radius_m,
+        width_m,
+        ..
+    } = *shape
+    {
+        require(
+            section_radius_m.is_finite(),
+            "runner.shape.section_radius_m",
+            section_radius_m,
+            "a finite radius in metres: a bobsled runner's section is round",
+        )?;
+        require(
+            width_m <= 2.0 * section_radius_m,
+            "runner.shape.width_m",
+            width_m,
+            "at most twice section_radius_m",
+        )?;
+    }
+    let length = shape.length_m().unwrap_or(0.0);
     require(
-        length <= 2.0 * rocker_radius,
+        length <= 2.0 * *shape.clone().rocker_radius_m(),
         "runner.shape.length_m",
         length,
         "at most twice rocker_radius_m",
@@ -176,16 +176,6 @@ fn ice_contradiction(case: &Case) -> Option<&'static str> {
     } else {
         None
     }
-}
-
-fn check_track_radius(case: &Case) -> Checked {
-    let radius = case.track.radius_m.unwrap_or(f64::INFINITY);
-    require(
-        (1.0..=LARGEST_RADIUS).contains(&radius.abs()) || radius.is_infinite(),
-        "track.radius_m",
-        radius,
-        "a radius in metres from 1 to 1e6 in size, positive in a valley, negative on a crest, or inf",
-    )
 }
 
 fn load_contradiction(case: &Case) -> Option<&'static str> {

@@ -75,14 +75,12 @@ pub(crate) fn fit_hull(
     let read = Instant::now();
     let unlike = unlike_runner(&hull, ScanFrame::of(&hull)?.as_ref());
     let strips = strips_of_hull(&hull);
-    report
-        .warnings
-        .extend(strips.map(strips_warning).or(unlike));
+    let odd = strips.map(strips_warning).or(unlike);
+    report.warnings.extend(odd);
     let noise = runner.noise(&mut report, || noise_of_hull(&hull));
     let mut underside = FittedUnderside::new(&hull, noise.found)?;
-    report
-        .warnings
-        .extend(underside.quality().outliers_warning());
+    let outliers = underside.quality().outliers_warning();
+    report.warnings.extend(outliers);
     if runner.elastic && report.open_edges > 0 {
         let whole = underside.extent();
         underside = underside.within_outline();

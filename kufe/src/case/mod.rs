@@ -34,7 +34,6 @@ mod tables;
 pub use document::{Case, GROOVE_FILE};
 pub use error::CaseError;
 pub use fitted_hull::FittedHull;
-pub use problem::StatedProblem;
 pub use range::{LARGEST_RADIUS, RANGES, Range};
 pub use runner::{CarriesTable, FileAxis, HeldTable, MountTable, RunnerTable, SectionTable, Shape};
 pub use tables::{

@@ -23,22 +23,13 @@ const GENTLE: f64 = 0.15;
 /// the defaults gains 0.0009 of it, a bobsled runner 0.045.
 const LITTLE: f64 = 0.01;
 
-/// A case's problem with the hull that it came from.
-#[derive(Clone)]
-pub struct StatedProblem {
-    /// The problem.
-    pub problem: Problem,
-    /// The hull or mesh, where the case names one.
-    pub hull: Option<FittedHull>,
-}
-
 impl Case {
     /// The problem that the case states; a hull's path is taken from `base`, the case's folder.
     ///
     /// # Errors
     /// [`CaseError`] where the case is out of range or the hull cannot be obtained.
     pub fn problem(&self, base: &Path) -> Result<Problem, CaseError> {
-        Ok(self.stated(base, None)?.problem)
+        Ok(self.stated(base, None)?.0)
     }
 
     /// As [`problem`](Self::problem), with the hull, so that its warnings and its fit can be
@@ -46,10 +37,14 @@ impl Case {
     ///
     /// # Errors
     /// As [`problem`](Self::problem).
-    pub fn stated(&self, base: &Path, hull: Option<&Hull>) -> Result<StatedProblem, CaseError> {
+    pub fn stated(
+        &self,
+        base: &Path,
+        hull: Option<&Hull>,
+    ) -> Result<(Problem, Option<FittedHull>), CaseError> {
         let (runner, hull) = self.runner(base, hull)?;
         let problem = self.problem_of(runner, base)?;
-        Ok(StatedProblem { problem, hull })
+        Ok((problem, hull))
     }
 
     /// The runner alone, and its hull where the case names one; a hull's path is taken from `base`.
@@ -127,8 +122,8 @@ impl Case {
         let named = |reason: &dyn Display| CaseError::Mesh {
             reason: format!("{}: {reason}", path.display()),
         };
-        let bytes = read_regular(path, MOST_BYTES)
-            .map_err(|error| named(&format!("cannot be read: {error}")))?;
+        let bytes = read_regular(path, MOST_BYTES);
+        let bytes = bytes.map_err(|error| named(&format_args!("cannot be read: {error}")))?;
         let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         let mesh = match ending.as_deref() {
             Some("msh") => read_gmsh(&bytes),
@@ -307,13 +302,13 @@ mod tests {
         case.runner.scale = Some(0.001);
         case.runner.up = Some(FileAxis::Y);
         case.runner.forward = Some(FileAxis::Z);
-        let stated = case.stated(folder.path(), None)?;
-        let fitted = stated.problem.runner.underside;
+        let (problem, hull) = case.stated(folder.path(), None)?;
+        let fitted = problem.runner.underside;
         for (x, y) in [(0.0, 0.0), (0.05, 0.0), (0.02, 0.0007), (-0.03, -0.001)] {
             let error = fitted.height(x, y) - runner.height(x, y);
             assert!(error.abs() < 2e-7, "{error:e} at {x}, {y}");
         }
-        let report = stated.hull.expect("a hull").report;
+        let report = hull.expect("a hull").report;
         assert!((report.extent[0] - 0.2).abs() < 1e-9 && report.warnings.is_empty());
         Ok(())
     }

@@ -154,6 +154,14 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// Length; none of a paraboloid, which has no ends [m].
+    pub(crate) fn length_m(&self) -> Option<f64> {
+        match *self {
+            Shape::Bob { length_m, .. } | Shape::Luge { length_m, .. } => Some(length_m),
+            Shape::Paraboloid { .. } => None,
+        }
+    }
+
     /// Radius of the rocker [m], which every shape has.
     pub fn rocker_radius_m(&mut self) -> &mut f64 {
         match self {

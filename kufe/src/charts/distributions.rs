@@ -54,21 +54,15 @@ fn one_box(middle: f64, category: &Category) -> Vec<Layer> {
     let [q5, q25, q50, q75, q95] =
         [0.05, 0.25, 0.5, 0.75, 0.95].map(|share| quantile(&sorted, share));
     let across = |half: f64, y: f64| -> [Point; 2] { [(middle - half, y), (middle + half, y)] };
-    let upright = |off: f64, from: f64, to: f64| [(middle + off, from), (middle + off, to)];
-    let thin = [
-        across(0.24, q25),
-        across(0.24, q75),
-        upright(-0.24, q25, q75),
-        upright(0.24, q25, q75),
-        upright(0.0, q75, q95),
-        upright(0.0, q25, q5),
-        across(0.1, q95),
-        across(0.1, q5),
-    ];
-    let sides = [middle - 0.24, middle + 0.24];
+    let [left, right] = [middle - 0.24, middle + 0.24];
+    let corners = [(left, q25), (right, q25), (right, q75), (left, q75)];
+    let outline = corners.into_iter().chain([corners[0]]);
+    let whiskers =
+        [(q75, q95), (q25, q5)].map(|(from, to)| [[(middle, from), (middle, to)], across(0.1, to)]);
     let mut layers = vec![
-        Layer::rectangle(sides, [q25, q75], colour.alpha(0.35)),
-        Layer::segments(1.0, thin, colour),
+        Layer::area(corners, colour.alpha(0.35)),
+        Layer::line(1.0, outline, colour),
+        Layer::segments(1.0, whiskers.concat(), colour),
         Layer::segments(3.0, [across(0.24, q50)], colour),
     ];
     if sorted.len() <= MOST {
@@ -127,35 +121,30 @@ pub fn angle_picture(runs: &[RunEvaluation]) -> Figure {
         ("rear slip", |f| f.alpha_r_rad, |run| &run.slip_rear),
         ("chassis slip", |f| f.beta_rad, |run| &run.chassis_slip),
     ];
-    type Row = [(String, &'static str, Vec<Category>); 4];
-    let grouped =
-        |values: &dyn Fn(&RunEvaluation) -> Vec<f64>| grouped(runs, |run| &run.driver, values);
-    let shares_above = |degrees: usize, share: fn(&Angles) -> f64| -> Row {
-        angles.map(|(name, _, of)| {
-            let categories = grouped(&|run| vec![100.0 * share(of(run))]);
-            (
-                format!("{name} above {degrees}°"),
-                "share of time [%]",
-                categories,
-            )
-        })
-    };
-    let distributions: Row = angles.map(|(name, angle, _)| {
-        let categories = grouped(&|run| run.series.iter().map(|f| angle(f).to_degrees()).collect());
-        (name.to_owned(), "angle [degrees]", categories)
-    });
-    let rows = [
-        distributions,
-        shares_above(2, |shares| shares.share_above_2deg),
-        shares_above(4, |shares| shares.share_above_4deg),
+    type Values<'a> = &'a dyn Fn(&RunEvaluation, Angle, Shares) -> Vec<f64>;
+    let rows: [(&str, &str, Values); 3] = [
+        ("", "angle [degrees]", &|run, angle, _| {
+            run.series.iter().map(|f| angle(f).to_degrees()).collect()
+        }),
+        (" above 2°", "share of time [%]", &|run, _, shares| {
+            vec![100.0 * shares(run).share_above_2deg]
+        }),
+        (" above 4°", "share of time [%]", &|run, _, shares| {
+            vec![100.0 * shares(run).share_above_4deg]
+        }),
     ];
-    let rows = rows.into_iter();
-    let rows = rows.filter(|row| row.iter().any(|panel| has_values(&panel.2)));
-    let figure = Figure::new(1600.0, format!("Angles by driver ({MEANING})"));
-    rows.fold(figure, |figure, row| {
-        let panels = row.map(|(title, unit, categories)| boxes(title, unit, &categories));
-        figure.row(330.0, panels)
-    })
+    let mut figure = Figure::new(1600.0, format!("Angles by driver ({MEANING})"));
+    for (above, unit, values) in rows {
+        let panels = angles.map(|(name, angle, shares)| {
+            let categories = grouped(runs, |run| &run.driver, &|run| values(run, angle, shares));
+            let panel = boxes(format!("{name}{above}"), unit, &categories);
+            (has_values(&categories), panel)
+        });
+        if panels.iter().any(|(is_known, _)| *is_known) {
+            figure = figure.row(330.0, panels.map(|(_, panel)| panel));
+        }
+    }
+    figure
 }
 
 /// Root mean square error of the lateral force by run, a box for each track and law.
@@ -203,8 +192,8 @@ mod tests {
             .len()
         };
         assert_eq!([0, 1, 2, 4].map(layers), [1; 4]);
-        assert_eq!([5, 100].map(layers), [4; 2]);
-        assert_eq!([101, 1000].map(layers), [3; 2]);
+        assert_eq!([5, 100].map(layers), [5; 2]);
+        assert_eq!([101, 1000].map(layers), [4; 2]);
     }
 
     #[test]

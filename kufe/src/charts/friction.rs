@@ -17,10 +17,8 @@ pub fn glide_picture(house: &IceHouse, run: &GlideRun) -> Figure {
     let potential = house.potential(run);
     let start = run.line.at(0.0);
     let kinetic: Vec<f64> = run.kinetic.iter().map(|e| e - start).collect();
-    let parts = kinetic.iter().zip(&potential).zip(&run.aero);
-    let sum: Vec<f64> = parts
-        .map(|((kinetic, potential), air)| kinetic + potential + air)
-        .collect();
+    let sum = (0..kinetic.len()).map(|k| kinetic[k] + potential[k] + run.aero[k]);
+    let sum: Vec<f64> = sum.collect();
     let entry = &run.entry;
     let climb = potential.last().copied().unwrap_or(0.0) / run.s.last().copied().unwrap_or(1.0);
     let friction = -(run.line.slope + climb);
@@ -63,21 +61,19 @@ pub fn mu_picture(experiments: &[Experiment], fit: &MuFit, law: &PressureLaw) ->
     let (low, high) = ((low - margin).max(0.0), high + margin);
     let largest = experiments.iter().map(|e| at(e).1 + sd(e)[1]);
     let top = 1.08 * largest.fold(1e3 * law.mu_cap, f64::max);
-    let place = |k: i32| low + (high - low) * f64::from(k) / 200.0;
     let [blue, red, grey] = [PALETTE[0], PALETTE[1], PALETTE[6]];
     let asperities = match (law.zeta == 1.0, law.zeta_acts_on) {
         (true, _) => String::new(),
         (false, ZetaActsOn::Mu) => format!(", times zeta = {}", law.zeta),
         (false, ZetaActsOn::Pressure) => format!(", p times zeta = {}", law.zeta),
     };
-    let formula = format!(
-        "{:.4} p² − {:.3} p + {:.2}{asperities}",
-        fit.b, fit.c, fit.d
-    );
-    let curve = (0..=200).map(|k| (place(k), 1e3 * law.mu(1e6 * place(k))));
-    let band = |k: i32| fit.band(1e6 * place(k));
-    let lower = (0..=200).map(|k| (place(k), 1e3 * band(k).low));
-    let upper = (0..=200).rev().map(|k| (place(k), 1e3 * band(k).high));
+    let MuFit { b, c, d, .. } = fit;
+    let formula = format!("{b:.4} p² − {c:.3} p + {d:.2}{asperities}");
+    let places = (0..=200).map(|k| low + (high - low) * f64::from(k) / 200.0);
+    let curve = places.clone().map(|p| (p, 1e3 * law.mu(1e6 * p)));
+    let band = |p: f64| fit.band(1e6 * p);
+    let lower = places.clone().map(|p| (p, 1e3 * band(p).low));
+    let upper = places.rev().map(|p| (p, 1e3 * band(p).high));
     let name = format!("{:.0} % band of the fit", 100.0 * fit.confidence);
     let bars = experiments.iter().flat_map(|e| {
         let ((p, mu), [p_sd, mu_sd]) = (at(e), sd(e));
@@ -129,9 +125,7 @@ pub fn fit_picture(runner: &str, samples: &[LateralSample], law: &MagicFormula) 
         let here: Vec<&LateralSample> = samples.iter().filter(|s| inside(s.fz)).collect();
         let mean = here.iter().map(|sample| sample.fz).sum::<f64>() / here.len().max(1) as f64;
         let force = |degrees: f64| (degrees, law.force(degrees.to_radians(), mean));
-        let points = here
-            .iter()
-            .map(|sample| (sample.alpha.to_degrees(), sample.fy));
+        let points = here.iter().map(|s| (s.alpha.to_degrees(), s.fy));
         let points = points.filter(|(degrees, _)| degrees.abs() <= reach);
         let sizes = points.clone().map(|(_, fy)| fy.abs());
         let most = sizes.fold(force(reach).1, f64::max);

@@ -26,10 +26,8 @@ pub struct OddCurve {
 /// faults without one over the whole run.
 pub fn odd_curves(examination: &Examination, run: &Run) -> Vec<OddCurve> {
     let curve = |(name, column): (&String, &Vec<f64>)| {
-        let own = examination
-            .stretches
-            .iter()
-            .filter(|one| one.column == *name);
+        let stretches = examination.stretches.iter();
+        let own = stretches.filter(|one| one.column == *name);
         let longest = own.max_by(|a, b| (a.to_s - a.from_s).total_cmp(&(b.to_s - b.from_s)));
         let marked = longest.map(|one| [one.from_s, one.to_s]);
         let mut faults = examination.faults.iter();
@@ -78,9 +76,9 @@ impl OddCurve {
         let [first, last] = extent(self.points.iter().map(|point| point.0));
         // A single sample is seen too.
         let least = 0.002 * (last - first);
-        let marked = self
-            .marked
-            .map(|[from, to]| Layer::stretch([from - least, to + least], PALETTE[4].alpha(0.35)));
+        let shade = PALETTE[4].alpha(0.35);
+        let marked = self.marked;
+        let marked = marked.map(|[from, to]| Layer::stretch([from - least, to + least], shade));
         let line = Layer::line(1.0, self.points.iter().copied(), PALETTE[0]);
         let layers = marked.into_iter().chain([line]).collect();
         let y = Axis::new(format!("[{}]", unit_of(&self.column)));

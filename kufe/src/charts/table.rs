@@ -80,16 +80,17 @@ pub fn table_picture(
     let curvature = axes.range(AxisKind::Curvature, fz[0]);
     let curvature = wider(curvature.unwrap_or_default(), 1e-3);
     let place = |(column, row): Point| at([column, row].map(|k| k / CELLS as f64), curvature, fz);
-    let nodes = (0..=CELLS).flat_map(|row| (0..=CELLS).map(move |column| (column, row)));
-    let nodes = nodes.map(|(column, row)| place((column as f64, row as f64)));
-    let nodes = nodes.map(|(curvature, fz)| kufe_lut::Point {
-        fz,
-        curvature,
-        ..slice
+    let nodes = (0..(CELLS + 1) * (CELLS + 1)).map(|k| {
+        let (column, row) = (k % (CELLS + 1), k / (CELLS + 1));
+        let (curvature, fz) = place((column as f64, row as f64));
+        let node = kufe_lut::Point {
+            fz,
+            curvature,
+            ..slice
+        };
+        shown.times * interpolator.at(node).value
     });
-    let nodes: Vec<f64> = nodes
-        .map(|node| shown.times * interpolator.at(node).value)
-        .collect();
+    let nodes: Vec<f64> = nodes.collect();
     let value = |column: usize, row: usize| nodes[row * (CELLS + 1) + column];
     let [low, high] = extent(nodes.iter().copied());
     let range = [low, if high > low { high } else { low + 1.0 }];
@@ -108,13 +109,11 @@ pub fn table_picture(
         layers.push(Layer::segments(1.0, segments, WHITE.alpha(0.8)));
         layers.extend(middle.map(|at| Layer::text(at, short(level), [0.0, 0.6], WHITE)));
     }
-    let checks = table.checks().iter();
-    let checks: Vec<Point> = checks
-        .map(|check| (check.point.curvature, check.point.fz))
-        .collect();
+    let on_picture = |node: &kufe_lut::Point| (node.curvature, node.fz);
+    let checks = table.checks().iter().map(|check| on_picture(&check.point));
     let errors = table.check_errors(quantity, Mode::Smooth)?.into_iter();
-    let errors = errors.zip(&checks);
-    let mut errors: Vec<(f64, Point)> = errors.filter_map(|(e, at)| Some((e?, *at))).collect();
+    let errors = errors.zip(checks.clone());
+    let mut errors: Vec<(f64, Point)> = errors.filter_map(|(e, at)| Some((e?, at))).collect();
     errors.sort_by(|a, b| b.0.total_cmp(&a.0));
     layers.push(Layer::symbols(Symbol::Cross, 4.0, checks, WHITE));
     layers.extend(errors.into_iter().take(LABELS).map(|(error, at)| {
@@ -124,9 +123,8 @@ pub fn table_picture(
     let placed = Samples::new(samples, &interpolator, fz, curvature);
     layers.push(Layer::dots(1.0, placed.inside, INSIDE));
     layers.push(Layer::dots(2.0, placed.outside, OUTSIDE));
-    let nodes = axes.points().into_iter();
-    let nodes = nodes.map(|node| (node.curvature, node.fz));
-    layers.push(Layer::dots(2.0, nodes, INK));
+    let nodes = axes.points();
+    layers.push(Layer::dots(2.0, nodes.iter().map(on_picture), INK));
     if curvature[0] < 0.0 && curvature[1] > 0.0 {
         layers.push(Layer::upright(0.0, WHITE.alpha(0.9)));
     }

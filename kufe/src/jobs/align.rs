@@ -1,15 +1,15 @@
 //! Recorded runs brought to one distance along their track.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use kufe_sled::{
-    Entry, Model, Needs, PrepareOptions, Prepared, Run, Track, TrackEstimate, TrackShape, Vehicle,
-    align, prepare_all, read_index, read_runs, state_places, track_file,
+    Entry, Needs, PrepareOptions, Prepared, Run, Track, TrackEstimate, TrackShape, align,
+    prepare_all, read_index, read_runs, state_places, track_file,
 };
 
 use crate::jobs::failure::Failure;
-use crate::jobs::runs::{gaps_of, on_gaps, run_inputs};
+use crate::jobs::runs::{gaps_of, load_model, on_gaps, run_inputs};
 use crate::jobs::watch::Watch;
 use crate::results::{AlignedTrack, Alignment, TrackErrors};
 
@@ -67,8 +67,7 @@ impl AlignOptions {
 
     /// The survey of a track, where there is one and the track is not to be estimated.
     fn survey_file(&self, track: &str) -> Option<PathBuf> {
-        let folder = self.runs.parent().unwrap_or(Path::new(""));
-        let file = folder.join(track_file(track));
+        let file = self.runs.with_file_name(track_file(track));
         (!self.estimate && file.exists()).then_some(file)
     }
 
@@ -79,8 +78,7 @@ impl AlignOptions {
     /// several places of it.
     pub fn align(&self, watch: &Watch) -> Result<AlignedRuns, Failure> {
         watch.progress("reading the runs");
-        let model = Model::load(&self.model)?;
-        let vehicle = Vehicle::with_effects(&model)?;
+        let (model, vehicle) = load_model(&self.model)?;
         let surveyed = |entry: &Entry| self.survey_file(&entry.track).is_some();
         let needs = if read_index(&self.runs)?.iter().all(surveyed) {
             Needs::PLACE
@@ -93,8 +91,7 @@ impl AlignOptions {
             needs,
             ..PrepareOptions::default()
         };
-        let noise = model.noise.as_ref();
-        let prepared = prepare_all(&runs, &vehicle, noise, &options)?;
+        let prepared = prepare_all(&runs, &vehicle, model.noise.as_ref(), &options)?;
         let mut members: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
         for (i, run) in prepared.iter().enumerate() {
             members.entry(&run.entry.track).or_default().push(i);
@@ -125,16 +122,16 @@ impl AlignOptions {
             }
             tracks.push((name.to_owned(), table));
         }
-        let gaps = gaps_of(&prepared);
+        let document = Alignment {
+            index: self.runs.display().to_string(),
+            tracks: documents,
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            gaps: gaps_of(&prepared),
+        };
         Ok(AlignedRuns {
             runs,
             tracks,
-            document: Alignment {
-                index: self.runs.display().to_string(),
-                tracks: documents,
-                version: env!("CARGO_PKG_VERSION").to_owned(),
-                gaps,
-            },
+            document,
         })
     }
 }

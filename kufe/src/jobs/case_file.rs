@@ -4,12 +4,12 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use kufe_contact::{Error, NUMERICS, Solution, SurfaceField};
+use kufe_contact::{Error, NUMERICS, Problem, Solution, SurfaceField};
 use kufe_files::{read_regular, sha256, text_of_regular};
 use kufe_mesh::{Hull, HullFormat, Orientation, hull_files, smaller_by};
 
-use crate::case::{Case, FittedHull, StatedProblem};
-use crate::jobs::failure::Failure;
+use crate::case::{Case, FittedHull};
+use crate::jobs::failure::{Failure, Located};
 use crate::jobs::watch::Watch;
 
 /// The case that is solved where none is given.
@@ -48,18 +48,15 @@ impl LoadedCase {
     /// # Errors
     /// [`Failure::BadInput`] naming the file, the line, the key, the value and what was expected.
     pub fn read(path: &Path) -> Result<LoadedCase, Failure> {
-        let is_3mf = path
-            .extension()
-            .is_some_and(|ending| ending.eq_ignore_ascii_case("3mf"));
-        if is_3mf || HullFormat::of(path).is_ok() {
-            let reason = format!(
+        let ending = path.extension().unwrap_or_default();
+        if ending.eq_ignore_ascii_case("3mf") || HullFormat::of(path).is_ok() {
+            let reason = format_args!(
                 "this is a hull, expected a case: kufe hull check {} -o case.toml writes one",
                 path.display()
             );
             return Err(Failure::in_file(path, reason));
         }
-        let text = text_of_regular(path, LONGEST);
-        let text = text.map_err(|error| Failure::unreadable(path, error))?;
+        let text = text_of_regular(path, LONGEST).readable(path)?;
         let base = path.parent().unwrap_or(Path::new(""));
         LoadedCase::parse(&path.display().to_string(), base, &text)
     }
@@ -69,19 +66,27 @@ impl LoadedCase {
     /// # Errors
     /// [`Failure::BadInput`] naming the line, the key, the value and what was expected.
     pub fn parse(name: &str, base: &Path, text: &str) -> Result<LoadedCase, Failure> {
-        let case =
-            Case::parse(text).map_err(|error| Failure::BadInput(format!("{name}: {error}")))?;
         Ok(LoadedCase {
             name: name.to_string(),
             base: base.to_path_buf(),
-            case,
+            case: Case::parse(text).map_err(|error| Failure::bad_input(error).within(name))?,
             hull: None,
         })
     }
 
     /// Bad input in the case.
     pub(crate) fn bad_input(&self, reason: impl Display) -> Failure {
-        Failure::BadInput(format!("{}: {reason}", self.name))
+        Failure::bad_input(reason).within(&self.name)
+    }
+
+    /// What a library makes of the case, or its error as bad input in the case.
+    pub(crate) fn valid<T>(&self, made: Result<T, impl Display>) -> Result<T, Failure> {
+        made.map_err(|error| self.bad_input(error))
+    }
+
+    /// What a solver makes of the case.
+    pub(crate) fn solved<T>(&self, solved: Result<T, Error>) -> Result<T, Failure> {
+        solved.map_err(|error| self.failure(&error))
     }
 
     /// Every file that is read for the case in addition to its own, with the key that names it:
@@ -120,20 +125,18 @@ impl LoadedCase {
             digests.push(sha256(&bytes));
         }
         for (key, file) in self.files()? {
-            let bytes = read_regular(&file, LARGEST).map_err(|error| {
-                let file = file.display();
-                self.bad_input(format_args!("{key}: {file}: cannot be read: {error}"))
-            })?;
+            let bytes = read_regular(&file, LARGEST).readable(&file);
+            let bytes = bytes.map_err(|failure| failure.within(key).within(&self.name))?;
             digests.push(sha256(&bytes));
         }
         Ok(sha256(digests.join("\n").as_bytes()))
     }
 
-    /// The problem that the case states, of a contact at rest.
+    /// The problem that the case states, of a contact at rest, and its hull, where it names one.
     ///
     /// # Errors
     /// [`Failure::BadInput`] where the hull cannot be obtained, and for a case that slides.
-    pub fn stated(&self) -> Result<StatedProblem, Failure> {
+    pub fn stated(&self) -> Result<(Problem, Option<FittedHull>), Failure> {
         if self.case.sliding.is_some() {
             return Err(self.bad_input(
                 "[sliding]: expected a case at rest: `kufe press` and `kufe friction --groove` take one that slides",
@@ -146,9 +149,8 @@ impl LoadedCase {
     ///
     /// # Errors
     /// As [`stated`](Self::stated).
-    pub fn stated_sliding(&self) -> Result<StatedProblem, Failure> {
-        let stated = self.case.stated(&self.base, self.hull.as_deref());
-        stated.map_err(|error| self.bad_input(error))
+    pub fn stated_sliding(&self) -> Result<(Problem, Option<FittedHull>), Failure> {
+        self.valid(self.case.stated(&self.base, self.hull.as_deref()))
     }
 
     /// The case with another value of a number of its runner's shape.
@@ -196,9 +198,6 @@ impl LoadedCase {
     }
 
     /// As [`fine_within`](Self::fine_within), of what was solved on the hull.
-    ///
-    /// # Errors
-    /// As [`fine_within`](Self::fine_within).
     pub(crate) fn fine_enough(
         &self,
         hull: Option<&FittedHull>,
@@ -225,14 +224,11 @@ impl LoadedCase {
         if error <= allowed {
             return Ok(());
         }
+        let (key, remedy) = (self.hull_key(), self.remedy(hull, error / allowed));
+        let [error, depth, allowed] = [error, depth, allowed].map(|metres| 1e6 * metres);
         Err(self.bad_input(format_args!(
-            "{}: too coarse for its load: the surface through its vertices is uncertain by {:.3} µm, \
-             the ice is pressed in by {:.3} µm; expected at most {:.3} µm: {}",
-            self.hull_key(),
-            1e6 * error,
-            1e6 * depth,
-            1e6 * allowed,
-            self.remedy(hull, error / allowed)
+            "{key}: too coarse for its load: the surface through its vertices is uncertain by {error:.3} µm, \
+             the ice is pressed in by {depth:.3} µm; expected at most {allowed:.3} µm: {remedy}",
         )))
     }
 
@@ -332,25 +328,17 @@ pub(crate) fn depth(solution: &Solution) -> f64 {
     }
 }
 
-/// The rectangle `[x_min, x_max, y_min, y_max]` around no place.
-pub(crate) const EMPTY: [f64; 4] = [
-    f64::INFINITY,
-    f64::NEG_INFINITY,
-    f64::INFINITY,
-    f64::NEG_INFINITY,
-];
-
-/// A rectangle `[x_min, x_max, y_min, y_max]`, extended to a place.
-pub(crate) fn around([x0, x1, y0, y1]: [f64; 4], [x, y]: [f64; 2]) -> [f64; 4] {
-    [x0.min(x), x1.max(x), y0.min(y), y1.max(y)]
+/// The rectangle `[x_min, x_max, y_min, y_max]` around places; an empty one is infinitely so.
+pub(crate) fn around(places: impl Iterator<Item = [f64; 2]>) -> [f64; 4] {
+    let (inf, none) = (f64::INFINITY, f64::NEG_INFINITY);
+    places.fold([inf, none, inf, none], |[x0, x1, y0, y1], [x, y]| {
+        [x0.min(x), x1.max(x), y0.min(y), y1.max(y)]
+    })
 }
 
 /// The rectangle `[x_min, x_max, y_min, y_max]` that holds the nodes in contact [m].
 pub(crate) fn patch(field: &SurfaceField) -> [f64; 4] {
-    let mut patch = EMPTY;
-    for (k, _) in field.pressure.iter().enumerate().filter(|(_, p)| **p > 0.0) {
-        let (x, y) = (field.x[k % field.x.len()], field.y[k / field.x.len()]);
-        patch = around(patch, [x, y]);
-    }
-    patch
+    let columns = field.x.len();
+    let touching = field.pressure.iter().enumerate().filter(|(_, p)| **p > 0.0);
+    around(touching.map(|(k, _)| [field.x[k % columns], field.y[k / columns]]))
 }

@@ -3,10 +3,10 @@
 use std::io::Write;
 
 use kufe_lut::{MatValue, write_mat_file};
-use kufe_sled::{LateralForce, Run, RunValidation};
+use kufe_sled::{LateralForce, Run, RunValidation, distinct};
 use serde::Serialize;
 
-use crate::jobs::failure::Failure;
+use crate::jobs::failure::{Failure, Located};
 use crate::results::{Data, Datum};
 
 /// Writes every key of `document` and `more` as variables.
@@ -19,12 +19,10 @@ pub fn write_document_mat(
     more: Vec<(String, MatValue)>,
 ) -> Result<(), Failure> {
     let document = Datum::of(document)?;
-    let keys = document.group().into_iter().flat_map(Data::iter);
-    let mut variables: Vec<(String, MatValue)> = keys
-        .map(|(key, datum)| (key.to_owned(), mat_value(datum)))
-        .collect();
-    variables.extend(more);
-    write_mat_file(writer, env!("CARGO_PKG_VERSION"), variables).map_err(Failure::bad_input)
+    let keys = document.group().into_iter().flatten();
+    let variables = keys.map(|(key, datum)| (key.clone(), mat_value(datum)));
+    let variables = variables.chain(more).collect();
+    write_mat_file(writer, env!("CARGO_PKG_VERSION"), variables).bad_input()
 }
 
 /// A datum as a MATLAB value: numbers, true as 1, absent ones as NaN; lists of numbers as rows, of
@@ -54,17 +52,14 @@ fn mat_value(datum: &Datum) -> MatValue {
 
 fn structures(list: &[Datum]) -> MatValue {
     let groups = || list.iter().filter_map(Datum::group);
-    let mut names: Vec<String> = Vec::new();
-    for (name, _) in groups().flat_map(Data::iter) {
-        if !names.iter().any(|known| known == name) {
-            names.push(name.to_owned());
-        }
-    }
+    let names = distinct(groups().flat_map(Data::keys));
     let empty = || MatValue::Numbers(vec![0, 0], Vec::new());
-    let of = |group: &Data, name: &String| group.get(name).map_or_else(empty, mat_value);
+    let of = |group: &Data, name: &str| group.get(name).map_or_else(empty, mat_value);
     let rows = groups().map(|group| names.iter().map(|name| of(group, name)).collect());
-    let rows = rows.collect();
-    MatValue::Structures(names, rows)
+    MatValue::Structures(
+        names.iter().map(|name| name.to_string()).collect(),
+        rows.collect(),
+    )
 }
 
 /// The value of a column at an instant.
@@ -79,48 +74,37 @@ pub fn force_series(runs: &[RunValidation]) -> (String, MatValue) {
         ("model_n", |force| force.model_n),
         ("braghin_n", |force| force.braghin_n),
     ];
-    let series = runs.iter().map(|run| {
-        let column =
-            |(name, of): &(&str, Column)| (name.to_string(), run.series.iter().map(of).collect());
-        (run.run.as_str(), columns.iter().map(column).collect())
-    });
-    series_of(series.collect())
+    series_of(runs.iter().map(|run| {
+        let columns = columns.iter();
+        let columns = columns.map(|(name, of)| (*name, run.series.iter().map(of).collect()));
+        (&*run.run, columns.collect())
+    }))
 }
 
 /// `series`: a structure a run, its channels over time.
 pub fn channel_series(runs: &[Run]) -> (String, MatValue) {
-    let series = runs.iter().map(|run| {
+    series_of(runs.iter().map(|run| {
         let time = (0..run.len()).map(|i| run.t0_s + i as f64 * run.dt_s);
-        let channels = run
-            .columns
-            .iter()
-            .map(|(name, values)| (name.clone(), values.clone()));
-        let time = ("t_s".to_owned(), time.collect());
-        (
-            run.entry.run.as_str(),
-            std::iter::once(time).chain(channels).collect(),
-        )
-    });
-    series_of(series.collect())
+        let channels = run.columns.iter();
+        let channels = channels.map(|(name, values)| (&**name, values.clone()));
+        let columns = std::iter::once(("t_s", time.collect())).chain(channels);
+        (&*run.entry.run, columns.collect())
+    }))
 }
 
-/// Columns by name.
-type Columns = Vec<(String, Vec<f64>)>;
-
-/// The columns of runs that all have the same ones.
-fn series_of(runs: Vec<(&str, Columns)>) -> (String, MatValue) {
+/// The columns of runs that all have the same ones, by their names.
+fn series_of<'a>(
+    runs: impl Iterator<Item = (&'a str, Vec<(&'a str, Vec<f64>)>)>,
+) -> (String, MatValue) {
     let mut names = vec!["run".to_owned()];
-    names.extend(
-        runs.iter()
-            .take(1)
-            .flat_map(|(_, columns)| columns)
-            .map(|c| c.0.clone()),
-    );
-    let rows = runs.into_iter().map(|(run, columns)| {
-        let columns = columns.into_iter().map(|(_, values)| MatValue::row(values));
-        std::iter::once(MatValue::Text(run.to_owned()))
-            .chain(columns)
-            .collect()
+    let rows = runs.map(|(run, columns)| {
+        if names.len() == 1 {
+            names.extend(columns.iter().map(|(name, _)| name.to_string()));
+        }
+        let columns = columns.into_iter();
+        let columns = columns.map(|(_, values)| MatValue::row(values));
+        let name = MatValue::Text(run.to_owned());
+        std::iter::once(name).chain(columns).collect()
     });
     let rows = rows.collect();
     ("series".to_owned(), MatValue::Structures(names, rows))

@@ -45,13 +45,19 @@ impl Failure {
 
     /// The same failure at a place: `place: text`.
     #[must_use]
-    pub fn within(mut self, place: &str) -> Self {
+    pub fn within(mut self, place: impl Display) -> Self {
+        let text = self.text();
+        *text = format!("{place}: {text}");
+        self
+    }
+
+    /// Its message.
+    pub(crate) fn text(&mut self) -> &mut String {
         let (Failure::Usage(text)
         | Failure::BadInput(text)
         | Failure::NotConverged(text)
-        | Failure::Partial(text)) = &mut self;
-        *text = format!("{place}: {text}");
-        self
+        | Failure::Partial(text)) = self;
+        text
     }
 
     /// The process's exit code.
@@ -92,6 +98,36 @@ impl From<serde_json::Error> for Failure {
     }
 }
 
+/// Says of any error where it happened.
+pub(crate) trait Located<T> {
+    /// Bad input by a library's error, in its own words.
+    fn bad_input(self) -> Result<T, Failure>;
+    /// Bad input in a file or a folder.
+    fn in_file(self, path: &Path) -> Result<T, Failure>;
+    /// A file or a folder that cannot be read.
+    fn readable(self, path: &Path) -> Result<T, Failure>;
+    /// A file or a folder that cannot be written.
+    fn writable(self, path: &Path) -> Result<T, Failure>;
+}
+
+impl<T, E: Display> Located<T> for Result<T, E> {
+    fn bad_input(self) -> Result<T, Failure> {
+        self.map_err(Failure::bad_input)
+    }
+
+    fn in_file(self, path: &Path) -> Result<T, Failure> {
+        self.map_err(|error| Failure::in_file(path, error))
+    }
+
+    fn readable(self, path: &Path) -> Result<T, Failure> {
+        self.map_err(|error| Failure::unreadable(path, error))
+    }
+
+    fn writable(self, path: &Path) -> Result<T, Failure> {
+        self.map_err(|error| Failure::unwritable(path, error))
+    }
+}
+
 /// Writes `path`, whole or not at all; makes its folder where that is missing.
 ///
 /// # Errors
@@ -101,8 +137,7 @@ pub fn write_whole(
     write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> Result<(), Failure> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let written = std::fs::create_dir_all(folder);
-    written
+    std::fs::create_dir_all(folder)
         .and_then(|()| kufe_files::write_whole(path, write))
-        .map_err(|error| Failure::unwritable(path, error))
+        .writable(path)
 }

@@ -6,7 +6,7 @@ use std::path::{Component, Path, PathBuf};
 use kufe_files::{leads_out, resolved, same_file};
 use kufe_sled::{Entry, read_columns, read_index, track_file};
 
-use crate::jobs::failure::Failure;
+use crate::jobs::failure::{Failure, Located};
 
 /// The name in an index of what is not stated.
 pub const UNNAMED: &str = "unnamed";
@@ -53,18 +53,14 @@ impl Gathered {
         if index.is_file() {
             return self.index(&index);
         }
-        let unreadable = |error: std::io::Error| Failure::unreadable(folder, error);
         let mut files = Vec::new();
-        for entry in folder.read_dir().map_err(unreadable)? {
-            let path = entry.map_err(unreadable)?.path();
+        for entry in folder.read_dir().readable(folder)? {
+            let path = entry.readable(folder)?.path();
             let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-            if path.is_file()
-                && ["csv", "parquet", "mat"]
-                    .iter()
-                    .any(|known| ending == *known)
-            {
-                files.push(path);
-            }
+            let is_known = ["csv", "parquet", "mat"]
+                .iter()
+                .any(|known| ending == *known);
+            files.extend(Some(path).filter(|path| is_known && path.is_file()));
         }
         files.sort();
         let before = self.entries.len();
@@ -72,9 +68,10 @@ impl Gathered {
             match kind(&file) {
                 Ok(Kind::Run) => self.add(loose(&file)),
                 Ok(Kind::Index) => self.index(&file)?,
-                Ok(Kind::Other) => self
-                    .passed_over
-                    .push(format!("{}: {NO_RUN}", file.display())),
+                Ok(Kind::Other) => {
+                    let failure = Failure::in_file(&file, NO_RUN);
+                    self.passed_over.push(failure.to_string());
+                }
                 Err(failure) => self.passed_over.push(failure.to_string()),
             }
         }
@@ -118,25 +115,20 @@ enum Kind {
 
 fn kind(path: &Path) -> Result<Kind, Failure> {
     let names: Vec<String> = if path.extension().is_some_and(|ending| ending == "csv") {
-        let file = kufe_files::open_regular(path);
-        let file = file.map_err(|error| Failure::unreadable(path, error))?;
+        let file = kufe_files::open_regular(path).readable(path)?;
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .from_reader(std::io::Read::take(file, 1 << 16));
-        let header = reader
-            .headers()
-            .map_err(|error| Failure::in_file(path, error))?;
+        let header = reader.headers().in_file(path)?;
         header.iter().map(str::to_owned).collect()
     } else {
         read_columns(path, &[])?.into_keys().collect()
     };
-    let has = |name: &&str| names.iter().any(|known| known == name);
-    Ok(if ["run", "file"].iter().all(has) {
-        Kind::Index
-    } else if ["t_s", "v_mps"].iter().all(has) {
-        Kind::Run
-    } else {
-        Kind::Other
+    let has = |wanted: [&str; 2]| wanted.iter().all(|name| names.iter().any(|n| n == name));
+    Ok(match (has(["run", "file"]), has(["t_s", "v_mps"])) {
+        (true, _) => Kind::Index,
+        (false, true) => Kind::Run,
+        (false, false) => Kind::Other,
     })
 }
 
@@ -175,16 +167,14 @@ fn with_own_names(entries: &mut [Entry]) -> Result<Vec<String>, Failure> {
         entry.run = format!("{}_{}", folder_of(&entry.file), entry.run);
         renamed.push(entry.run.clone());
     }
-    let mut seen: BTreeMap<&str, &Entry> = BTreeMap::new();
-    for entry in entries.iter() {
-        if let Some(first) = seen.insert(&entry.run, entry) {
-            let (run, first) = (&entry.run, first.file.display());
-            return Err(Failure::in_file(
-                &entry.file,
-                format_args!(
-                    "run {run:?} is {first} too: expected names that differ, or folders whose names do"
-                ),
-            ));
+    let mut seen: BTreeMap<&str, &Path> = BTreeMap::new();
+    for Entry { run, file, .. } in entries.iter() {
+        if let Some(first) = seen.insert(run, file) {
+            let first = first.display();
+            let reason = format_args!(
+                "run {run:?} is {first} too: expected names that differ, or folders whose names do"
+            );
+            return Err(Failure::in_file(file, reason));
         }
     }
     Ok(renamed)
@@ -217,24 +207,18 @@ pub fn track_tables(
                 continue;
             }
             if leads_out(folder, &path) {
-                return Err(Failure::in_file(
-                    &path,
-                    "a link that leads out of its folder",
-                ));
+                let reason = "a link that leads out of its folder";
+                return Err(Failure::in_file(&path, reason));
             }
-            let bytes = kufe_files::read_regular(&path, LONGEST);
-            let bytes = bytes.map_err(|error| Failure::unreadable(&path, error))?;
-            let (first, known) = tables
-                .entry(name.clone())
-                .or_insert_with(|| (path.clone(), bytes.clone()));
+            let bytes = kufe_files::read_regular(&path, LONGEST).readable(&path)?;
+            let known = tables.entry(name.clone());
+            let (first, known) = known.or_insert_with(|| (path.clone(), bytes.clone()));
             if *known != bytes {
                 let (track, first) = (&entry.track, first.display());
-                return Err(Failure::in_file(
-                    &path,
-                    format_args!(
-                        "another table of track {track} than {first}: expected one of each track"
-                    ),
-                ));
+                let reason = format_args!(
+                    "another table of track {track} than {first}: expected one of each track"
+                );
+                return Err(Failure::in_file(&path, reason));
             }
         }
     }

@@ -11,7 +11,7 @@ use kufe_mesh::{
 };
 
 use crate::case::FittedHull;
-use crate::jobs::failure::Failure;
+use crate::jobs::failure::{Failure, Located};
 use crate::jobs::press::hull_error::{bootstrap_scans, relative_peak_error};
 use crate::results::{HullCheck, ResolvedLoad, Sampling};
 
@@ -100,6 +100,11 @@ pub fn check_hull(
             forces.iter().map(known).collect::<Result<Vec<_>, String>>()
         });
     report.warnings.extend(outliers);
+    let usual = if noise.found > 0.0 {
+        USUAL_SHARE
+    } else {
+        WITHOUT_NOISE
+    };
     let [length_m, width_m, height_m] = report.extent;
     let result = HullCheck {
         file: file.to_path_buf(),
@@ -130,11 +135,7 @@ pub fn check_hull(
     Ok(ExaminedHull {
         result,
         oriented: orientation.is_some(),
-        p_max: p_max.unwrap_or(if noise.found > 0.0 {
-            USUAL_SHARE
-        } else {
-            WITHOUT_NOISE
-        }),
+        p_max: p_max.unwrap_or(usual),
         options: frame.options,
         offset_m,
     })
@@ -221,8 +222,7 @@ impl ExaminedHull {
         let folder = path.parent().unwrap_or(Path::new(""));
         let hull = match self.result.file.strip_prefix(folder) {
             Ok(inside) => inside.to_path_buf(),
-            Err(_) => std::path::absolute(&self.result.file)
-                .map_err(|error| Failure::in_file(&self.result.file, error))?,
+            Err(_) => std::path::absolute(&self.result.file).in_file(&self.result.file)?,
         };
         let [roll, pitch, yaw] = self.options.rotation;
         let angles = [("yaw_rad", yaw), ("pitch_rad", pitch), ("roll_rad", roll)];
@@ -235,8 +235,9 @@ impl ExaminedHull {
             noise => format!("noise_m = {noise:.2e}\n"),
         };
         let [x, y] = self.offset_m;
+        let why = "over the hull's middle: the file's origin lies outside it";
         let x = x.map_or(String::new(), |x| {
-            format!("offset_x_m = {x:.4}   # over the hull's middle: the file's origin lies outside it\n")
+            format!("offset_x_m = {x:.4}   # {why}\n")
         });
         let y = y.map_or(String::new(), |y| {
             format!("offset_y_m = {y:.6}   # over the keel\n")

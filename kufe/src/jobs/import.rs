@@ -8,7 +8,7 @@ use kufe_telemetry::{
 };
 use rayon::prelude::*;
 
-use crate::jobs::failure::Failure;
+use crate::jobs::failure::{Failure, Located};
 use crate::jobs::field::NewFiles;
 use crate::jobs::watch::Watch;
 use crate::results::{ImportList, ImportedRun};
@@ -45,36 +45,31 @@ impl RunImport {
     /// [`Failure::BadInput`] with file, key and value.
     pub fn read(mapping: &Path, strict: bool) -> Result<RunImport, Failure> {
         let file = mapping.display().to_string();
-        let text = kufe_files::text_of_regular(mapping, 1 << 24);
-        let text = text.map_err(|error| Failure::in_file(mapping, error))?;
-        let importer = Importer::new(&text, &file).map_err(Failure::bad_input)?;
+        let text = kufe_files::text_of_regular(mapping, 1 << 24).in_file(mapping)?;
+        let importer = Importer::new(&text, &file).bad_input()?;
         let folder = mapping.parent().unwrap_or(Path::new(""));
-        let Plan { runs, excluded } =
-            plan(importer.mapping(), folder, &file).map_err(Failure::bad_input)?;
+        let Plan { runs, excluded } = plan(importer.mapping(), folder, &file).bad_input()?;
         if let Some(first) = excluded.first().filter(|_| strict) {
             return Err(Failure::BadInput(first.reason.clone()));
         }
-        let format = importer.mapping().format;
-        let fragment = model_fragment(importer.mapping(), &file).map_err(Failure::bad_input)?;
         Ok(RunImport {
             mapping: mapping.to_path_buf(),
-            importer,
             runs,
             excluded,
-            format,
-            fragment,
+            format: importer.mapping().format,
+            fragment: model_fragment(importer.mapping(), &file).bad_input()?,
+            importer,
             strict,
         })
     }
 
     /// The files that are read.
     pub fn inputs(&self) -> Vec<PathBuf> {
-        let folder = self.mapping.parent().unwrap_or(Path::new(""));
         let table = self.importer.mapping().index.table.as_deref();
-        let mut inputs = vec![self.mapping.clone()];
-        inputs.extend(table.map(|table| folder.join(table)));
-        inputs.extend(self.runs.iter().flat_map(|run| run.files.values().cloned()));
-        inputs
+        let table = table.map(|table| self.mapping.with_file_name(table));
+        let files = self.runs.iter().flat_map(|run| run.files.values().cloned());
+        let inputs = [self.mapping.clone()].into_iter().chain(table);
+        inputs.chain(files).collect()
     }
 
     /// Reads, converts and resamples the runs, and writes them with runs.csv, import.json and, of
@@ -86,10 +81,8 @@ impl RunImport {
     /// where it was stopped.
     pub fn write(mut self, output: NewFiles, watch: &Watch) -> Result<ImportedRuns, Failure> {
         watch.progress("importing the runs");
-        let written = self.runs.par_iter();
-        let written: Vec<_> = written
-            .map(|run| self.write_run(run, output, watch))
-            .collect();
+        let write = |run| self.write_run(run, output, watch);
+        let written: Vec<_> = self.runs.par_iter().map(write).collect();
         let (mut notes, mut imported) = (Vec::new(), Vec::new());
         for (run, written) in self.runs.into_iter().zip(written) {
             match written? {
@@ -108,7 +101,7 @@ impl RunImport {
             let first = self.excluded.into_iter().next().map(|run| run.reason);
             return Err(Failure::BadInput(first.unwrap_or_default()));
         }
-        let index = index_csv(&imported, self.format.extension()).map_err(Failure::bad_input)?;
+        let index = index_csv(&imported, self.format.extension()).bad_input()?;
         output.bytes("runs.csv", &index)?;
         if let Some(fragment) = &self.fragment {
             output.bytes(FRAGMENT, fragment.as_bytes())?;
@@ -131,7 +124,7 @@ impl RunImport {
         output: NewFiles,
         watch: &Watch,
     ) -> Result<Result<Note, String>, Failure> {
-        let stopped = |failure: Failure| failure.within(&self.mapping.display().to_string());
+        let stopped = |failure: Failure| failure.within(self.mapping.display());
         watch.check().map_err(stopped)?;
         let imported = match self.importer.run(planned) {
             Ok(imported) => imported,
@@ -150,14 +143,10 @@ impl ImportedRuns {
     pub fn shortfall(&self) -> Option<Failure> {
         let excluded = &self.list.excluded;
         let names: Vec<&str> = excluded.iter().map(|run| run.run.as_str()).collect();
-        let count = self.list.runs.len() + names.len();
-        (!names.is_empty()).then(|| {
-            Failure::Partial(format!(
-                "{} of {count} runs are not imported: {}",
-                names.len(),
-                names.join(", ")
-            ))
-        })
+        let (missing, count) = (names.len(), names.len() + self.list.runs.len());
+        let names = names.join(", ");
+        let text = format!("{missing} of {count} runs are not imported: {names}");
+        (missing > 0).then_some(Failure::Partial(text))
     }
 }
 

@@ -1,13 +1,12 @@
 //! Lateral friction of recorded runs: fitted, and compared with what runs measured.
 
 use std::collections::BTreeSet;
-use std::fmt::Display;
 use std::path::Path;
 
 use kufe_sled::friction::{LateralFit, MagicFormula};
 use kufe_sled::{Model, Vehicle, by_track, fit, validate};
 
-use crate::jobs::failure::Failure;
+use crate::jobs::failure::{Failure, Located};
 use crate::jobs::runs::{PreparedRuns, RunSelection};
 use crate::jobs::watch::Watch;
 use crate::results::{LateralFitDocument, Validation};
@@ -80,13 +79,13 @@ impl FittedLaws {
     /// # Errors
     /// [`Failure::BadInput`] with the file and the key.
     pub fn read(path: &Path) -> Result<FittedLaws, Failure> {
-        let bad = |found: &dyn Display| {
-            let expected = "expected what kufe fit lateral writes";
-            Failure::in_file(path, format_args!("{found}; {expected}"))
+        let read = || {
+            let text = kufe_files::text_of_regular(path, 1 << 24).bad_input()?;
+            FittedLaws::of(&serde_json::from_str(&text)?)
         };
-        let text = kufe_files::text_of_regular(path, 1 << 24).map_err(|error| bad(&error))?;
-        let document = serde_json::from_str(&text).map_err(|error| bad(&error))?;
-        FittedLaws::of(&document).map_err(|error| bad(&error))
+        read()
+            .map_err(|found| format!("{found}; expected what kufe fit lateral writes"))
+            .in_file(path)
     }
 
     /// Those of a fit.
@@ -96,9 +95,10 @@ impl FittedLaws {
     pub fn of(document: &LateralFitDocument) -> Result<FittedLaws, Failure> {
         let law = |name: &str, runner: &LateralFit| {
             let law = runner.law();
-            let checked = law.check();
-            checked.map_err(|error| Failure::bad_input(error).within(name))?;
-            Ok::<_, Failure>(law)
+            let checked = law.check().bad_input();
+            checked
+                .map(|()| law)
+                .map_err(|failure| failure.within(name))
         };
         Ok(FittedLaws {
             front: law("front", &document.fit.front)?,

@@ -9,9 +9,8 @@ use kufe_sled::friction::film::Patch;
 use kufe_sled::friction::{Longitudinal, longitudinal_force};
 use kufe_sled::{Conditions, Model};
 
-use crate::case::StatedProblem;
 use crate::jobs::case_file::LoadedCase;
-use crate::jobs::failure::Failure;
+use crate::jobs::failure::{Failure, Located};
 use crate::jobs::watch::Watch;
 use crate::results::{FrictionByLaw, Measured};
 
@@ -40,33 +39,17 @@ impl DrivingConditions {
     /// Checks the ranges of speed and slip angle.
     fn check(&self) -> Result<(), Failure> {
         let quarter = std::f64::consts::FRAC_PI_2;
-        let text = if !(0.0..=100.0).contains(&self.v_mps) {
-            format!("--v-mps {}: expected 0 to 100 m/s", self.v_mps)
-        } else if !(-quarter..=quarter).contains(&self.alpha_rad) {
-            let found = self.alpha_rad;
-            format!("--alpha-rad {found}: expected a slip angle in rad within a quarter turn")
-        } else {
-            return Ok(());
-        };
-        Err(Failure::Usage(text))
-    }
-
-    /// The same under a normal force [N], with the drag area of the sled [m2].
-    fn operating_point(&self, fz: f64, drag_area: f64) -> OperatingPoint {
-        OperatingPoint {
-            t: 0.0,
-            s: 0.0,
-            v: self.v_mps,
-            fz,
-            conditions: Conditions {
-                distance_m: 0.0,
-                ..self.conditions
-            },
-            air_density: self.conditions.air_density(),
-            drag_area,
-            film: f64::NAN,
-            patch: Patch::UNKNOWN,
+        let angle = "a slip angle in rad within a quarter turn";
+        for (option, value, range, expected) in [
+            ("v-mps", self.v_mps, 0.0..=100.0, "0 to 100 m/s"),
+            ("alpha-rad", self.alpha_rad, -quarter..=quarter, angle),
+        ] {
+            if !range.contains(&value) {
+                let text = format!("--{option} {value}: expected {expected}");
+                return Err(Failure::Usage(text));
+            }
         }
+        Ok(())
     }
 }
 
@@ -86,11 +69,9 @@ impl FrictionLaw {
     /// [`Failure::BadInput`] with file and place.
     pub fn of_model(path: &Path) -> Result<FrictionLaw, Failure> {
         let model = Model::load(path)?;
-        let law = model.friction.longitudinal.model();
-        let effects = Effects::from_tables(&model.effects);
         Ok(FrictionLaw {
-            law: law.map_err(|error| Failure::in_file(path, error))?,
-            effects: effects.map_err(|error| Failure::in_file(path, error))?,
+            law: model.friction.longitudinal.model().in_file(path)?,
+            effects: Effects::from_tables(&model.effects).in_file(path)?,
             drag_area: model.sled.cda_m2,
         })
     }
@@ -109,13 +90,25 @@ impl FrictionLaw {
     ) -> Result<FrictionByLaw, Failure> {
         conditions.check()?;
         watch.progress("solving the contact");
-        let StatedProblem { problem, hull } = loaded.stated()?;
+        let (problem, hull) = loaded.stated()?;
         let started = Instant::now();
-        let solution =
-            solve(&problem, &loaded.case.options()).map_err(|error| loaded.failure(&error))?;
+        let solution = loaded.solved(solve(&problem, &loaded.case.options()))?;
         loaded.fine_enough(hull.as_ref(), &solution)?;
         loaded.hull_warnings(hull.as_ref(), watch);
-        let at = conditions.operating_point(solution.fz, self.drag_area);
+        let at = OperatingPoint {
+            t: 0.0,
+            s: 0.0,
+            v: conditions.v_mps,
+            fz: solution.fz,
+            conditions: Conditions {
+                distance_m: 0.0,
+                ..conditions.conditions
+            },
+            air_density: conditions.conditions.air_density(),
+            drag_area: self.drag_area,
+            film: f64::NAN,
+            patch: Patch::UNKNOWN,
+        };
         let (p_max, mu_base) = (solution.p_max, self.law.mu(solution.p_max));
         let (mu, effects, effects_not_concerned) = self.with_effects(mu_base, &at)?;
         let (depends_on_pressure, capped, mu_error) = match self.law {
@@ -159,41 +152,41 @@ impl FrictionLaw {
                 ignored.push(active.name.clone());
                 continue;
             };
-            let needs = |what: &str| {
+            let needed = match &active.kind {
+                Kind::Custom(own) if with.is_nan() => {
+                    let names = own.names().join(", ");
+                    let why = "a condition is not given, or belongs to a run";
+                    Some(format!("{names}: {why}"))
+                }
+                _ => {
+                    let columns = active.columns();
+                    let mut missing = columns.iter().filter_map(|c| missing(c, &at.conditions));
+                    let air = with.is_nan().then_some("--air-c and --air-pa");
+                    missing.next().or(air).map(str::to_owned)
+                }
+            };
+            if let Some(what) = needed {
                 let name = &active.name;
                 let text = format!("the model's effect {name} needs {what}");
-                Err(Failure::Usage(text))
-            };
-            if let Kind::Custom(own) = &active.kind
-                && with.is_nan()
-            {
-                let names = own.names().join(", ");
-                return needs(&format!(
-                    "{names}: a condition is not given, or belongs to a run"
-                ));
-            }
-            let stated = &at.conditions;
-            let missing = active
-                .columns()
-                .into_iter()
-                .find_map(|column| match column {
-                    "ice_c" => stated.ice_c.is_nan().then_some("--ice-c"),
-                    "air_c" => stated.air_c.is_nan().then_some("--air-c"),
-                    "air_pa" => stated.air_pa.is_nan().then_some("--air-pa"),
-                    "humidity_pct" => stated.humidity_pct.is_nan().then_some("--humidity-pct"),
-                    "film" => Some("the tables of a sled's runners"),
-                    "contact_length_m" => Some("the contact of a friction experiment"),
-                    _ => None,
-                });
-            if let Some(missing) = missing {
-                return needs(missing);
+                return Err(Failure::Usage(text));
             }
             mu = with;
-            if mu.is_nan() {
-                return needs("--air-c and --air-pa");
-            }
             applied.push(active.name.clone());
         }
         Ok((mu, applied, ignored))
     }
+}
+
+/// What states a column of an effect, where the conditions do not.
+fn missing(column: &str, stated: &Conditions) -> Option<&'static str> {
+    let (what, value) = match column {
+        "ice_c" => ("--ice-c", stated.ice_c),
+        "air_c" => ("--air-c", stated.air_c),
+        "air_pa" => ("--air-pa", stated.air_pa),
+        "humidity_pct" => ("--humidity-pct", stated.humidity_pct),
+        "film" => ("the tables of a sled's runners", f64::NAN),
+        "contact_length_m" => ("the contact of a friction experiment", f64::NAN),
+        _ => return None,
+    };
+    value.is_nan().then_some(what)
 }

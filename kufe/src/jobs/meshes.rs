@@ -2,10 +2,10 @@
 
 use std::fs::File;
 
-use kufe_contact::{Options, VolumeField, solve};
+use kufe_contact::{Options, Problem, VolumeField, solve};
 use kufe_mesh::{HexMesh, MeshError, VtuField, graded_levels, mapped_runner_mesh, write_vtu};
 
-use crate::case::{Shape, StatedProblem};
+use crate::case::{FittedHull, Shape};
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
 use crate::jobs::watch::Watch;
@@ -30,64 +30,60 @@ impl CaseMeshes {
     /// # Errors
     /// Those of the solver, and [`Failure::BadInput`] where no hexahedra fit into the hull.
     pub fn of(loaded: &LoadedCase, watch: &Watch) -> Result<CaseMeshes, Failure> {
-        let stated = loaded.stated()?;
-        loaded.hull_warnings(stated.hull.as_ref(), watch);
+        let (problem, hull) = loaded.stated()?;
+        loaded.hull_warnings(hull.as_ref(), watch);
         watch.progress("finding the contact that the grid is graded to");
         // In the volume, whatever it touches.
         let options = Options {
             subsurface: true,
             ..loaded.case.options()
         };
-        let solved = solve(&stated.problem, &options);
-        let solution = solved.map_err(|error| loaded.failure(&error))?;
+        let solution = loaded.solved(solve(&problem, &options))?;
         let Some(VolumeField { grid, .. }) = solution.volume else {
             unreachable!("the shear under the peak is followed in a volume");
         };
-        let runner = top(loaded, &stated).map(|top| {
-            let underside = &stated.problem.runner.underside;
-            let part = if stated.hull.is_some() { INSET } else { 1.0 };
-            let [x0, x1, y0, y1] = shrunk(underside.extent(), part);
-            let (x, y) = (columns(&grid.x, x0, x1), columns(&grid.y, y0, y1));
+        let runner = top(loaded, &problem, hull.as_ref()).map(|top| {
+            let underside = &problem.runner.underside;
+            let part = if hull.is_some() { INSET } else { 1.0 };
+            let [x0, x1, y0, y1] = underside.extent();
+            let x = columns(&grid.x, shrunk([x0, x1], part));
+            let y = columns(&grid.y, shrunk([y0, y1], part));
             graded_levels(LAYERS, GROWTH)
                 .and_then(|levels| mapped_runner_mesh(&x, &y, underside.as_ref(), top, &levels))
         });
-        let runner = runner.transpose();
+        let named = |error| loaded.bad_input(format_args!("runner: {error}"));
         Ok(CaseMeshes {
             ice: grid.hex_mesh(),
-            runner: runner.map_err(|error| loaded.bad_input(format_args!("runner: {error}")))?,
+            runner: runner.transpose().map_err(named)?,
         })
     }
 }
 
 /// Height of the runner's flat top over its lowest point [m]; none for a paraboloid, which has no
 /// end.
-fn top(loaded: &LoadedCase, stated: &StatedProblem) -> Option<f64> {
+fn top(loaded: &LoadedCase, problem: &Problem, hull: Option<&FittedHull>) -> Option<f64> {
     if loaded.case.runner.mesh.is_some() {
         return None;
     }
-    let filled = stated.problem.runner.elastic.as_ref().map(|e| e.top);
+    let filled = problem.runner.elastic.as_ref().map(|e| e.top);
     if let Some(top) = filled.filter(|top| top.is_finite()) {
         return Some(top);
     }
-    match (&stated.hull, &loaded.case.runner.shape) {
+    match (hull, &loaded.case.runner.shape) {
         (Some(hull), _) => Some(hull.report.extent[2]),
         (None, Some(Shape::Bob { height_m, .. } | Shape::Luge { height_m, .. })) => Some(*height_m),
         (None, _) => None,
     }
 }
 
-/// The middle part of a rectangle, wherever that lies.
-fn shrunk([x0, x1, y0, y1]: [f64; 4], part: f64) -> [f64; 4] {
-    let ends = |a: f64, b: f64| {
-        let (middle, half) = (0.5 * (a + b), 0.5 * part * (b - a));
-        [middle - half, middle + half]
-    };
-    let ([x0, x1], [y0, y1]) = (ends(x0, x1), ends(y0, y1));
-    [x0, x1, y0, y1]
+/// The middle part of a range, wherever that lies.
+fn shrunk([from, to]: [f64; 2], part: f64) -> [f64; 2] {
+    let (middle, half) = (0.5 * (from + to), 0.5 * part * (to - from));
+    [middle - half, middle + half]
 }
 
 /// The grid's columns under the hull, and its two ends (a mirror plane is an end already).
-fn columns(nodes: &[f64], from: f64, to: f64) -> Vec<f64> {
+fn columns(nodes: &[f64], [from, to]: [f64; 2]) -> Vec<f64> {
     let first = nodes.first().map_or(from, |&first| first.max(from));
     let mut columns = vec![first];
     let room = 1e-3 * (to - first);
@@ -107,16 +103,13 @@ pub fn write_mesh_quality(mesh: &HexMesh, file: &File) -> Result<(), MeshError> 
         scaled.fold(f64::INFINITY, f64::min)
     };
     let jacobians: Vec<f64> = mesh.cells.iter().map(smallest).collect();
-    let volumes = mesh.cells.iter().map(|cell| mesh.cell_volume(cell));
-    let volumes: Vec<f64> = volumes.collect();
-    let field = |name, values| VtuField {
+    let volume = |cell| mesh.cell_volume(cell);
+    let volumes: Vec<f64> = mesh.cells.iter().map(volume).collect();
+    let fields = [("scaled_jacobian", &jacobians), ("volume_m3", &volumes)];
+    let fields = fields.map(|(name, values)| VtuField {
         name,
         components: 1,
         values,
-    };
-    let fields = [
-        field("scaled_jacobian", &jacobians),
-        field("volume_m3", &volumes),
-    ];
+    });
     write_vtu(mesh, &[], &fields, &[], file)
 }

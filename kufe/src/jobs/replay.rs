@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use kufe_sled::{
-    Entry, Inputs, Model, OutsideTable, Replay, Run, SimulateOptions, Track, TrackShape, Vehicle,
+    Entry, Inputs, OutsideTable, Replay, Run, SimulateOptions, Track, TrackShape, Vehicle,
     add_measured_columns, gaps_line, outside_tables, read_for_replay, read_index, record, replay,
 };
 
 use crate::jobs::failure::Failure;
-use crate::jobs::runs::{named_run, on_gaps};
+use crate::jobs::runs::{load_model, named_run, on_gaps, warn_elsewhere};
 use crate::jobs::watch::Watch;
 use crate::results::ReplayResult;
 
@@ -46,7 +46,7 @@ pub struct ReplayedRun {
 /// # Errors
 /// [`Failure::BadInput`] with the runs that there are, or the run's own track.
 pub fn entry_on_track(index: &Path, run: &str, track: &Track) -> Result<Entry, Failure> {
-    let within = |failure: Failure| failure.within(&index.display().to_string());
+    let within = |failure: Failure| failure.within(index.display());
     let entries = read_index(index)?;
     let entry = named_run(&entries, run, |entry| &entry.run).map_err(within)?;
     if entry.track != track.name {
@@ -58,31 +58,39 @@ pub fn entry_on_track(index: &Path, run: &str, track: &Track) -> Result<Entry, F
     Ok(entry.clone())
 }
 
+/// A run driven again under its own conditions: the comparison, the model's run as its sensors
+/// record it, and the driver's inputs.
+pub(crate) fn drive_again(
+    run: &Run,
+    vehicle: &Vehicle,
+    track: &Track,
+    options: &SimulateOptions,
+) -> Result<(Replay, Run, Inputs), kufe_sled::Error> {
+    let options = SimulateOptions {
+        conditions: run.entry.conditions,
+        ..options.clone()
+    };
+    let inputs = Inputs::of(run, vehicle, track.s_m[0])?;
+    let done = replay(&inputs, vehicle, &TrackShape::new(track), &options)?;
+    let mut driven = record(&done.simulated, vehicle, None, run.entry.clone(), 0);
+    driven.t0_s = inputs.readings[0].t_s;
+    Ok((done, driven, inputs))
+}
+
 impl ReplayedDrive {
     /// Drives the run again.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with file and place, and for options out of range.
     pub fn drive(&self, watch: &Watch) -> Result<ReplayedRun, Failure> {
-        let (track, entry) = (&self.track, &self.entry);
-        let model = Model::load(&self.model)?;
-        let vehicle = Vehicle::with_effects(&model)?;
-        for text in vehicle.effects_elsewhere(&[&track.name]) {
-            watch.warn(&format!("{}: {text}", self.model.display()));
-        }
-        let run = read_for_replay(entry, on_gaps(self.strict))?;
+        let (_, vehicle) = load_model(&self.model)?;
+        warn_elsewhere(&vehicle, &self.model, &[&self.track.name], watch);
+        let run = read_for_replay(&self.entry, on_gaps(self.strict))?;
         for remark in &run.remarks {
             watch.warn(remark);
         }
         watch.check()?;
-        let options = SimulateOptions {
-            conditions: entry.conditions,
-            ..self.options.clone()
-        };
-        let inputs = Inputs::of(&run, &vehicle, track.s_m[0])?;
-        let done = replay(&inputs, &vehicle, &TrackShape::new(track), &options)?;
-        let mut driven = record(&done.simulated, &vehicle, None, entry.clone(), 0);
-        driven.t0_s = inputs.readings[0].t_s;
+        let (done, mut driven, inputs) = drive_again(&run, &vehicle, &self.track, &self.options)?;
         add_measured_columns(&mut driven, &inputs);
         let states = done.simulated.instants.iter().map(|instant| &instant.state);
         let outside_tables = outside_tables(&vehicle, states);

@@ -51,14 +51,12 @@ pub struct PreparedRuns {
 
 /// The files that an index of runs names, itself among them: runs and tables of tracks.
 pub fn run_inputs(index: &Path) -> Vec<PathBuf> {
-    let folder = index.parent().unwrap_or(Path::new(""));
     let entries = read_index(index).unwrap_or_default();
     let tracks: BTreeSet<String> = entries.iter().map(|run| track_file(&run.track)).collect();
+    let tracks = tracks.iter().map(|name| index.with_file_name(name));
     let runs = entries.into_iter().map(|run| run.file);
-    std::iter::once(index.to_path_buf())
-        .chain(runs)
-        .chain(tracks.iter().map(|name| folder.join(name)))
-        .collect()
+    let index = [index.to_path_buf()].into_iter();
+    index.chain(runs).chain(tracks).collect()
 }
 
 /// Writes the runs and, last, the index; names each run's file.
@@ -66,15 +64,11 @@ pub fn run_inputs(index: &Path) -> Vec<PathBuf> {
 /// # Errors
 /// [`Failure::BadInput`] for a file that cannot be written.
 pub fn write_runs(output: NewFiles, runs: &mut [Run], format: RunFormat) -> Result<(), Failure> {
-    for run in runs.iter_mut() {
-        run.entry.file = PathBuf::from(run_file(&run.entry.run, format));
-    }
-    runs.par_iter()
-        .map(|run| {
-            let name = run.entry.file.display().to_string();
-            output.write(&name, |mut file| write_run(run, &mut file, format))
-        })
-        .collect::<Result<Vec<()>, Failure>>()?;
+    runs.par_iter_mut().try_for_each(|run| {
+        let name = run_file(&run.entry.run, format);
+        run.entry.file = PathBuf::from(&name);
+        output.write(&name, |mut file| write_run(run, &mut file, format))
+    })?;
     let entries: Vec<_> = runs.iter().map(|run| run.entry.clone()).collect();
     output.write("runs.csv", |file| write_index(file, &entries))
 }
@@ -125,6 +119,20 @@ fn words(runs: &[Run], of: fn(&Run) -> &String) -> Vec<&str> {
     words.into_iter().collect()
 }
 
+/// A model file, and its sled with the tables opened.
+pub(crate) fn load_model(path: &Path) -> Result<(Model, Vehicle), Failure> {
+    let model = Model::load(path)?;
+    let vehicle = Vehicle::with_effects(&model)?;
+    Ok((model, vehicle))
+}
+
+/// Warns of effects of a model that act on none of these tracks.
+pub(crate) fn warn_elsewhere(vehicle: &Vehicle, model: &Path, tracks: &[&str], watch: &Watch) {
+    for text in vehicle.effects_elsewhere(tracks) {
+        watch.warn(&format!("{}: {text}", model.display()));
+    }
+}
+
 impl RunSelection {
     /// Every run of an index, with the model's file and a corner of 20 Hz.
     pub fn all(runs: PathBuf, model: PathBuf) -> RunSelection {
@@ -158,8 +166,7 @@ impl RunSelection {
                 self.cutoff_hz
             )));
         }
-        let model = Model::load(&self.model)?;
-        let vehicle = Vehicle::with_effects(&model)?;
+        let (model, vehicle) = load_model(&self.model)?;
         watch.progress(&format!("reading {}", self.runs.display()));
         let on_gaps = on_gaps(self.strict);
         let (mut runs, left_out) = if self.leave_out_bad_runs {
@@ -168,15 +175,24 @@ impl RunSelection {
         } else {
             (read_runs(&self.runs, &Needs::FORCES, on_gaps)?, Vec::new())
         };
-        let tracks = words(&runs, |run| &run.entry.track);
-        for text in vehicle.effects_elsewhere(&tracks) {
-            watch.warn(&format!("{}: {text}", self.model.display()));
+        type Word = fn(&Run) -> &String;
+        let (session, track): (Word, Word) = (|run| &run.entry.session, |run| &run.entry.track);
+        warn_elsewhere(&vehicle, &self.model, &words(&runs, track), watch);
+        let chosen = [
+            ("session", &self.session, session),
+            ("track", &self.track, track),
+        ];
+        for (option, names, of) in chosen {
+            let is_unknown = |name: &&String| runs.iter().all(|run| of(run) != *name);
+            if let Some(name) = names.iter().find(is_unknown) {
+                let (index, known) = (self.runs.display(), words(&runs, of).join(", "));
+                let text = format!("--{option} {name}: {index} has only {known}");
+                return Err(Failure::BadInput(text));
+            }
         }
-        self.known("session", &self.session, &runs, |run| &run.entry.session)?;
-        self.known("track", &self.track, &runs, |run| &run.entry.track)?;
-        let among = |names: &[String], name: &String| names.is_empty() || names.contains(name);
         runs.retain(|run| {
-            among(&self.session, &run.entry.session) && among(&self.track, &run.entry.track)
+            let mut chosen = chosen.iter();
+            chosen.all(|(_, names, of)| names.is_empty() || names.contains(of(run)))
         });
         let requested = runs.len();
         runs.retain(unseen);
@@ -222,24 +238,5 @@ impl RunSelection {
             },
             slip_noise_rad,
         })
-    }
-
-    fn known(
-        &self,
-        option: &str,
-        requested: &[String],
-        runs: &[Run],
-        of: fn(&Run) -> &String,
-    ) -> Result<(), Failure> {
-        for name in requested {
-            if !runs.iter().any(|run| of(run) == name) {
-                return Err(Failure::BadInput(format!(
-                    "--{option} {name}: {} has only {}",
-                    self.runs.display(),
-                    words(runs, of).join(", ")
-                )));
-            }
-        }
-        Ok(())
     }
 }

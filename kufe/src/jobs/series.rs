@@ -44,8 +44,7 @@ impl Step {
                     Some(runner) => runner,
                     None => Arc::new(Prepared::of(&loaded, &Watch::default())?),
                 };
-                let problem = runner.problem(&loaded)?;
-                check_problem(&problem, options).map_err(|error| loaded.failure(&error))?;
+                loaded.solved(check_problem(&runner.problem(&loaded)?, options))?;
                 Ok::<_, Failure>(runner)
             };
             let runner = prepared().map_err(|failure| failure.within(&folder))?;

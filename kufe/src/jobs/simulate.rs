@@ -12,6 +12,7 @@ use kufe_sled::{
 use rayon::prelude::*;
 
 use crate::jobs::failure::Failure;
+use crate::jobs::runs::{load_model, warn_elsewhere};
 use crate::jobs::watch::Watch;
 use crate::results::{SimulatedRun, Simulation};
 
@@ -50,27 +51,22 @@ impl NamedDriver {
     /// # Errors
     /// [`Failure::Usage`] for an unknown name and a skill out of range.
     pub fn of(name: Option<&str>, skill: f64) -> Result<NamedDriver, Failure> {
-        let Some(name) = name else {
-            if !(0.0..=1.0).contains(&skill) {
-                return Err(Failure::Usage(format!("--skill {skill}: expected 0 to 1")));
+        let (name, driver) = match name {
+            None if (0.0..=1.0).contains(&skill) => {
+                (format!("skill {skill}"), Driver::of_skill(skill))
             }
-            return Ok(NamedDriver {
-                name: format!("skill {skill}"),
-                driver: Driver::of_skill(skill),
-            });
+            None => return Err(Failure::Usage(format!("--skill {skill}: expected 0 to 1"))),
+            Some(name) => {
+                let known = || sample_drivers().iter().map(|driver| driver.name.as_str());
+                if !known().any(|known| known == name) {
+                    let known = known().collect::<Vec<_>>().join(", ");
+                    let text = format!("--driver {name}: expected one of {known}");
+                    return Err(Failure::Usage(text));
+                }
+                (name.to_owned(), sample_driver(name).driving)
+            }
         };
-        let known = sample_drivers().iter().map(|driver| driver.name.as_str());
-        let known: Vec<&str> = known.collect();
-        if !known.contains(&name) {
-            return Err(Failure::Usage(format!(
-                "--driver {name}: expected one of {}",
-                known.join(", ")
-            )));
-        }
-        Ok(NamedDriver {
-            name: name.to_owned(),
-            driver: sample_driver(name).driving,
-        })
+        Ok(NamedDriver { name, driver })
     }
 }
 
@@ -82,13 +78,13 @@ pub fn stated_conditions(values: [Option<f64>; 6]) -> Result<Conditions, Failure
     for ((name, low, high), value) in CONDITIONS.iter().zip(values) {
         if let Some(value) = value.filter(|value| !(*low..=*high).contains(value)) {
             let option = name.replace('_', "-");
-            return Err(Failure::Usage(format!(
-                "--{option} {value}: expected {low} to {high}"
-            )));
+            let text = format!("--{option} {value}: expected {low} to {high}");
+            return Err(Failure::Usage(text));
         }
     }
-    let values = values.map(|value| value.unwrap_or(f64::NAN));
-    Ok(Conditions::from_values(values))
+    Ok(Conditions::from_values(
+        values.map(|value| value.unwrap_or(f64::NAN)),
+    ))
 }
 
 /// Simulated runs, and what they were simulated with.
@@ -119,14 +115,11 @@ impl SimulatedDrives {
     /// [`Failure::BadInput`] with file and place, and for options out of range.
     pub fn drive(&self, watch: &Watch) -> Result<DrivenRuns, Failure> {
         let begun = Instant::now();
-        let model = Model::load(&self.model)?;
-        let vehicle = Vehicle::with_effects(&model)?;
+        let (model, vehicle) = load_model(&self.model)?;
         let track = Track::load(&self.track)?;
         let shape = TrackShape::new(&track);
         let conditions = vehicle.conditions.complete(&self.options.conditions);
-        for text in vehicle.effects_elsewhere(&[&track.name]) {
-            watch.warn(&format!("{}: {text}", self.model.display()));
-        }
+        warn_elsewhere(&vehicle, &self.model, &[&track.name], watch);
         watch.progress("driving the runs");
         let tabled = vehicle.tables().iter().any(Option::is_some);
         let drive = |number: u32| -> Result<_, Failure> {
@@ -144,7 +137,6 @@ impl SimulatedDrives {
             let noise = model.noise.as_ref().filter(|_| self.noise);
             let run = record(&simulated, &vehicle, noise, entry, options.seed);
             let states = simulated.instants.iter().map(|instant| &instant.state);
-            let outside = outside_tables(&vehicle, states.clone());
             let energy = &simulated.energy;
             let row = SimulatedRun {
                 run: name,
@@ -155,7 +147,7 @@ impl SimulatedDrives {
                 gravity_j: energy.gravity_j,
                 ice_j: energy.ice_j,
                 air_j: energy.air_j,
-                outside_tables: outside,
+                outside_tables: outside_tables(&vehicle, states.clone()),
             };
             let samples = if tabled && number < SAMPLED {
                 table_samples(states)

@@ -5,15 +5,20 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use kufe_sled::{
-    COLUMNS, Column, Entry, Examination, Inputs, Model, PrepareOptions, Prepared, Run, Section,
-    SimulateOptions, Track, TrackShape, Vehicle, bridged, examine, find_contacts, integral,
-    prepare, read_index, record, replay, resample_stretches, track_file,
+    COLUMNS, Column, Entry, Examination, Fault, Model, Note, OddStretch, PrepareOptions, Prepared,
+    Run, Section, SimulateOptions, Track, Vehicle, bridged, examine, find_contacts, integral,
+    prepare, read_index, resample_stretches, track_file,
 };
+use serde::{Serialize, Serializer};
 
 use rayon::prelude::*;
 
 use crate::jobs::failure::Failure;
+use crate::jobs::gather::UNNAMED;
+use crate::jobs::replay::drive_again;
+use crate::jobs::runs::{load_model, named_run, warn_elsewhere};
 use crate::jobs::watch::Watch;
+use crate::results::pack;
 
 /// Rates at which channels are shown [Hz]: the first with which the page is short enough.
 const RATES_HZ: [f64; 7] = [100.0, 50.0, 25.0, 10.0, 5.0, 2.0, 1.0];
@@ -34,6 +39,7 @@ pub struct ViewOptions {
 }
 
 /// Recorded runs at one rate.
+#[derive(Serialize)]
 pub struct ViewedRuns {
     /// Index of the runs.
     pub index: String,
@@ -47,25 +53,46 @@ pub struct ViewedRuns {
     pub left_out: Vec<[String; 2]>,
 }
 
-/// One recorded run.
+/// Values of channels by name.
+type Columns = BTreeMap<String, Vec<f64>>;
+
+/// One recorded run as the page's script reads it.
+#[derive(Serialize)]
 pub struct ViewedRun {
-    /// Its row in the index.
-    pub entry: Entry,
-    /// Its faults and anomalies.
-    pub examination: Examination,
+    /// Its name.
+    pub run: String,
+    /// Its track, driver and session, where the index states them.
+    pub track: Option<String>,
+    /// See `track`.
+    pub driver: Option<String>,
+    /// See `track`.
+    pub session: Option<String>,
     /// Time of the first sample, as recorded [s].
     pub t0_s: f64,
     /// Rate of the channels [Hz].
     pub rate_hz: f64,
     /// Every channel, `s_m` among them; NaN in gaps.
-    pub columns: BTreeMap<String, Vec<f64>>,
+    #[serde(serialize_with = "packed")]
+    pub columns: Columns,
     /// Readings of the model's sensors at the same places, and `behind_s`, the time by which the
     /// run comes later than the model; NaN where the model did not come. Empty without a model.
-    pub model: BTreeMap<String, Vec<f64>>,
+    #[serde(serialize_with = "packed")]
+    pub model: Columns,
+    /// Where its channels are odd.
+    pub stretches: Vec<OddStretch>,
     /// Where run and model part.
     pub sections: Vec<Section>,
     /// Times at which something other than ice and air pushes, by the model [s].
     pub contacts: Vec<[f64; 2]>,
+    /// Its faults.
+    pub faults: Vec<Fault>,
+    /// What else is odd.
+    pub notes: Vec<Note>,
+}
+
+fn packed<S: Serializer>(columns: &Columns, serializer: S) -> Result<S::Ok, S::Error> {
+    let columns = columns.iter();
+    serializer.collect_map(columns.map(|(name, values)| (name, pack(values.iter().copied()))))
 }
 
 /// The model and the tracks that it drives on.
@@ -87,10 +114,9 @@ struct ReplayModel {
 pub fn view_runs(options: &ViewOptions, watch: &Watch) -> Result<ViewedRuns, Failure> {
     let wrong = |reason: String| Failure::in_file(&options.runs, reason);
     let entries = read_index(&options.runs)?;
-    if let Some(name) = (options.only.iter()).find(|name| entries.iter().all(|e| e.run != **name)) {
-        let names: Vec<&str> = entries.iter().map(|entry| entry.run.as_str()).collect();
-        let names = names.join(", ");
-        return Err(wrong(format!("--run {name}: the runs are {names}")));
+    for name in &options.only {
+        let known = named_run(&entries, name, |entry| &entry.run);
+        known.map_err(|failure| failure.within(options.runs.display()))?;
     }
     let model = options.model.as_ref();
     let driven = model.map(|model| ReplayModel::read(model, options, &entries, watch));
@@ -123,9 +149,8 @@ pub fn view_runs(options: &ViewOptions, watch: &Watch) -> Result<ViewedRuns, Fai
             }
         }
     }
-    let mut runs: Vec<ViewedRun> = (entries.iter())
-        .filter_map(|entry| runs.remove(&entry.run))
-        .collect();
+    let entries = entries.iter();
+    let mut runs: Vec<ViewedRun> = entries.filter_map(|e| runs.remove(&e.run)).collect();
     if runs.is_empty() {
         let reason = left_out.first();
         let reason = reason.map_or(String::new(), |[run, why]| format!(": run {run}: {why}"));
@@ -133,10 +158,10 @@ pub fn view_runs(options: &ViewOptions, watch: &Watch) -> Result<ViewedRuns, Fai
     }
     let fits = |rate: &&f64| count(&runs, **rate) <= options.most_values;
     let Some(&rate_hz) = RATES_HZ.iter().find(fits) else {
+        let (count, lengths) = (runs.len(), runs.iter().map(ViewedRun::length_s));
         return Err(wrong(format!(
-            "{} runs of {:.0} s together: too long for one page; expected fewer, by --run",
-            runs.len(),
-            runs.iter().map(|run| run.examination.length_s).sum::<f64>()
+            "{count} runs of {:.0} s together: too long for one page; expected fewer, by --run",
+            lengths.sum::<f64>()
         )));
     };
     for run in runs.iter_mut().filter(|run| run.rate_hz > rate_hz) {
@@ -152,6 +177,12 @@ pub fn view_runs(options: &ViewOptions, watch: &Watch) -> Result<ViewedRuns, Fai
         runs,
         left_out,
     })
+}
+
+impl ViewedRun {
+    fn length_s(&self) -> f64 {
+        self.columns[Column::Distance.name()].len() as f64 / self.rate_hz
+    }
 }
 
 /// Values of all channels at a rate [Hz].
@@ -170,49 +201,32 @@ impl ReplayModel {
         entries: &[Entry],
         watch: &Watch,
     ) -> Result<ReplayModel, Failure> {
-        let file = model;
-        let model = Model::load(file)?;
-        let vehicle = Vehicle::with_effects(&model)?;
         let names: BTreeSet<&str> = entries.iter().map(|entry| entry.track.as_str()).collect();
         let names: Vec<&str> = names.into_iter().collect();
-        for text in vehicle.effects_elsewhere(&names) {
-            watch.warn(&format!("{}: {text}", file.display()));
-        }
+        let file = model;
+        let (model, vehicle) = load_model(file)?;
+        warn_elsewhere(&vehicle, file, &names, watch);
         let mut tracks = BTreeMap::new();
         if let Some(path) = &options.track {
             let track = Track::load(path)?;
             tracks.insert(track.name.clone(), track);
         }
         for name in names.into_iter().filter(|_| options.track.is_none()) {
-            let folder = options.runs.parent().unwrap_or(Path::new(""));
-            let path = folder.join(track_file(name));
+            let path = options.runs.with_file_name(track_file(name));
             if path.is_file() {
                 tracks.insert(name.to_owned(), Track::load(&path)?);
-            } else {
-                let path = path.display();
-                watch.warn(&format!(
-                    "{path}: no such table: no model on track {name}; copy the survey there, or estimate it: kufe runs align"
-                ));
+                continue;
             }
+            let path = path.display();
+            watch.warn(&format!(
+                "{path}: no such table: no model on track {name}; copy the survey there, or estimate it: kufe runs align"
+            ));
         }
         Ok(ReplayModel {
             model,
             vehicle,
             tracks,
         })
-    }
-
-    /// The model driven as in a run.
-    fn replayed(&self, run: &Run, track: &Track) -> Result<(Run, Vec<Section>), kufe_sled::Error> {
-        let options = SimulateOptions {
-            conditions: run.entry.conditions,
-            ..SimulateOptions::default()
-        };
-        let inputs = Inputs::of(run, &self.vehicle, track.s_m[0])?;
-        let done = replay(&inputs, &self.vehicle, &TrackShape::new(track), &options)?;
-        let mut driven = record(&done.simulated, &self.vehicle, None, run.entry.clone(), 0);
-        driven.t0_s = inputs.readings[0].t_s;
-        Ok((driven, done.sections))
     }
 }
 
@@ -226,49 +240,49 @@ fn viewed(
     let rate_hz = RATES_HZ[0].min(run.rate_hz());
     let resampled = |values: &[f64]| resample_stretches(values, run.rate_hz(), rate_hz);
     let there = |values: &&Vec<f64>| values.iter().any(|x| x.is_finite());
-    let mut columns: BTreeMap<String, Vec<f64>> = (run.columns.iter())
-        .filter(|(_, values)| there(values))
-        .map(|(name, values)| (name.clone(), resampled(values)))
-        .collect();
+    let columns = run.columns.iter().filter(|(_, values)| there(values));
+    let columns = columns.map(|(name, values)| (name.clone(), resampled(values)));
+    let mut columns: Columns = columns.collect();
     let track = driven.and_then(|driven| driven.tracks.get(&run.entry.track));
     if !columns.contains_key(Column::Distance.name()) {
+        // The integral of the speed by the trapezoidal rule.
+        let speed = run.columns.get(Column::Speed.name()).map(|v| bridged(v));
         let start_m = track.map_or(0.0, |track| track.s_m[0]);
-        let distance = travelled(run, start_m);
+        let distance = integral(&speed.unwrap_or_default(), run.dt_s).into_iter();
+        let distance: Vec<f64> = distance.map(|s_m| start_m + s_m).collect();
         columns.insert(Column::Distance.name().to_owned(), resampled(&distance));
     }
     let (mut model, mut sections, mut prepared) = (BTreeMap::new(), Vec::new(), None);
     if let Some((driven, track)) = driven.zip(track) {
-        match driven.replayed(run, track) {
-            Ok((replayed, parts)) => {
+        match drive_again(run, &driven.vehicle, track, &SimulateOptions::default()) {
+            Ok((done, replayed, _)) => {
                 let places = &columns[Column::Distance.name()];
                 model = model_at(places, run.t0_s, rate_hz, &replayed);
                 model.retain(|name, _| name == BEHIND || columns.contains_key(name));
-                sections = parts;
+                sections = done.sections;
             }
             Err(error) => watch.warn(&format!("{error}: no model of run {}", run.entry.run)),
         }
         let noise = driven.model.noise.as_ref();
         prepared = prepare(run, &driven.vehicle, noise, &PrepareOptions::default()).ok();
     }
+    let stated = |name: &String| (name != UNNAMED).then(|| name.clone());
     let viewed = ViewedRun {
-        entry: run.entry.clone(),
-        examination: examination.clone(),
+        run: run.entry.run.clone(),
+        track: stated(&run.entry.track),
+        driver: stated(&run.entry.driver),
+        session: stated(&run.entry.session),
         t0_s: run.t0_s,
         rate_hz,
         columns,
         model,
+        stretches: examination.stretches.clone(),
         sections,
         contacts: Vec::new(),
+        faults: examination.faults.clone(),
+        notes: examination.notes.clone(),
     };
     (viewed, prepared)
-}
-
-/// The integral of a run's speed by the trapezoidal rule [m].
-fn travelled(run: &Run, start_m: f64) -> Vec<f64> {
-    let speed = run.columns.get(Column::Speed.name()).map(|v| bridged(v));
-    let speed = speed.unwrap_or_default();
-    let distance = integral(&speed, run.dt_s).into_iter();
-    distance.map(|s_m| start_m + s_m).collect()
 }
 
 /// The column of the time by which a run is later than the model.
@@ -276,33 +290,38 @@ pub const BEHIND: &str = "behind_s";
 
 /// The channels of a replayed run at the places of the measured one, whose times are `t0_s` and
 /// steps at a rate; the steering is the measured one.
-fn model_at(places: &[f64], t0_s: f64, rate_hz: f64, replayed: &Run) -> BTreeMap<String, Vec<f64>> {
+fn model_at(places: &[f64], t0_s: f64, rate_hz: f64, replayed: &Run) -> Columns {
     let passed = &replayed.columns[Column::Distance.name()];
-    let names = COLUMNS.iter();
-    let names = names.filter(|name| **name != Column::Steering.name());
-    let mut channels: Vec<(String, &[f64], Vec<f64>)> = names
-        .map(|name| ((*name).to_owned(), &replayed.columns[*name][..], Vec::new()))
-        .collect();
-    let mut behind = Vec::with_capacity(places.len());
     let mut at = 0;
-    for (k, place) in places.iter().enumerate() {
+    // The sample before each place, and the share of the way to the next one.
+    let passages = places.iter().map(|place| {
         while at + 2 < passed.len() && passed[at + 1] <= *place {
             at += 1;
         }
         let around = passed[at..].first_chunk::<2>();
-        let share = around.filter(|[a, b]| a < b && (*a..=*b).contains(place));
-        let share = share.map(|[a, b]| (place - a) / (b - a));
-        for (_, from, to) in &mut channels {
-            let value = share.map(|share| from[at] + share * (from[at + 1] - from[at]));
-            to.push(value.unwrap_or(f64::NAN));
-        }
+        let around = around.filter(|[a, b]| a < b && (*a..=*b).contains(place));
+        around.map(|[a, b]| (at, (place - a) / (b - a)))
+    });
+    let passages: Vec<Option<(usize, f64)>> = passages.collect();
+    let at_places = |value: &dyn Fn(usize, (usize, f64)) -> f64| -> Vec<f64> {
+        let passages = passages.iter().enumerate();
+        let values = passages.map(|(k, passage)| passage.map_or(f64::NAN, |at| value(k, at)));
+        values.collect()
+    };
+    let names = COLUMNS.iter();
+    let names = names.filter(|name| **name != Column::Steering.name());
+    let channels = names.map(|name| {
+        let from = &replayed.columns[*name];
+        let value = |_, (at, share)| from[at] + share * (from[at + 1] - from[at]);
+        ((*name).to_owned(), at_places(&value))
+    });
+    let late = |k: usize, (at, share): (usize, f64)| {
         let measured_s = t0_s + k as f64 / rate_hz;
-        let late =
-            share.map(|share| measured_s - replayed.t0_s - (at as f64 + share) * replayed.dt_s);
-        behind.push(late.unwrap_or(f64::NAN));
-    }
-    let channels = channels.into_iter().map(|(name, _, values)| (name, values));
-    channels.chain([(BEHIND.to_owned(), behind)]).collect()
+        measured_s - replayed.t0_s - (at as f64 + share) * replayed.dt_s
+    };
+    channels
+        .chain([(BEHIND.to_owned(), at_places(&late))])
+        .collect()
 }
 
 /// The times of the first and last of each stretch of marked states [s].

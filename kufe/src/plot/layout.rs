@@ -165,17 +165,15 @@ fn scales(panel: &Panel, [x, [top, bottom]]: Area) -> [Scale; 2] {
 
 /// Ticks of an axis, about `count`, and their texts.
 fn ticks(axis: &Axis, [low, high]: [f64; 2], count: f64) -> Vec<(f64, String)> {
-    let texts = |values: Vec<f64>, text: &dyn Fn(f64) -> String| {
-        values.into_iter().map(|at| (at, text(at))).collect()
-    };
     match &axis.ticks {
         Ticks::Names(names) => names.clone(),
-        Ticks::Logarithmic => texts(decades([low, high]), &short),
+        Ticks::Logarithmic => {
+            let values = decades([low, high]).into_iter();
+            values.map(|at| (at, short(at))).collect()
+        }
         Ticks::Linear => {
-            let count = count.clamp(5.0, 12.0) as usize;
-            texts(axis_ticks(low, high, count), &|at| {
-                tick_text(at, high - low)
-            })
+            let values = axis_ticks(low, high, count.clamp(5.0, 12.0) as usize).into_iter();
+            values.map(|at| (at, tick_text(at, high - low))).collect()
         }
     }
 }

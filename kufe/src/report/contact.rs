@@ -5,8 +5,9 @@ use kufe_mesh::Hull;
 use serde::Serialize;
 
 use crate::report::grid::PackedGrid;
-use crate::report::pack::{Packed, pack};
-use crate::results::{ContactResult, Description, ErrorPart, SeriesResult, SeriesRow};
+use crate::results::{
+    ContactResult, Description, ErrorPart, Packed, SeriesResult, SeriesRow, pack,
+};
 
 /// Data of the page of one contact.
 #[derive(Clone, Debug, Serialize)]
@@ -54,11 +55,8 @@ impl ContactPage {
         // Where its digits show it.
         let error = Some(1e-6 * result.peak().error).filter(|error| *error >= 0.05);
         let error = error.map_or(String::new(), |error| format!(" ± {error:.1}"));
-        let mu = result
-            .sliding
-            .as_ref()
-            .map(|sliding| sliding.friction.mu.value);
-        let mu = mu.map_or(String::new(), |mu| format!(", µ {:.2} · 10⁻³", 1e3 * mu));
+        let mu = result.sliding.as_ref().map(|s| 1e3 * s.friction.mu.value);
+        let mu = mu.map_or(String::new(), |mu| format!(", µ {mu:.2} · 10⁻³"));
         let share = (maps.len() as f64).sqrt();
         let most = points.map(|count| (count as f64 / share) as usize);
         let packed = maps.iter().map(|map| PackedGrid::thinned(map, most));

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::jobs::field::read_map;
 use crate::jobs::gather::relative;
-use crate::jobs::{Failure, table::read_table};
+use crate::jobs::{Failure, failure::Located, table::read_table};
 use crate::report::contact::{ContactPage, SeriesPage};
 use crate::report::index::index_page;
 use crate::report::page::{Kind, page};
@@ -68,9 +68,8 @@ const MOST_PICTURES: usize = 12;
 /// # Errors
 /// [`Failure::BadInput`] with the file and the key.
 pub fn read_json<T: DeserializeOwned>(path: &Path, longest: u64) -> Result<T, Failure> {
-    let text = text_of_regular(path, longest);
-    let text = text.map_err(|error| Failure::unreadable(path, error))?;
-    serde_json::from_str(&text).map_err(|error| Failure::in_file(path, error))
+    let text = text_of_regular(path, longest).readable(path)?;
+    serde_json::from_str(&text).in_file(path)
 }
 
 /// The folder's own name, also where the path ends in `.`.
@@ -104,10 +103,9 @@ pub fn result_page(result: &Path, out: Option<&Path>) -> Result<ResultPage, Fail
         return Err(wrong("cannot be read: there is no such file or folder"));
     }
     if !result.is_dir() {
-        if result.extension().is_none_or(|ending| ending != "lut") {
-            return Err(wrong(
-                "expected a folder that a command of kufe has written, or a .lut file",
-            ));
+        if !ends_in(result, "lut") {
+            let reason = "expected a folder that a command of kufe has written, or a .lut file";
+            return Err(wrong(reason));
         }
         return Ok(ResultPage {
             kind: "table",
@@ -167,21 +165,17 @@ fn ends_in(path: &Path, ending: &str) -> bool {
 fn without_page(folder: &Path, files: &[PathBuf]) -> String {
     let shown = folder.display();
     let table = files.iter().find(|path| ends_in(path, "lut"));
+    let glides = folder.join("glides.csv");
     if folder.join("plan.json").is_file() {
         format!(
             "the plan of a table: solve its shards, then kufe lut merge {shown} -o table.lut makes the table, which kufe report shows"
         )
-    } else if folder.join("glides.csv").is_file() {
-        let glides = folder.join("glides.csv");
-        format!(
-            "glides without figures: kufe icehouse {} makes them",
-            glides.display()
-        )
+    } else if glides.is_file() {
+        let glides = glides.display();
+        format!("glides without figures: kufe icehouse {glides} makes them")
     } else if let Some(table) = table {
-        format!(
-            "lookup tables, which have a page each: kufe report {}",
-            table.display()
-        )
+        let table = table.display();
+        format!("lookup tables, which have a page each: kufe report {table}")
     } else {
         "no results: expected what a command of kufe has written, as result.json or table.json (kufe press), \
          evaluation.json (kufe evaluate) or report.json (kufe discover)"
@@ -192,9 +186,11 @@ fn without_page(folder: &Path, files: &[PathBuf]) -> String {
 /// The page `name` that a command has written itself, with its links to the viewer's address.
 fn written(folder: &Path, name: &str, viewer: Option<&str>) -> Result<String, Failure> {
     let path = folder.join(name);
-    let page = text_of_regular(&path, LONGEST_PAGE);
-    let page = page.map_err(|error| Failure::unreadable(&path, error))?;
-    Ok(viewer.map_or_else(|| page.clone(), |viewer| linked_to(&page, viewer)))
+    let page = text_of_regular(&path, LONGEST_PAGE).readable(&path)?;
+    Ok(match viewer {
+        Some(viewer) => linked_to(&page, viewer),
+        None => page,
+    })
 }
 
 /// The page of a solved contact.
@@ -202,10 +198,11 @@ fn contact(folder: &Path) -> Result<String, Failure> {
     let result: ContactResult = read_json(&folder.join("result.json"), LONGEST)?;
     let maps = parted(read_map(&folder.join("pressure.exr"))?);
     let glb = folder.join("hull.glb");
-    let hull = glb
-        .is_file()
-        .then(|| load_hull(&glb, &HullOptions::default()));
-    let hull = hull.transpose()?.map(|(hull, _)| hull);
+    let hull = if glb.is_file() {
+        Some(load_hull(&glb, &HullOptions::default())?.0)
+    } else {
+        None
+    };
     let hull = hull.filter(|hull| hull.triangles.len() <= MOST_TRIANGLES);
     let data = ContactPage::new(result, &maps, hull.as_ref(), POINTS, folder_name(folder));
     Ok(page(Kind::Press, &data.title, &data))
@@ -228,7 +225,7 @@ fn series(folder: &Path) -> Result<String, Failure> {
 fn table(path: &Path) -> Result<String, Failure> {
     let table = read_table(path)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let data = TablePage::new(&table, &name).map_err(|error| Failure::in_file(path, error))?;
+    let data = TablePage::new(&table, &name).in_file(path)?;
     Ok(page(Kind::Table, &format!("{name}, lookup table"), &data))
 }
 
@@ -285,8 +282,7 @@ fn picture(path: &Path) -> Result<Option<Vec<u8>>, Failure> {
     if !path.is_file() {
         return Ok(None);
     }
-    let bytes = read_regular(path, LONGEST_PICTURE);
-    let bytes = bytes.map_err(|error| Failure::unreadable(path, error))?;
+    let bytes = read_regular(path, LONGEST_PICTURE).readable(path)?;
     Ok(Some(bytes).filter(|bytes| bytes.starts_with(b"\x89PNG\r\n\x1a\n")))
 }
 
@@ -302,11 +298,8 @@ fn documents(folder: &Path, files: &[PathBuf], viewer: Option<&str>) -> Result<S
         }
     }
     let mut pictures = Vec::new();
-    for path in files
-        .iter()
-        .filter(|path| ends_in(path, "png"))
-        .take(MOST_PICTURES)
-    {
+    let pngs = files.iter().filter(|path| ends_in(path, "png"));
+    for path in pngs.take(MOST_PICTURES) {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let name = name.into_owned();
         pictures.extend(picture(path)?.map(|png| Picture { name, png }));
@@ -317,29 +310,22 @@ fn documents(folder: &Path, files: &[PathBuf], viewer: Option<&str>) -> Result<S
         None => Vec::new(),
     };
     let name = folder_name(folder);
-    let title = documents.first().map_or_else(
-        || name.clone(),
-        |(kind, _)| format!("{}: {name}", capital(kind)),
-    );
+    let kind = documents.first().map(|(kind, _)| capital(kind) + ": ");
+    let title = kind.unwrap_or_default() + &name;
     let headline = headline(folder).unwrap_or_default();
-    Ok(results_page(
-        [&title, &headline],
-        &pictures,
-        &links,
-        &documents,
-    ))
+    let heads = [&*title, &headline];
+    Ok(results_page(heads, &pictures, &links, &documents))
 }
 
 /// The result of a fit or a validation in a sentence; nothing of other folders, and of documents
 /// of another form.
 fn headline(folder: &Path) -> Option<String> {
-    fn read<T: DeserializeOwned>(folder: &Path, name: &str) -> Option<T> {
-        read_json(&folder.join(name), LONGEST_TREE).ok()
-    }
-    let fit: Option<LateralFitDocument> = read(folder, "fit.json");
-    let validation = || read::<Validation>(folder, "validation.json");
-    fit.map(|fit| fit.headline())
-        .or_else(|| validation().map(|validation| validation.headline()))
+    let fit = read_json::<LateralFitDocument>(&folder.join("fit.json"), LONGEST_TREE);
+    let validation = || {
+        let file = folder.join("validation.json");
+        read_json::<Validation>(&file, LONGEST_TREE).map(|validation| validation.headline())
+    };
+    fit.map(|fit| fit.headline()).or_else(|_| validation()).ok()
 }
 
 /// The replay in a `simulation.json`.

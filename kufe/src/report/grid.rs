@@ -3,7 +3,7 @@
 use kufe_contact::PressureMap;
 use serde::Serialize;
 
-use crate::report::pack::{Packed, pack};
+use crate::results::{Packed, pack};
 
 /// Fields of a map as the page's scripts read them.
 #[derive(Clone, Debug, Serialize)]

@@ -36,9 +36,16 @@ pub fn columns(names: &str) -> Vec<(&str, bool)> {
         .collect()
 }
 
-/// A table of cells in HTML. Rows are shaded where their flag is set; there is no head without
-/// `columns`.
+/// A table of cells in HTML; there is no head without `columns`.
 pub fn table(
+    columns: &[(&str, bool)],
+    rows: impl IntoIterator<Item = impl AsRef<[String]>>,
+) -> String {
+    shaded_table(columns, rows.into_iter().map(|cells| (false, cells)))
+}
+
+/// As [`table`], with rows that are shaded where their flag is set.
+pub fn shaded_table(
     columns: &[(&str, bool)],
     rows: impl IntoIterator<Item = (bool, impl AsRef<[String]>)>,
 ) -> String {
@@ -46,20 +53,21 @@ pub fn table(
         Some((_, true)) => " class=n",
         _ => "",
     };
-    let mut out = String::from("<div class=\"wide\"><table>");
-    for (k, (name, _)) in columns.iter().enumerate() {
-        let row = if k == 0 { "<tr>" } else { "" };
-        out += &format!("{row}<th{}>{}", class(k), escape(name));
-    }
+    let heads = columns.iter().enumerate();
+    let heads = heads.map(|(k, (name, _))| format!("<th{}>{}", class(k), escape(name)));
+    let row = if columns.is_empty() { "" } else { "<tr>" };
+    let mut out = format!(
+        "<div class=\"wide\"><table>{row}{}",
+        heads.collect::<String>()
+    );
     for (is_shaded, cells) in rows {
         out += if is_shaded {
             "\n<tr class=in>"
         } else {
             "\n<tr>"
         };
-        for (k, cell) in cells.as_ref().iter().enumerate() {
-            out += &format!("<td{}>{cell}", class(k));
-        }
+        let cells = cells.as_ref().iter().enumerate();
+        out.extend(cells.map(|(k, cell)| format!("<td{}>{cell}", class(k))));
     }
     out + "\n</table></div>\n"
 }
@@ -90,13 +98,13 @@ mod tests {
     #[test]
     fn numbers_of_a_table_are_aligned_and_names_are_text() {
         let row = (true, ["a".to_owned(), "1".to_owned()]);
-        let html = table(&columns("<name>|#p"), [row]);
+        let html = shaded_table(&columns("<name>|#p"), [row]);
         assert!(
             html.contains("<tr><th>&lt;name&gt;<th class=n>p\n"),
             "{html}"
         );
         assert!(html.contains("<tr class=in><td>a<td class=n>1\n"), "{html}");
-        let html = table(&[], [(false, ["a".to_owned()])]);
+        let html = table(&[], [["a".to_owned()]]);
         assert_eq!(
             html,
             "<div class=\"wide\"><table>\n<tr><td>a\n</table></div>\n"

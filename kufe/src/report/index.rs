@@ -73,7 +73,7 @@ pub fn index_page(name: &str, folder: &Path, entries: &[Entry]) -> serde_json::R
 fn counts(entries: &[Entry], key: &str, of: fn(&Entry) -> &String) -> Datum {
     let row = |name: &String| {
         let count = entries.iter().filter(|entry| of(entry) == name).count();
-        Datum::Group(Data(vec![
+        Datum::Group(Data::from([
             (key.to_owned(), Datum::Text(name.clone())),
             ("runs".to_owned(), Datum::Whole(count as i64)),
         ]))

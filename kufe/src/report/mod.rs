@@ -15,7 +15,6 @@
 //! | [`record_page`] | faults and oddities of recorded runs, worst first, without scripts |
 //! | [`index_page`] | an index of runs |
 //! | [`PackedGrid`] | fields on a regular grid, thinned and packed for a page |
-//! | [`pack`] | numbers as the page's scripts read them |
 //! | [`ContactPage`], [`SeriesPage`], [`TablePage`], [`RunsPage`] | the data of four kinds |
 //!
 //! ```
@@ -32,7 +31,6 @@ mod folder;
 mod grid;
 mod html;
 mod index;
-mod pack;
 mod page;
 mod record;
 mod results;
@@ -46,7 +44,6 @@ pub use discovery::discovery_page;
 pub use folder::{LONGEST_TREE, PAGE, ResultPage, TABLE_PICTURES, read_json, result_page};
 pub use grid::PackedGrid;
 pub use index::index_page;
-pub use pack::{Packed, pack};
 pub use page::{Kind, page};
 pub use record::record_page;
 pub use results::{Picture, picture_url, results_page};

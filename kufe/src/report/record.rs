@@ -182,12 +182,8 @@ fn one_run(number: usize, run: &Examination, viewer: Option<&str>) -> String {
             "channel|#missing|#noise|#steps|#still [s]|#leaps|#drop-outs|#at its stop|#at rest|\
              #delay [ms]|by octave",
         );
-        out += &table(
-            &columns,
-            run.channels
-                .iter()
-                .map(|(name, channel)| (false, row(name, channel))),
-        );
+        let channels = run.channels.iter();
+        out += &table(&columns, channels.map(|(name, channel)| row(name, channel)));
     }
     fold_with(
         &format!(" id=\"run-{number}\""),

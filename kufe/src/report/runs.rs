@@ -1,30 +1,21 @@
 //! The data of the page of recorded runs.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
-use kufe_sled::{COLUMNS, Fault, Note, OddStretch, Section, distinct};
+use kufe_sled::{COLUMNS, distinct};
 use serde::Serialize;
 
-use crate::jobs::gather::UNNAMED;
-use crate::jobs::view_runs::{BEHIND, ViewedRun, ViewedRuns};
-use crate::report::pack::{Packed, pack};
+use crate::jobs::view_runs::{BEHIND, ViewedRuns};
 use crate::report::results::label::{name_of, unit_of};
 use crate::report::sign::sign;
 
 /// Data of the page of recorded runs.
 #[derive(Serialize)]
 pub struct RunsPage {
-    /// Index of the runs.
-    index: String,
-    /// Largest rate of the channels [Hz].
-    rate_hz: f64,
-    /// The model's file.
-    model: Option<String>,
     /// The channels in the order of the page.
     channels: Vec<Channel>,
-    runs: Vec<PackedRun>,
-    /// Names and reasons.
-    left_out: Vec<[String; 2]>,
+    #[serde(flatten)]
+    viewed: ViewedRuns,
 }
 
 /// How a channel is shown.
@@ -35,24 +26,6 @@ struct Channel {
     unit: String,
     /// Shown units in one of the column.
     times: f64,
-}
-
-/// A run with its channels packed.
-#[derive(Serialize)]
-struct PackedRun {
-    run: String,
-    track: Option<String>,
-    driver: Option<String>,
-    session: Option<String>,
-    t0_s: f64,
-    rate_hz: f64,
-    columns: BTreeMap<String, Packed>,
-    model: BTreeMap<String, Packed>,
-    stretches: Vec<OddStretch>,
-    sections: Vec<Section>,
-    contacts: Vec<[f64; 2]>,
-    faults: Vec<Fault>,
-    notes: Vec<Note>,
 }
 
 /// Channels that come first: what a driver reads.
@@ -79,11 +52,7 @@ impl RunsPage {
         let keys = distinct(known.chain(there.iter().copied()));
         RunsPage {
             channels: keys.into_iter().map(channel).collect(),
-            index: viewed.index,
-            rate_hz: viewed.rate_hz,
-            model: viewed.model,
-            runs: viewed.runs.into_iter().map(packed).collect(),
-            left_out: viewed.left_out,
+            viewed,
         }
     }
 }
@@ -96,38 +65,14 @@ fn channel(key: &str) -> Channel {
         "rad/s" => ("°/s".to_owned(), degrees),
         unit => (sign(unit), 1.0),
     };
-    let is_behind = key == BEHIND;
+    let label = match key {
+        BEHIND => "run behind model".to_owned(),
+        key => name_of(key),
+    };
     Channel {
         key: key.to_owned(),
-        label: if is_behind {
-            "run behind model".to_owned()
-        } else {
-            name_of(key)
-        },
+        label,
         unit,
         times,
-    }
-}
-
-fn packed(run: ViewedRun) -> PackedRun {
-    let stated = |name: String| (name != UNNAMED).then_some(name);
-    let pack_all = |columns: BTreeMap<String, Vec<f64>>| {
-        let columns = columns.into_iter();
-        columns.map(|(name, values)| (name, pack(values))).collect()
-    };
-    PackedRun {
-        run: run.entry.run,
-        track: stated(run.entry.track),
-        driver: stated(run.entry.driver),
-        session: stated(run.entry.session),
-        t0_s: run.t0_s,
-        rate_hz: run.rate_hz,
-        columns: pack_all(run.columns),
-        model: pack_all(run.model),
-        stretches: run.examination.stretches,
-        sections: run.sections,
-        contacts: run.contacts,
-        faults: run.examination.faults,
-        notes: run.examination.notes,
     }
 }

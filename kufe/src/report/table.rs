@@ -92,14 +92,11 @@ impl<'a> TablePage<'a> {
         let mut worst: Vec<usize> = (0..judged.len()).collect();
         worst.sort_by(|&a, &b| judged[b].partial_cmp(&judged[a]).unwrap_or(Ordering::Equal));
         worst.truncate(MOST_CHECKS);
-        let checks = worst.iter().map(|&k| {
-            let point = &table.checks()[k].point;
-            let (fz, curvature, layer) = (point.fz, point.curvature, layer_name(point));
-            CheckPlace {
-                fz,
-                curvature,
-                layer,
-            }
+        let checks = worst.iter().map(|&k| table.checks()[k].point);
+        let checks = checks.map(|point| CheckPlace {
+            fz: point.fz,
+            curvature: point.curvature,
+            layer: layer_name(&point),
         });
         let quantity = |&quantity: &Quantity| {
             let at_checks = table.check_errors(quantity, Mode::Smooth)?;
@@ -109,17 +106,19 @@ impl<'a> TablePage<'a> {
                 errors.insert(mode.name(), measured.map(|m| m.max));
             }
             let values = table.values(quantity).unwrap_or_default();
+            let relative = |errors: &[f64], node: usize| (errors[node] / values[node]).abs();
             let solver = table.errors(quantity);
+            let solver = solver.map(|errors| cube(axes, &taken, |node| relative(errors, node)));
             Ok(QuantityData {
                 name: quantity.name(),
                 unit: quantity.unit(),
                 errors,
                 values: cube(axes, &taken, |node| values[node]),
-                solver: solver
-                    .map(|errors| cube(axes, &taken, |node| (errors[node] / values[node]).abs())),
+                solver,
                 check_errors: worst.iter().map(|&k| at_checks[k]).collect(),
             })
         };
+        let quantities = table.quantities().iter().map(quantity);
         let case: CaseRecord = serde_json::from_str(&table.case).unwrap_or_default();
         let ranges = AxisRange::of(axes);
         Ok(TablePage {
@@ -137,11 +136,7 @@ impl<'a> TablePage<'a> {
             check_count: table.checks().len(),
             checks: checks.collect(),
             by_boundary_elements: table.solved_by(Method::BoundaryElements),
-            quantities: table
-                .quantities()
-                .iter()
-                .map(quantity)
-                .collect::<Result<_, Error>>()?,
+            quantities: quantities.collect::<Result<_, Error>>()?,
             solver_error: table.solver_error(),
             judged: table.judged().name(),
             interpolation_requested: table.interpolation_requested,
@@ -178,10 +173,7 @@ fn layer_name(point: &Point) -> String {
 /// A number of every node that is taken, by layer, force and curvature.
 fn cube(axes: &Axes, taken: &[Vec<usize>; 3], of: impl Fn(usize) -> f64) -> Vec<Vec<Vec<f64>>> {
     let [forces, curvatures, layers] = taken;
-    let row = |i: usize, k: usize| {
-        let row = curvatures.iter().map(|&j| of(axes.node(i, j, k)));
-        row.collect()
-    };
+    let row = |i, k| curvatures.iter().map(|&j| of(axes.node(i, j, k))).collect();
     let layer = |&k: &usize| forces.iter().map(|&i| row(i, k)).collect();
     layers.iter().map(layer).collect()
 }

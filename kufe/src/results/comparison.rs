@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::results::contact::ContactResult;
-use crate::results::datum::{Data, Datum};
+use crate::results::datum::Datum;
 use crate::results::quantity::{PeakPressure, QUANTITIES, Quantity};
 
 /// `comparison.json`: two solved contacts, quantity by quantity and place by place.
@@ -68,6 +68,8 @@ pub struct MapDifference {
     pub moved_n: f64,
 }
 
+/// Key of the quantity whose error has several parts.
+const PEAK: &str = PeakPressure::DESCRIPTION.key;
 /// Part of a value below which a difference is rounding.
 const ROUNDING: f64 = 1e-12;
 
@@ -82,23 +84,18 @@ pub fn compared_quantities(
 ) -> serde_json::Result<Vec<ComparedQuantity>> {
     let documents = [Datum::of(first)?, Datum::of(second)?];
     let peaks = [first, second].map(|result| result.peak().error);
-    let none = Data::default();
-    let [a, b] = documents
-        .each_ref()
-        .map(|document| document.group().unwrap_or(&none));
-    let number = |data: &Data, key: &str| data.get(key).and_then(Datum::number);
+    let number = |k: usize, key: &str| documents[k].group()?.get(key)?.number();
     let row = |key: &str, error_key: &str| {
-        let [first, second] = [number(a, key)?, number(b, key)?];
-        let error = |k: usize, data: &Data| {
-            if key == PeakPressure::DESCRIPTION.key {
-                return Some(peaks[k]).filter(|error| error.is_finite());
-            }
-            number(data, error_key)
-        };
-        let (first_error, second_error) = (error(0, a), error(1, b));
+        let (first, second) = (number(0, key)?, number(1, key)?);
+        let [first_error, second_error] = [0, 1].map(|k| match key {
+            PEAK => Some(peaks[k]).filter(|error| error.is_finite()),
+            _ => number(k, error_key),
+        });
         let rounding = ROUNDING * first.abs().max(second.abs());
-        let difference = Some(second - first).filter(|difference| difference.abs() > rounding);
-        let difference = difference.unwrap_or(0.0);
+        let difference = match second - first {
+            difference if difference.abs() > rounding => difference,
+            _ => 0.0,
+        };
         let difference_error = first_error.zip(second_error).map(|(a, b)| a + b);
         Some(ComparedQuantity {
             key: key.to_owned(),

@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use serde::de::{Deserializer, MapAccess, Visitor};
-use serde::{Deserialize, Serialize, Serializer};
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
 
 /// Keys of a summary that are shown in full.
 const IN_FULL: [&str; 3] = ["case", "warnings", "remarks"];
@@ -32,9 +32,14 @@ pub enum Datum {
     Group(Data),
 }
 
+impl Default for Datum {
+    fn default() -> Self {
+        Datum::Group(Data::default())
+    }
+}
+
 /// Data with their keys, in the order of the document.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Data(pub Vec<(String, Datum)>);
+pub type Data = IndexMap<String, Datum>;
 
 impl Datum {
     /// The data of a document.
@@ -95,14 +100,14 @@ impl Datum {
             Datum::Absent(()) => true,
             Datum::Text(text) => text.is_empty(),
             Datum::List(list) => list.is_empty(),
-            Datum::Group(Data(data)) => data.is_empty(),
+            Datum::Group(data) => data.is_empty(),
             _ => false,
         }
     }
 
     /// A value with the ends of its interval: a group of `value`, `low` and `high` alone.
     pub fn interval(&self) -> Option<[f64; 3]> {
-        let data = self.group().filter(|data| data.0.len() == 3)?;
+        let data = self.group().filter(|data| data.len() == 3)?;
         let number = |key: &str| data.get(key)?.number();
         Some([number("value")?, number("low")?, number("high")?])
     }
@@ -112,14 +117,14 @@ impl Datum {
     pub fn effective(self) -> Datum {
         match self {
             Datum::List(list) => Datum::List(list.into_iter().map(Datum::effective).collect()),
-            Datum::Group(Data(mut data)) => {
-                if data.contains(&("elastic".to_owned(), Datum::Flag(false))) {
-                    let idle = ["youngs_modulus_pa", "poissons_ratio"];
-                    data.retain(|(key, _)| !idle.contains(&key.as_str()));
+            Datum::Group(mut data) => {
+                if data.get("elastic") == Some(&Datum::Flag(false)) {
+                    data.retain(|key, _| {
+                        !["youngs_modulus_pa", "poissons_ratio"].contains(&&**key)
+                    });
                 }
                 let data = data.into_iter();
-                let data = data.map(|(key, datum)| (key, datum.effective()));
-                Datum::Group(Data(data.collect()))
+                Datum::Group(data.map(|(key, datum)| (key, datum.effective())).collect())
             }
             single => single,
         }
@@ -132,36 +137,35 @@ impl Datum {
             let plural = if count == 1 { "entry" } else { "entries" };
             Datum::Text(format!("{count} {plural}"))
         };
-        let Datum::Group(Data(data)) = self else {
+        let Datum::Group(mut data) = self else {
             let rows = Datum::Whole(self.list().len() as i64);
-            return Data(vec![("rows".to_owned(), rows)]);
+            return Data::from([("rows".to_owned(), rows)]);
         };
-        let shown = |(key, datum): (String, Datum)| {
-            let datum = match datum {
-                datum if IN_FULL.contains(&key.as_str()) => datum,
+        data.retain(|key, _| !ASIDE.contains(&&**key));
+        for (_, datum) in data
+            .iter_mut()
+            .filter(|(key, _)| !IN_FULL.contains(&&***key))
+        {
+            let count = match datum {
                 Datum::List(list) if list.len() > 3 || !list.iter().all(Datum::is_single) => {
-                    entries(list.len())
+                    list.len()
                 }
-                Datum::Group(Data(mut main)) => {
+                Datum::Group(main) => {
                     let count = main.len();
-                    main.retain(|(_, datum)| match datum {
-                        Datum::Group(data) => data.get("value").is_some(),
+                    main.retain(|_, datum| match datum {
+                        Datum::Group(data) => data.contains_key("value"),
                         other => other.is_single(),
                     });
-                    if main.is_empty() {
-                        entries(count)
-                    } else {
-                        Datum::Group(Data(main))
+                    if !main.is_empty() {
+                        continue;
                     }
+                    count
                 }
-                other => other,
+                _ => continue,
             };
-            (key, datum)
-        };
-        let data = data
-            .into_iter()
-            .filter(|(key, _)| !ASIDE.contains(&key.as_str()));
-        Data(data.map(shown).collect())
+            *datum = entries(count);
+        }
+        data
     }
 }
 
@@ -176,47 +180,6 @@ impl fmt::Display for Datum {
     }
 }
 
-impl Data {
-    /// The datum of a key.
-    pub fn get(&self, key: &str) -> Option<&Datum> {
-        let found = self.0.iter().find(|(known, _)| known == key);
-        found.map(|(_, datum)| datum)
-    }
-
-    /// Keys and data in order.
-    pub fn iter(&self) -> impl Iterator<Item = (&str, &Datum)> + Clone {
-        self.0.iter().map(|(key, datum)| (key.as_str(), datum))
-    }
-}
-
-impl Serialize for Data {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.iter())
-    }
-}
-
-impl<'de> Deserialize<'de> for Data {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct InOrder;
-        impl<'de> Visitor<'de> for InOrder {
-            type Value = Data;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("an object")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Data, A::Error> {
-                let mut data = Vec::new();
-                while let Some(datum) = map.next_entry()? {
-                    data.push(datum);
-                }
-                Ok(Data(data))
-            }
-        }
-        deserializer.deserialize_map(InOrder)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -226,12 +189,7 @@ mod tests {
         let text = r#"{"z":1.5,"a":[1,-2,18446744073709551615],"n":null,"t":"x","of":{"y":true,"b":0.25}}"#;
         let data: Datum = serde_json::from_str(text).expect("data");
         assert_eq!(serde_json::to_string(&data).expect("JSON"), text);
-        let keys: Vec<&str> = data
-            .group()
-            .expect("a group")
-            .iter()
-            .map(|(key, _)| key)
-            .collect();
+        let keys: Vec<&String> = data.group().expect("a group").keys().collect();
         assert_eq!(keys, ["z", "a", "n", "t", "of"]);
     }
 

@@ -43,7 +43,7 @@ impl DocumentKind {
     pub fn of(document: &Datum) -> Option<DocumentKind> {
         let group = document.list().first().unwrap_or(document).group()?;
         let mut kinds = DOCUMENT_KINDS.into_iter();
-        let fits = |keys: &[&str]| keys.iter().all(|key| group.get(key).is_some());
+        let fits = |keys: &[&str]| keys.iter().all(|key| group.contains_key(*key));
         let (name, command, _) = kinds.find(|(_, _, keys)| fits(keys))?;
         Some(DocumentKind { name, command })
     }

@@ -20,6 +20,7 @@
 //! | [`TableSummary`], [`TableInfo`], [`TableLookup`] | a lookup table, and its values at one contact |
 //! | [`finding::Report`] | `report.json` of a search for missing effects |
 //! | [`CaseRecord`] | the case within a result |
+//! | [`pack`] | numbers as the page's scripts read them |
 //! | [`Datum`], [`DocumentKind`] | any document as a tree of figures, and its kind |
 //!
 //! ```
@@ -37,6 +38,7 @@ mod datum;
 mod document;
 pub mod finding;
 mod friction;
+mod pack;
 mod quantity;
 mod record;
 mod runs;
@@ -49,6 +51,7 @@ pub use contact::*;
 pub use datum::{Data, Datum};
 pub use document::DocumentKind;
 pub use friction::*;
+pub use pack::{Packed, pack};
 pub use quantity::*;
 pub use record::{CaseRecord, write_csv};
 pub use runs::*;

@@ -14,7 +14,7 @@ use crate::results::datum::Datum;
 /// JSON has no infinity: the words `inf`, `-inf` and `nan` take its place.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
-pub struct CaseRecord(#[schemars(schema_with = "any_object")] toml::Table);
+pub struct CaseRecord(#[schemars(schema_with = "any_object")] Datum);
 
 /// A schema of the case alone would refuse the words for infinity.
 fn any_object(_: &mut SchemaGenerator) -> Schema {
@@ -24,30 +24,23 @@ fn any_object(_: &mut SchemaGenerator) -> Schema {
 impl CaseRecord {
     /// The record of a case; empty where a path in it is not valid Unicode.
     pub fn of(case: &Case) -> Self {
-        let mut table = toml::Table::try_from(case).unwrap_or_default();
-        table
-            .iter_mut()
-            .for_each(|(_, value)| write_infinity(value));
-        CaseRecord(table)
+        let table = toml::Table::try_from(case).unwrap_or_default();
+        let mut table = toml::Value::Table(table);
+        write_infinity(&mut table);
+        CaseRecord(Datum::of(&table).unwrap_or_default())
     }
 
     /// The record without the elastic constants of a rigid runner, which have no effect.
     #[must_use]
-    pub fn effective(mut self) -> Self {
-        if let Some(toml::Value::Table(runner)) = self.0.get_mut("runner")
-            && runner.get("elastic") == Some(&toml::Value::Boolean(false))
-        {
-            runner.remove("youngs_modulus_pa");
-            runner.remove("poissons_ratio");
-        }
-        self
+    pub fn effective(self) -> Self {
+        CaseRecord(self.0.effective())
     }
 }
 
 /// The case as JSON.
 impl fmt::Display for CaseRecord {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&serde_json::to_string(self).unwrap_or_default())
+        self.0.fmt(f)
     }
 }
 
@@ -75,7 +68,7 @@ pub fn write_csv<T: Serialize>(writer: impl Write, rows: &[T]) -> std::io::Resul
     let mut records = Vec::new();
     for row in rows {
         match Datum::of(row)? {
-            Datum::Group(cells) if cells.iter().all(|(_, cell)| cell.is_single()) => {
+            Datum::Group(cells) if cells.values().all(Datum::is_single) => {
                 records.push(cells);
             }
             other => {
@@ -84,17 +77,14 @@ pub fn write_csv<T: Serialize>(writer: impl Write, rows: &[T]) -> std::io::Resul
             }
         }
     }
-    let Some(longest) = records.iter().max_by_key(|cells| cells.0.len()) else {
+    let Some(longest) = records.iter().max_by_key(|cells| cells.len()) else {
         return Ok(());
     };
-    let columns: Vec<&str> = longest.iter().map(|(key, _)| key).collect();
     let mut csv = csv::Writer::from_writer(writer);
-    csv.write_record(&columns)?;
+    csv.write_record(longest.keys())?;
     for cells in &records {
-        csv.write_record(columns.iter().map(|column| {
-            let cell = cells.get(column);
-            cell.map_or(String::new(), Datum::to_string)
-        }))?;
+        let text = |column| cells.get(column).map_or(String::new(), Datum::to_string);
+        csv.write_record(longest.keys().map(text))?;
     }
     csv.flush()
 }

@@ -49,18 +49,13 @@ pub struct LateralFitDocument {
 impl LateralFitDocument {
     /// The fitted laws in one sentence a runner.
     pub fn headline(&self) -> String {
+        let between = |x: &Interval, unit: &str| {
+            let amount = |value| quantity(value, unit);
+            let ends = x.low.zip(x.high);
+            let ends = ends.map(|(low, high)| format!(" ({} to {})", amount(low), amount(high)));
+            amount(x.value) + &ends.unwrap_or_default()
+        };
         let of = |(runner, fit): (&str, &LateralFit)| {
-            let between = |x: &Interval, unit: &str| {
-                let value = quantity(x.value, unit);
-                let ends = x.low.zip(x.high);
-                ends.map_or_else(
-                    || value.clone(),
-                    |(low, high)| {
-                        let [low, high] = [low, high].map(|end| quantity(end, unit));
-                        format!("{value} ({low} to {high})")
-                    },
-                )
-            };
             format!(
                 "{runner} runner: stiffness {}, largest grip {}, r.m.s. residual {}.",
                 between(&fit.k_n_per_rad, "N/rad"),
@@ -68,9 +63,8 @@ impl LateralFitDocument {
                 quantity(fit.residual_rms_n, "N"),
             )
         };
-        [("Front", &self.fit.front), ("Rear", &self.fit.rear)]
-            .map(of)
-            .join(" ")
+        let runners = [("Front", &self.fit.front), ("Rear", &self.fit.rear)];
+        runners.map(of).join(" ")
     }
 }
 
@@ -142,14 +136,10 @@ pub fn write_evaluation_csv(writer: impl Write, runs: &[RunEvaluation]) -> std::
             ("session", &run.session),
         ];
         let names = names.map(|(key, name)| (key.to_owned(), Datum::Text(name.clone())));
-        let number = |(key, of): &Column| Ok((key.to_string(), Datum::of(&of(run))?));
-        let numbers = COLUMNS
-            .iter()
-            .map(number)
-            .collect::<std::io::Result<Vec<_>>>()?;
-        Ok(Data(names.into_iter().chain(numbers).collect()))
+        let numbers = COLUMNS.map(|(key, of)| (key.to_owned(), Datum::Number(of(run))));
+        names.into_iter().chain(numbers).collect()
     });
-    write_csv(writer, &rows.collect::<std::io::Result<Vec<_>>>()?)
+    write_csv(writer, &rows.collect::<Vec<Data>>())
 }
 
 /// `validation.json`: measured and modelled lateral force.
@@ -432,7 +422,7 @@ pub struct ImportList {
 }
 
 /// One imported run.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct ImportedRun {
     /// Its name.
     pub run: String,
@@ -471,37 +461,35 @@ pub struct FoundDelay {
 impl ImportedRun {
     /// Of a run that was made so.
     pub fn of(note: &Note) -> ImportedRun {
-        let samples = note.channels.iter().map(|(name, channel)| {
+        let mut imported = ImportedRun {
+            run: note.run.clone(),
+            seconds: note.rows as f64 / note.rate_hz,
+            remarks: note.remarks.clone(),
+            ..ImportedRun::default()
+        };
+        for (name, channel) in &note.channels {
             let count = SampleCount {
                 expected: channel.expected_samples,
                 read: channel.samples,
             };
-            (name.clone(), count)
-        });
-        let missing = note
-            .channels
-            .iter()
-            .map(|(name, c)| (name.clone(), c.missing_rows));
+            imported.samples.insert(name.clone(), count);
+            if channel.missing_rows > 0 {
+                let rows = channel.missing_rows;
+                imported.missing_rows.insert(name.clone(), rows);
+            }
+        }
         let clocks = note
             .loggers
             .iter()
             .map(|(name, logger)| (name, &logger.clock));
-        let found = clocks.filter(|(_, clock)| clock.source == "found");
-        let delays = found.map(|(name, clock)| {
+        for (name, clock) in clocks.filter(|(_, clock)| clock.source == "found") {
             let delay = FoundDelay {
                 delay_s: clock.delay_s,
                 delay_sd_s: clock.delay_sd_s,
                 delay_includes: clock.delay_includes,
             };
-            (name.clone(), delay)
-        });
-        ImportedRun {
-            run: note.run.clone(),
-            seconds: note.rows as f64 / note.rate_hz,
-            samples: samples.collect(),
-            missing_rows: missing.filter(|(_, rows)| *rows > 0).collect(),
-            delays: delays.collect(),
-            remarks: note.remarks.clone(),
+            imported.delays.insert(name.clone(), delay);
         }
+        imported
     }
 }

@@ -6,6 +6,8 @@ use kufe_lut::{
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
+use crate::plot::extent;
+
 /// Largest relative error of an interpolation, where it was measured.
 fn error(table: &Table, quantity: Quantity, mode: Mode) -> Result<Option<f64>, Error> {
     let measured = table.interpolation_error(quantity, mode)?;
@@ -184,10 +186,11 @@ impl TableInfo {
         let ranges = AxisRange::of(axes).collect();
         let mut quantities = Vec::new();
         for &quantity in table.quantities() {
-            let values = || table.values(quantity).unwrap_or_default().iter().copied();
+            let values = table.values(quantity).unwrap_or_default();
+            let [min, max] = extent(values.iter().copied());
             let range = QuantityRange {
-                min: values().fold(f64::INFINITY, f64::min),
-                max: values().fold(f64::NEG_INFINITY, f64::max),
+                min,
+                max,
                 smooth_error: error(table, quantity, Mode::Smooth)?,
                 bilinear_error: error(table, quantity, Mode::Bilinear)?,
             };

@@ -52,7 +52,7 @@ fn add_law(effect: &mut Effect) {
             });
         }
         "pitch-offset" => {
-            effect.on_problem = Some(|value, problem| turn(problem, About::Y, value));
+            effect.on_problem = Some(|value, problem| turn(problem, 1, value));
         }
         "rocker-radius" => {
             effect.on_problem = Some(|value, problem| {
@@ -62,7 +62,7 @@ fn add_law(effect: &mut Effect) {
             });
         }
         "roll-tilt" => {
-            effect.on_problem = Some(|value, problem| turn(problem, About::X, value));
+            effect.on_problem = Some(|value, problem| turn(problem, 0, value));
         }
         "runner-compliance" => {
             effect.on_problem = Some(|value, problem| problem.ice.youngs_modulus /= 1.0 + value);
@@ -89,18 +89,16 @@ fn add_law(effect: &mut Effect) {
 
 /// Adds to one over the thickness of the ice layer.
 fn change_thickness(inverse: f64, problem: &mut Problem) {
-    let own = match problem.ice.foundation {
-        Foundation::HalfSpace => 0.0,
-        Foundation::RigidBed { thickness } | Foundation::ElasticBed { thickness, .. } => {
-            1.0 / thickness
-        }
+    let (own, bed) = match problem.ice.foundation {
+        Foundation::HalfSpace => (f64::INFINITY, None),
+        Foundation::RigidBed { thickness } => (thickness, None),
+        Foundation::ElasticBed { thickness, bed } => (thickness, Some(bed)),
     };
-    let inverse = own + inverse;
-    let thickness = 1.0 / inverse;
-    problem.ice.foundation = match problem.ice.foundation {
-        _ if inverse <= 1.0e-6 => Foundation::HalfSpace,
-        Foundation::ElasticBed { bed, .. } => Foundation::ElasticBed { thickness, bed },
-        _ => Foundation::RigidBed { thickness },
+    let thickness = 1.0 / (1.0 / own + inverse);
+    problem.ice.foundation = match bed {
+        _ if !(0.0..1.0e6).contains(&thickness) => Foundation::HalfSpace,
+        Some(bed) => Foundation::ElasticBed { thickness, bed },
+        None => Foundation::RigidBed { thickness },
     };
 }
 
@@ -177,35 +175,19 @@ impl<F: Fn(f64, f64, f64) -> f64 + Send + Sync> Underside for Shaped<F> {
     }
 }
 
-/// The axis that it is turned about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum About {
-    /// x: positive lifts the left side.
-    X,
-    /// y: positive lowers the nose.
-    Y,
-}
-
-/// Adds the angle to a fixed tilt; with a free one the underside is turned against the frame of the
-/// map.
-fn turn(problem: &mut Problem, about: About, angle: f64) {
+/// Adds an angle about x (axis 0, positive lifts the left side) or y (axis 1, positive lowers the
+/// nose) to a fixed tilt; with a free one the underside is turned against the frame of the map.
+fn turn(problem: &mut Problem, axis: usize, angle: f64) {
     if let Load::Force {
         tilt: Tilt::Fixed { pitch, roll },
         ..
     } = &mut problem.load
     {
-        match about {
-            About::X => *roll += angle,
-            About::Y => *pitch += angle,
-        }
+        *[roll, pitch][axis] += angle;
         return;
     }
-    let slope = match about {
-        About::X => [0.0, angle.tan()],
-        About::Y => [-angle.tan(), 0.0],
-    };
-    let keeps = [about == About::X, about == About::Y];
-    reshape(problem, keeps, move |x, y, height| {
+    let slope = [[0.0, angle.tan()], [-angle.tan(), 0.0]][axis];
+    reshape(problem, [axis == 0, axis == 1], move |x, y, height| {
         height + slope[0] * x + slope[1] * y
     });
 }

@@ -13,7 +13,7 @@ use kufe_contact::{
 use kufe_mesh::HexMesh;
 use serde::Serialize;
 
-use crate::jobs::case_file::{EMPTY, LoadedCase, around};
+use crate::jobs::case_file::{LoadedCase, around};
 use crate::jobs::failure::Failure;
 use crate::results::RunnerResult;
 
@@ -55,13 +55,13 @@ impl<'a> CalculixDeck<'a> {
     /// # Errors
     /// Those of the solver, and [`Failure::BadInput`] for a problem that the deck cannot state.
     pub fn solve(loaded: &'a LoadedCase, cells: Option<usize>) -> Result<Self, Failure> {
-        let problem = loaded.stated()?.problem;
-        check_statable(&problem).map_err(|reason| loaded.bad_input(reason))?;
+        let (problem, _) = loaded.stated()?;
+        loaded.valid(check_statable(&problem))?;
         let options = Options {
             cells,
             ..loaded.case.options()
         };
-        let solution = solve(&problem, &options).map_err(|error| loaded.failure(&error))?;
+        let solution = loaded.solved(solve(&problem, &options))?;
         Ok(CalculixDeck {
             loaded,
             problem,
@@ -81,19 +81,17 @@ impl<'a> CalculixDeck<'a> {
     /// Those of the writer.
     pub fn write(&self, writer: impl Write) -> std::io::Result<()> {
         let (problem, solution) = (&self.problem, &self.solution);
-        let bodies = (
-            &solution.volume,
-            &solution.runner_volume,
-            &problem.runner.elastic,
-        );
-        let (Some(volume), Some(field), Some(elastic)) = bodies else {
+        let (ice, steel) = (&solution.volume, &solution.runner_volume);
+        let (Some(volume), Some(field), Some(elastic)) = (ice, steel, &problem.runner.elastic)
+        else {
             unreachable!("the runner of a problem that a deck can state is elastic");
         };
         let (grid, runner) = (&volume.grid, &field.mesh);
         let (symmetry, approach) = (solution.symmetry, solution.approach);
         let half_width = 0.5 * solution.width;
-        let moduli = [problem.ice.youngs_modulus, problem.ice.poissons_ratio];
+        let ice = [problem.ice.youngs_modulus, problem.ice.poissons_ratio];
         let steel = [elastic.youngs_modulus, elastic.poissons_ratio];
+        let materials = [("ICE", ice), ("RUNNER", steel)];
         let name = self.loaded.name.replace(char::is_control, " ");
         let title = format!("{name}, by kufe {}", env!("CARGO_PKG_VERSION"));
         let mut out = BufWriter::new(writer);
@@ -122,7 +120,7 @@ impl<'a> CalculixDeck<'a> {
                 writeln!(out)?;
             }
         }
-        for (name, [youngs_modulus, poissons_ratio]) in [("ICE", moduli), ("RUNNER", steel)] {
+        for (name, [youngs_modulus, poissons_ratio]) in materials {
             writeln!(out, "*MATERIAL, NAME={name}\n*ELASTIC")?;
             writeln!(out, "{:e}, {poissons_ratio}", MPA * youngs_modulus)?;
             writeln!(out, "*SOLID SECTION, ELSET={name}, MATERIAL={name}")?;
@@ -167,7 +165,7 @@ impl<'a> CalculixDeck<'a> {
         }
         writeln!(out, "*SURFACE, NAME=SURFACE_OF_ICE, TYPE=ELEMENT")?;
         let low = runner.points.iter().filter(|p| p[2] < NEAR * approach);
-        let [x0, x1, y0, y1] = low.fold(EMPTY, |reach, p| around(reach, [p[0], p[1]]));
+        let [x0, x1, y0, y1] = around(low.map(|p| [p[0], p[1]]));
         for (cell, c) in ice.cells.iter().enumerate().skip((nz - 2) * per_layer) {
             let (low, high) = (ice.points[c[4]], ice.points[c[6]]);
             if high[0] >= x0 && low[0] <= x1 && high[1] >= y0 && low[1] <= y1 {
@@ -204,8 +202,7 @@ impl<'a> CalculixDeck<'a> {
     /// Those of the loads on the mount.
     pub fn result(&self, path: &Path) -> Result<DeckResult, Failure> {
         let solution = &self.solution;
-        let loads = runner_loads(&self.problem, solution);
-        let loads = loads.map_err(|error| self.loaded.failure(&error))?;
+        let loads = self.loaded.solved(runner_loads(&self.problem, solution))?;
         Ok(DeckResult {
             deck: path.display().to_string(),
             p_max_pa: solution.p_max,
@@ -225,34 +222,26 @@ fn check_statable(problem: &Problem) -> Result<(), &'static str> {
     let Some(elastic) = &problem.runner.elastic else {
         return Err("runner.elastic: expected true: the deck has two bodies");
     };
-    let endless = problem.runner.underside.extent();
-    let endless = endless.iter().any(|end| end.is_infinite());
-    let loaded = matches!(elastic.mount, Mount::Loads(_));
-    let bedded = matches!(problem.ice.foundation, Foundation::RigidBed { .. });
-    let contradictions = [
-        (
-            elastic.solid.is_some(),
-            "runner.mesh: expected a shape or a hull: the deck takes the hexahedra on the ice's columns",
-        ),
-        (endless, "runner.shape: expected a runner with ends"),
-        (
-            loaded,
-            "runner.mount: expected held places, or the whole top",
-        ),
-        (!bedded, "ice.thickness_m: expected a layer on a rigid bed"),
-        (
-            problem.ice.hardness.is_some(),
-            "ice.hardness_pa: expected elastic ice",
-        ),
-        (problem.track_curvature != 0.0, "track: expected a flat one"),
-    ];
-    if let Some((_, reason)) = contradictions.into_iter().find(|(wrong, _)| *wrong) {
-        return Err(reason);
-    }
-    match problem.load {
-        Load::Force { tilt, .. } if tilt == Tilt::LEVEL => Ok(()),
-        _ => Err("load.tilt: expected \"fixed\" with no pitch and no roll"),
-    }
+    let extent = problem.runner.underside.extent();
+    let is_level = matches!(problem.load, Load::Force { tilt, .. } if tilt == Tilt::LEVEL);
+    let reason = if elastic.solid.is_some() {
+        "runner.mesh: expected a shape or a hull: the deck takes the hexahedra on the ice's columns"
+    } else if extent.iter().any(|end| end.is_infinite()) {
+        "runner.shape: expected a runner with ends"
+    } else if matches!(elastic.mount, Mount::Loads(_)) {
+        "runner.mount: expected held places, or the whole top"
+    } else if !matches!(problem.ice.foundation, Foundation::RigidBed { .. }) {
+        "ice.thickness_m: expected a layer on a rigid bed"
+    } else if problem.ice.hardness.is_some() {
+        "ice.hardness_pa: expected elastic ice"
+    } else if problem.track_curvature != 0.0 {
+        "track: expected a flat one"
+    } else if !is_level {
+        "load.tilt: expected \"fixed\" with no pitch and no roll"
+    } else {
+        return Ok(());
+    };
+    Err(reason)
 }
 
 /// Stiffness of the contact over E / half width, of which the ice's own is about 1. CalculiX's hard

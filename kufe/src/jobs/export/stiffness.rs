@@ -48,10 +48,9 @@ impl AssembledStiffness {
             stiffness: StiffnessForm::Assembled,
             ..loaded.case.options()
         };
-        let solved = solve(&loaded.stated()?.problem, &options);
         Ok(AssembledStiffness {
             title: format!("{}, by kufe {}", loaded.name, env!("CARGO_PKG_VERSION")),
-            solution: solved.map_err(|error| loaded.failure(&error))?,
+            solution: loaded.solved(solve(&loaded.stated()?.0, &options))?,
         })
     }
 

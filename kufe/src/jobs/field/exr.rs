@@ -11,7 +11,7 @@ use exr::prelude::{
 use kufe_contact::PressureMap;
 use kufe_mesh::ExrImage;
 
-use crate::jobs::failure::Failure;
+use crate::jobs::failure::{Failure, Located};
 
 const COMMENTS: &str = "p: contact pressure on the last mesh [Pa], whose peak is p_max_mesh_pa; p_max_pa: the peak in the limit of fine meshes; gap [m]; uz: vertical displacement of the ice [m]. Column i, \
     row j of the pixels is centred at x = origin_x_m + i pixel_x_m (along the runner), y = origin_y_m + j pixel_y_m (across).";
@@ -120,8 +120,10 @@ pub fn read_map(path: &Path) -> Result<PressureMap, Failure> {
         return Err(Failure::in_file(path, text));
     }
     let channel = |name: &str| {
-        let values = image.channel(name).map(|values| values.to_vec());
-        values.map_err(|error| Failure::in_file(path, error))
+        image
+            .channel(name)
+            .map(|values| values.to_vec())
+            .in_file(path)
     };
     Ok(PressureMap {
         x0: image.origin_m[0],

@@ -11,7 +11,7 @@ use kufe_mesh::HullFormat;
 use serde::Serialize;
 
 use crate::jobs::document_mat::write_document_mat;
-use crate::jobs::failure::Failure;
+use crate::jobs::failure::{Failure, Located};
 use crate::jobs::field::groove::write_sliding;
 use crate::jobs::field::maps::map_picture;
 use crate::jobs::field::placed_hull::placed_hull;
@@ -47,13 +47,13 @@ impl NewFiles<'_> {
         name: &str,
         write: impl FnOnce(&File) -> Result<(), E>,
     ) -> Result<(), Failure> {
-        let failure = |error: &dyn Display| Failure::unwritable(&self.named.join(name), error);
+        let path = self.named.join(name);
         if !is_plain(name) {
-            return Err(failure(&"it is not the plain name of a file"));
+            return Err("it is not the plain name of a file").writable(&path);
         }
-        let file = File::create_new(self.hidden.join(name)).map_err(|e| failure(&e))?;
-        write(&file).map_err(|error| failure(&error))?;
-        file.sync_all().map_err(|error| failure(&error))
+        let file = File::create_new(self.hidden.join(name)).writable(&path)?;
+        write(&file).writable(&path)?;
+        file.sync_all().writable(&path)
     }
 
     /// Writes a file of these bytes.

@@ -87,9 +87,6 @@ fn places(nodes: &[f64], first: f64, step: f64, count: usize) -> Vec<(usize, f64
     (0..count).map(place).collect()
 }
 
-/// Places between two stations at which a line between them is drawn.
-const BETWEEN: u32 = 16;
-
 /// The three pictures one below the other; dots are at the nodes of the mesh, and at the stations
 /// of the film.
 fn groove_picture(pressed: &SolvedContact, slid: &SolvedSliding) -> Figure {
@@ -99,22 +96,24 @@ fn groove_picture(pressed: &SolvedContact, slid: &SolvedSliding) -> Figure {
     let profile = groove.profile.y().iter().zip(groove.profile.depth());
     let across = profile.map(|(y, depth)| (1e3 * y, -1e6 * depth));
     let across = across.filter(|(y, _)| y.abs() <= widest).collect();
+    let groove = "the remaining groove (dots: nodes of the mesh)";
+    let line =
+        "the groove's deepest line under the runner, which slides to the right (dots: nodes)";
+    let patch = "the patch (dots: stations of the film)";
+    let x = "x along the runner [mm]";
+    let (unloaded, deepest) = (
+        "height of the unloaded ice [µm]",
+        deepest_line(pressed, slid),
+    );
     let panels = [
         panel(
-            "the remaining groove (dots: nodes of the mesh)",
-            ["y across [mm]", "height of the ice [µm]"],
-            vec![straight("", across)],
+            groove,
+            "y across [mm]",
+            "height of the ice [µm]",
+            vec![("", across)],
         ),
-        panel(
-            "the groove's deepest line under the runner, which slides to the right (dots: nodes)",
-            ["x along the runner [mm]", "height of the unloaded ice [µm]"],
-            vec![straight("", deepest_line(pressed, slid))],
-        ),
-        panel(
-            "the patch (dots: stations of the film)",
-            ["x along the runner [mm]", "each in its own unit"],
-            along(slid),
-        ),
+        panel(line, x, unloaded, vec![("", deepest)]),
+        panel(patch, x, "each in its own unit", along(slid)),
     ];
     Figure::new(1100.0, "").column(300.0, panels)
 }
@@ -130,56 +129,37 @@ fn deepest_line(pressed: &SolvedContact, slid: &SolvedSliding) -> Vec<Point> {
     let length = groove.front.value - groove.back.value;
     let from = groove.lowest + groove.back.value - 0.2 * length;
     let to = groove.lowest + groove.front.value + 0.2 * length;
-    (0..nx)
-        .filter(|&i| (from..=to).contains(&field.x[i]))
-        .map(|i| (1e3 * field.x[i], -1e6 * groove.depth[deepest * nx + i]))
-        .collect()
+    let nodes = field.x.iter().zip(&groove.depth[deepest * nx..]);
+    let nodes = nodes.filter(|(x, _)| (from..=to).contains(*x));
+    nodes.map(|(x, depth)| (1e3 * x, -1e6 * depth)).collect()
 }
 
-/// A name, what is known, and the line through it.
-type Line = (&'static str, Vec<Point>, Vec<Point>);
+/// A name, and what is known.
+type Line = (&'static str, Vec<Point>);
 
-/// A line that is linear between its dots.
-fn straight(name: &'static str, dots: Vec<Point>) -> Line {
-    (name, dots.clone(), dots)
-}
-
-/// Film, pressure and width over the stations. Between these the film's strip takes the pressure as
-/// linear, and the square of the width.
+/// Film, pressure and width over the stations.
 fn along(slid: &SolvedSliding) -> Vec<Line> {
-    let stations = &slid.film.film.stations;
     let dots = |value: fn(&FilmStation) -> f64| -> Vec<Point> {
         let point = |s: &FilmStation| (1e3 * (slid.film.front - s.xi), value(s));
-        stations.iter().map(point).collect()
+        slid.film.film.stations.iter().map(point).collect()
     };
-    let width = dots(|s| 1e4 * s.width);
-    let squares = width.windows(2).flat_map(|pair| {
-        let [(x, from), (to_x, to)] = [pair[0], pair[1]];
-        (0..=BETWEEN).map(move |k| {
-            let share = f64::from(k) / f64::from(BETWEEN);
-            let square = from * from + share * (to * to - from * from);
-            (x + share * (to_x - x), square.sqrt())
-        })
-    });
     let mut lines = vec![
-        straight("film [0.1 µm]", dots(|s| 1e7 * s.thickness)),
-        straight("pressure [MPa]", dots(|s| 1e-6 * s.pressure)),
-        ("width [0.1 mm]", width.clone(), squares.collect()),
+        ("film [0.1 µm]", dots(|s| 1e7 * s.thickness)),
+        ("pressure [MPa]", dots(|s| 1e-6 * s.pressure)),
+        ("width [0.1 mm]", dots(|s| 1e4 * s.width)),
     ];
     if slid.friction.boundary.value > 0.0 {
         let share = dots(|s| 1e2 * s.boundary_share);
-        lines.push(straight("boundary contact [%]", share));
+        lines.push(("boundary contact [%]", share));
     }
     lines
 }
 
-fn panel(title: &str, [x, y]: [&str; 2], lines: Vec<Line>) -> Panel {
+fn panel(title: &str, x: &str, y: &str, lines: Vec<Line>) -> Panel {
     let layers = lines.into_iter().zip(PALETTE);
-    let layers = layers.flat_map(|((name, dots, points), colour)| {
-        [
-            Layer::line(2.0, points, colour).named(name),
-            Layer::dots(3.0, dots, colour),
-        ]
+    let layers = layers.flat_map(|((name, points), colour)| {
+        let line = Layer::line(2.0, points.iter().copied(), colour);
+        [line.named(name), Layer::dots(3.0, points, colour)]
     });
     Panel::new(Axis::new(x), Axis::new(y), layers.collect()).titled(title)
 }

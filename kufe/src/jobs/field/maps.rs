@@ -177,18 +177,15 @@ impl ComparedMaps {
     }
 
     fn place(&self, k: usize) -> [f64; 2] {
-        let nx = self.pixels.size[0];
-        [
-            self.pixels.at(0, (k % nx) as f64),
-            self.pixels.at(1, (k / nx) as f64),
-        ]
+        let [nx, _] = self.pixels.size;
+        let pixel = [k % nx, k / nx];
+        [0, 1].map(|axis| self.pixels.at(axis, pixel[axis] as f64))
     }
 
     /// The second map less the first.
     pub fn difference(&self) -> MapDifference {
-        let differences: Vec<f64> = (0..self.pressure[0].len())
-            .map(|k| self.difference_at(k))
-            .collect();
+        let pixels = 0..self.pressure[0].len();
+        let differences: Vec<f64> = pixels.map(|k| self.difference_at(k)).collect();
         let largest = highest(differences.iter().map(|difference| difference.abs()));
         let loaded = |k: &usize| self.pressure.iter().any(|p| p[*k] > 0.0);
         let (mut count, mut squares, mut net, mut sizes) = (0_u32, 0.0_f64, 0.0_f64, 0.0);
@@ -231,12 +228,11 @@ impl ComparedMaps {
                 let pressure = self.pressure[which][k] / 1e6;
                 (pressure > EDGE * top).then(|| bar.colour(pressure))
             };
-            self.panel(cell, vec![outline(which, INK)])
-                .titled(names[which])
+            let panel = self.panel(cell, vec![outline(which, INK)]);
+            panel.titled(names[which])
         });
-        let most = (self.difference().largest_pa / 1e6)
-            .abs()
-            .max(f64::MIN_POSITIVE);
+        let most = (1e-6 * self.difference().largest_pa).abs();
+        let most = most.max(f64::MIN_POSITIVE);
         let signed = ColourBar::new("second less first [MPa]", [-most, most], |share| {
             diverging(2.0 * share - 1.0)
         });
@@ -246,15 +242,10 @@ impl ComparedMaps {
             .map(|(which, colour)| outline(which, colour).named(names[which]));
         let difference = self.panel(cell, outlines.into()).titled("difference");
         let through = peaks_at[usize::from(peaks[1] > peaks[0])];
-        figure
-            .row(330.0, maps)
-            .bar(bar.clone())
-            .row(330.0, [difference])
-            .bar(signed.clone())
-            .row(
-                250.0,
-                [0, 1].map(|axis| self.cut(axis, through, names, top)),
-            )
+        let cuts = [0, 1].map(|axis| self.cut(axis, through, names, top));
+        let figure = figure.row(330.0, maps).bar(bar.clone());
+        let figure = figure.row(330.0, [difference]).bar(signed.clone());
+        figure.row(250.0, cuts)
     }
 
     fn panel(&self, cell: impl Fn(usize) -> Option<Rgb>, outlines: Vec<Layer>) -> Panel {

@@ -14,13 +14,11 @@ const POINTS: [usize; 2] = [121, 25];
 /// the approach. `None` for a shape without ends.
 pub fn placed_hull(problem: &Problem, solution: &Solution) -> Option<Hull> {
     let underside = &problem.runner.underside;
-    let [x_min, x_max, y_min, y_max] = underside.extent();
-    if ![x_min, x_max, y_min, y_max]
-        .iter()
-        .all(|end| end.is_finite())
-    {
+    let extent = underside.extent();
+    if extent.iter().any(|end| end.is_infinite()) {
         return None;
     }
+    let [x_min, x_max, y_min, y_max] = extent;
     let [x0, y0] = match problem.load {
         Load::Force {
             offset_x, offset_y, ..
@@ -34,20 +32,22 @@ pub fn placed_hull(problem: &Problem, solution: &Solution) -> Option<Hull> {
         underside.height(x, y) - ice - track_height(problem.track_curvature, x) + tilted
     };
     let surface = &solution.surface;
-    let lowest = surface
-        .y
-        .iter()
-        .flat_map(|&y| surface.x.iter().map(move |&x| above(x, y)))
-        .fold(f64::INFINITY, f64::min);
-    let down = lowest + solution.approach;
-    let [nx, ny] = POINTS;
-    let node = |k: usize, count: usize, low: f64, high: f64| {
-        low + (high - low) * k as f64 / (count - 1) as f64
+    let heights_at = |x: &[f64], y: &[f64]| -> Vec<f64> {
+        let rows = y.iter().flat_map(|&y| x.iter().map(move |&x| (x, y)));
+        rows.map(|(x, y)| above(x, y)).collect()
     };
-    let along: Vec<f64> = (0..nx).map(|i| node(i, nx, x_min, x_max)).collect();
-    let across: Vec<f64> = (0..ny).map(|j| node(j, ny, y_min, y_max)).collect();
-    let at = |k: usize| above(along[k % nx], across[k / nx]) - down;
-    let heights: Vec<f64> = (0..nx * ny).map(at).collect();
+    let solved = heights_at(&surface.x, &surface.y).into_iter();
+    let down = solved.fold(f64::INFINITY, f64::min) + solution.approach;
+    let nodes = |count: usize, low: f64, high: f64| -> Vec<f64> {
+        let place = |k| low + (high - low) * k as f64 / (count - 1) as f64;
+        (0..count).map(place).collect()
+    };
+    let [along, across] = [
+        nodes(POINTS[0], x_min, x_max),
+        nodes(POINTS[1], y_min, y_max),
+    ];
+    let mut heights = heights_at(&along, &across);
+    heights.iter_mut().for_each(|height| *height -= down);
     Some(Hull::underside_of(&along, &across, &heights))
 }
 

@@ -41,20 +41,12 @@ pub fn stress_picture(field: &RunnerField, loads: &RunnerLoads, mirrored: [bool;
     );
     let upper = along.panel(format!("along, at y = {y} mm"), along.window(), &bar);
     let caption = format!("across, at x = {x} mm");
-    let close = across.panel(
-        format!("{caption}, closer"),
-        across.close(&field.mesh, loads),
-        &bar,
-    );
+    let window = across.close(&field.mesh, loads);
+    let close = across.panel(format!("{caption}, closer"), window, &bar);
     let whole = across.panel(caption, across.window(), &bar);
-    Figure::new(1500.0, title)
-        .row(370.0, [upper])
-        .bar(bar.clone())
-        .row(
-            370.0,
-            [whole, close].map(|panel| panel.scaled(Scales::Equal)),
-        )
-        .bar(bar)
+    let lower = [whole, close].map(|panel| panel.scaled(Scales::Equal));
+    let figure = Figure::new(1500.0, title).row(370.0, [upper]);
+    figure.bar(bar.clone()).row(370.0, lower).bar(bar)
 }
 
 /// A section along (y is constant) or across (x is), in millimetres and megapascals.
@@ -72,13 +64,7 @@ impl Section {
         let place = |node: usize| mesh.points[node][axis];
         // A plane through nodes belongs to the cells before it; at the first nodes to those behind.
         let first = (0..mesh.points.len()).all(|node| place(node) >= at);
-        let behind = |node: usize| {
-            if first {
-                place(node) > at
-            } else {
-                place(node) >= at
-            }
-        };
+        let behind = |node: usize| place(node) > at || (!first && place(node) == at);
         let corner = |from: usize, to: usize| -> Corner {
             let share = (at - place(from)) / (place(to) - place(from));
             let value = |a: f64, b: f64| a + share * (b - a);
@@ -142,11 +128,8 @@ impl Section {
         let whole = self.window();
         let reach = reach(self.flat).max(reach(2));
         [0, 1].map(|axis| {
-            let at = self.largest[axis];
-            [
-                whole[axis][0].max(at - reach),
-                whole[axis][1].min(at + reach),
-            ]
+            let (at, [low, high]) = (self.largest[axis], whole[axis]);
+            [low.max(at - reach), high.min(at + reach)]
         })
     }
 
@@ -189,9 +172,7 @@ fn pixels(corners: [Corner; 3], size: [usize; 2]) -> Vec<([usize; 2], f64)> {
         return Vec::new();
     }
     let range = |axis: usize| {
-        let places = corners.map(|corner| corner[axis]);
-        let low = places.into_iter().fold(f64::INFINITY, f64::min);
-        let high = places.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let [low, high] = extent(corners.map(|corner| corner[axis]));
         let end = (high + 1.0).clamp(0.0, size[axis] as f64);
         low.clamp(0.0, end) as usize..end as usize
     };

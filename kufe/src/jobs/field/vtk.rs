@@ -8,7 +8,7 @@ use kufe_fem::{
 };
 use kufe_mesh::{HexMesh, VtuField, write_vtp, write_vtu};
 
-use crate::jobs::failure::Failure;
+use crate::jobs::failure::{Failure, Located};
 
 /// The ice, with `contact_pressure_pa` (0 below the contact plane), `gap_m` (NaN there) and, where
 /// there is one, the plastic depth of its surface (0 below it). Where the solver used mirror planes
@@ -97,7 +97,7 @@ pub fn write_runner(
 }
 
 fn material(youngs_modulus: f64, poissons_ratio: f64) -> Result<Material, Failure> {
-    Material::new(youngs_modulus, poissons_ratio).map_err(Failure::bad_input)
+    Material::new(youngs_modulus, poissons_ratio).bad_input()
 }
 
 fn stresses(
@@ -105,7 +105,7 @@ fn stresses(
     sections: Vec<Section>,
     displacement: &[[f64; 3]],
 ) -> Result<Vec<[f64; 6]>, Failure> {
-    let body = Body::new(mesh.clone(), sections).map_err(Failure::bad_input)?;
+    let body = Body::new(mesh.clone(), sections).bad_input()?;
     Ok(nodal_stresses(&body, displacement.as_flattened()))
 }
 
@@ -135,7 +135,7 @@ fn write(
     ];
     fields.extend(
         largest
-            .iter()
+            .as_ref()
             .map(|values| field("max_shear_pa", 1, values)),
     );
     fields.extend(own.iter().map(|&(name, values)| field(name, 1, values)));

@@ -1,6 +1,6 @@
 //! One contact problem, from its case to its solution, and what contacts of one runner share.
 
-use std::path::Path;
+use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
@@ -8,10 +8,7 @@ use kufe_contact::{CentreLine, Error, Options, Problem, Runner, RunnerLoads, Sol
 use kufe_contact::{boundary_elements_to_compare, centre_line, runner_loads, solve};
 use kufe_mesh::Underside;
 
-use crate::case::{
-    AccuracyTable, Case, FittedHull, IceTable, LoadTable, RunnerTable, SlidingTable, SolverTable,
-    TrackTable,
-};
+use crate::case::{Case, FittedHull, IceTable, LoadTable, RunnerTable, SlidingTable, TrackTable};
 use crate::jobs::case_file::{LoadedCase, depth, patch};
 use crate::jobs::failure::Failure;
 use crate::jobs::press::check::Check;
@@ -56,22 +53,23 @@ impl From<LoadedCase> for Contact {
 impl Contact {
     /// A runner on ice on a straight track, under 1000 N and free to tilt.
     pub fn new(runner: impl Into<RunnerTable>, ice: IceTable) -> Self {
+        let load = LoadTable {
+            fz_n: 1000.0,
+            ..LoadTable::default()
+        };
         let case = Case {
             runner: runner.into(),
             ice,
-            track: TrackTable::default(),
-            load: LoadTable {
-                fz_n: 1000.0,
-                ..LoadTable::default()
-            },
+            load,
+            track: Default::default(),
             sliding: None,
-            accuracy: AccuracyTable::default(),
-            solver: SolverTable::default(),
+            accuracy: Default::default(),
+            solver: Default::default(),
             effects: Default::default(),
         };
         Contact::from(LoadedCase {
             name: "the contact".into(),
-            base: Path::new("").into(),
+            base: PathBuf::new(),
             case,
             hull: None,
         })
@@ -87,8 +85,10 @@ impl Contact {
     /// On a track of this radius in the vertical plane, positive in a valley [m].
     #[must_use]
     pub fn track_radius(mut self, radius_m: f64) -> Self {
-        self.loaded.case.track.radius_m = Some(radius_m);
-        self.loaded.case.track.curvature_1pm = None;
+        self.loaded.case.track = TrackTable {
+            radius_m: Some(radius_m),
+            curvature_1pm: None,
+        };
         self
     }
 
@@ -197,7 +197,7 @@ impl Prepared {
             watch.progress("reading the hull and fitting its underside");
         }
         let runner = loaded.case.runner(&loaded.base, loaded.hull.as_deref());
-        let (runner, hull) = runner.map_err(|error| loaded.bad_input(error))?;
+        let (runner, hull) = loaded.valid(runner)?;
         Ok(Prepared {
             content,
             runner,
@@ -211,8 +211,7 @@ impl Prepared {
     /// # Errors
     /// [`Failure::BadInput`] where the case is out of range.
     pub fn problem(&self, loaded: &LoadedCase) -> Result<Problem, Failure> {
-        let problem = loaded.case.problem_of(self.runner.clone(), &loaded.base);
-        problem.map_err(|error| loaded.bad_input(error))
+        loaded.valid(loaded.case.problem_of(self.runner.clone(), &loaded.base))
     }
 
     /// Simulated scans of the hull with its noise.
@@ -274,28 +273,26 @@ pub fn press_prepared(
     let checked = check.as_ref().map(|check| check.widen(&mut solution));
     let mut differ = checked.unwrap_or_default();
     if short.is_none() && solution.p_max_error > allowed {
-        let text = format!("{}: {}", loaded.name, differ.remove(0));
-        short = Some(Failure::NotConverged(text));
+        let failure = Failure::NotConverged(differ.remove(0));
+        short = Some(failure.within(&loaded.name));
     }
     // Not reported now: the command ends with it.
-    let missed = short
-        .iter()
-        .map(|short| format!("the requested accuracy was not reached: {short}"));
-    warnings.extend(missed);
+    let missed = short.iter();
+    warnings.extend(missed.map(|why| format!("the requested accuracy was not reached: {why}")));
     let scanned = hull.filter(|_| loaded.case.runner.hull.is_some());
+    let coarse = by_spacing.filter(|error| error.p_max > requested);
+    let by_vertices = hull.and_then(|hull| match noisy {
+        Some(_) => Some(noise_not_included(hull, &solution, by_noise)),
+        None => undetected_noise(hull, by_noise, solution.approach),
+    });
+    let missed_scan = scanned.filter(|_| short.is_some());
     let remarks = [
         above_ice_strength(&problem, &solution),
         own_hexahedra(&loaded),
-        noisy.map(|hull| noise_not_included(hull, &solution, by_noise)),
-        hull.filter(|_| noisy.is_none())
-            .and_then(|hull| undetected_noise(hull, by_noise, solution.approach)),
-        by_spacing
-            .filter(|error| error.p_max > requested)
-            .map(|error| coarse_vertices(error, solution.approach)),
+        by_vertices,
+        coarse.map(|error| coarse_vertices(error, solution.approach)),
         scanned.and_then(|hull| at_rim(hull, &solution)),
-        scanned
-            .filter(|_| short.is_some())
-            .and_then(|hull| loaded.turned(hull)),
+        missed_scan.and_then(|hull| loaded.turned(hull)),
     ];
     let deep = sliding.as_ref().and_then(SolvedSliding::too_deep);
     for warning in remarks.into_iter().flatten().chain(differ).chain(deep) {
@@ -305,7 +302,7 @@ pub fn press_prepared(
     let line = options.subsurface.then(|| centre_line(&solution));
     Ok(SolvedContact {
         line: line.transpose().map_err(Failure::bad_input)?.flatten(),
-        runner: runner_loads(&problem, &solution).map_err(|error| loaded.failure(&error))?,
+        runner: loaded.solved(runner_loads(&problem, &solution))?,
         loaded,
         problem,
         hull: hull.cloned(),
@@ -423,9 +420,10 @@ fn at_rim(hull: &FittedHull, solution: &Solution) -> Option<String> {
         ("right, y", y0, [middle[0], y0 - across]),
         ("left, y", y1, [middle[0], y1 + across]),
     ];
-    let outside = |place: [f64; 2]| hull.underside.height(place[0], place[1]).is_infinite();
-    let reached = sides.into_iter().filter(|(.., beyond)| outside(*beyond));
-    let reached = reached.map(|(side, end, _)| format!("{side} = {:.2} mm", 1e3 * end));
+    let reached = sides.into_iter().filter_map(|(side, end, [x, y])| {
+        let outside = hull.underside.height(x, y).is_infinite();
+        outside.then(|| format!("{side} = {:.2} mm", 1e3 * end))
+    });
     let reached: Vec<String> = reached.collect();
     (!reached.is_empty()).then(|| {
         format!(
@@ -446,6 +444,7 @@ impl SolvedContact {
         let (noise, spacing) = (self.noise_error, self.spacing_error);
         let by_surface = solution.volume.is_none();
         let asperities = by_surface.then(|| solution.surface.asperities());
+        let history = solution.history.chunk_by(|a, b| a.level == b.level);
         ContactResult {
             p_max: Measured::new(solution.p_max, solution.p_max_error),
             p_max_noise_pa: noise.map(|error| error.p_max * solution.p_max),
@@ -499,11 +498,7 @@ impl SolvedContact {
                 }
             }),
             warnings: self.warnings.clone(),
-            history: solution
-                .history
-                .chunk_by(|a, b| a.level == b.level)
-                .filter_map(MeshResult::of)
-                .collect(),
+            history: history.filter_map(MeshResult::of).collect(),
             case: CaseRecord::of(&self.loaded.case),
             sliding: self.sliding.as_ref().map(|sliding| sliding.result()),
             subsurface: self.line.as_ref().map(|line| SubsurfaceResult {

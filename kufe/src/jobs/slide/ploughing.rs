@@ -1,6 +1,5 @@
 //! A case's groove, and the pressure at which its ice yields.
 
-use std::fmt::Display;
 use std::path::Path;
 
 use kufe_contact::{
@@ -12,7 +11,7 @@ use kufe_sled::friction::film::{IceHardness, Properties};
 
 use crate::case::{self, GROOVE_FILE, SlidingTable};
 use crate::jobs::case_file::LoadedCase;
-use crate::jobs::failure::Failure;
+use crate::jobs::failure::{Failure, Located};
 use crate::jobs::slide::sliding::film_failure;
 
 /// The source of the pressure at which the ice yields.
@@ -31,21 +30,20 @@ pub enum HardnessFrom {
 impl HardnessFrom {
     /// As `result.json` has it.
     pub fn name(self) -> &'static str {
-        match self {
-            HardnessFrom::Given => "given",
-            HardnessFrom::TemperatureLaw => "temperature-law",
-            HardnessFrom::TimeLaw => "time-law",
-            HardnessFrom::Melting => "melting",
-        }
+        self.names()[0]
     }
 
     /// The same for people.
     pub fn in_words(self) -> &'static str {
+        self.names()[1]
+    }
+
+    fn names(self) -> [&'static str; 2] {
         match self {
-            HardnessFrom::Given => "as stated",
-            HardnessFrom::TemperatureLaw => "by its temperature",
-            HardnessFrom::TimeLaw => "by its temperature and the time under load",
-            HardnessFrom::Melting => "at which the ice melts",
+            HardnessFrom::Given => ["given", "as stated"],
+            HardnessFrom::TemperatureLaw => ["temperature-law", "by its temperature"],
+            HardnessFrom::TimeLaw => ["time-law", "by its temperature and the time under load"],
+            HardnessFrom::Melting => ["melting", "at which the ice melts"],
         }
     }
 }
@@ -66,7 +64,7 @@ impl HardnessLaw {
             (Some(case::Hardness::Stated(pressure)), _) => HardnessLaw::Given(pressure),
             (_, Some(anchor)) => HardnessLaw::OfTime(
                 IceHardness::new(anchor.pressure_pa, anchor.ice_c, anchor.contact_time_s)
-                    .map_err(|error| film_failure(loaded, &error))?,
+                    .map_err(film_failure(loaded))?,
             ),
             _ => HardnessLaw::OfTemperature,
         })
@@ -235,22 +233,23 @@ impl<'a> Ploughing<'a> {
     pub fn at(&self, hardness: f64, options: &Options) -> Result<SlidingSolution, Failure> {
         let mut problem = self.problem.clone();
         problem.ice.hardness = Some(hardness);
+        let refused = |reason: String| self.loaded.bad_input(format_args!("[sliding]: {reason}"));
         let solution = slide(&problem, self.before.as_ref(), options);
         let solution = solution.map_err(|error| match error {
-            Error::NotSliding { .. } => self.loaded.bad_input(format_args!("[sliding]: {error}")),
+            Error::NotSliding { .. } => refused(error.to_string()),
             error => self.loaded.failure(&error),
         })?;
         match parts(&solution) {
             1 => Ok(solution),
-            parts => Err(self.loaded.bad_input(format_args!(
-                "[sliding]: the contact lies in {parts} parts, one behind the other: expected one, for the film begins at its front"
+            parts => Err(refused(format!(
+                "the contact lies in {parts} parts, one behind the other: expected one, for the film begins at its front"
             ))),
         }
     }
 
     fn hardness(&self, contact_time: f64) -> Result<(f64, HardnessFrom), Failure> {
         let found = self.law.at(self.sliding.ice_c, contact_time);
-        found.map_err(|error| film_failure(self.loaded, &error))
+        found.map_err(film_failure(self.loaded))
     }
 }
 
@@ -271,12 +270,13 @@ fn parts(solution: &SlidingSolution) -> usize {
 /// depths.
 fn groove_left(folder: &Path) -> Result<GrooveProfile, Failure> {
     let path = folder.join(GROOVE_FILE);
-    let refusal = |reason: &dyn Display| Failure::BadInput(format!("sliding.previous: {reason}"));
-    let in_file = |error: &dyn Display| refusal(&format_args!("{}: {error}", path.display()));
-    let image = ExrImage::load(&path).map_err(|error| refusal(&error))?;
-    let depth = image.channel("depth").map_err(|error| in_file(&error))?;
-    let [columns, rows] = image.size;
-    let y = (0..rows).map(|j| image.origin_m[1] + j as f64 * image.pixel_m[1]);
-    let last = (0..rows).map(|j| depth[j * columns]);
-    GrooveProfile::new(y.collect(), last.collect()).map_err(|error| in_file(&error))
+    let read = || {
+        let image = ExrImage::load(&path)?;
+        let depth = image.channel("depth").in_file(&path)?;
+        let [columns, rows] = image.size;
+        let y = (0..rows).map(|j| image.origin_m[1] + j as f64 * image.pixel_m[1]);
+        let last = (0..rows).map(|j| depth[j * columns]);
+        GrooveProfile::new(y.collect(), last.collect()).in_file(&path)
+    };
+    read().map_err(|failure| failure.within("sliding.previous"))
 }

@@ -116,7 +116,7 @@ impl Ploughing<'_> {
         let at = |step: f64| {
             let ice_c = self.sliding.ice_c + step;
             let found = self.law.at(ice_c, hardness.contact_time.value);
-            let (pressure, _) = found.map_err(|error| film_failure(self.loaded, &error))?;
+            let (pressure, _) = found.map_err(film_failure(self.loaded))?;
             Ok::<_, Failure>(pressure.ln())
         };
         let warmer = (at(TEMPERATURE_STEP)? - at(-TEMPERATURE_STEP)?) / (2.0 * TEMPERATURE_STEP);

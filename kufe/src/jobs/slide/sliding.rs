@@ -39,7 +39,7 @@ pub(crate) fn film_along(
     conditions: &FilmConditions,
 ) -> Result<FilmAlong, Failure> {
     let film = film_on(&solution.groove.sections, solution.contact.fz, conditions);
-    film.map_err(|error| film_failure(loaded, &error))
+    film.map_err(film_failure(loaded))
 }
 
 /// The film on stations of a patch under `fz` [N], as a strip that carries the whole load.
@@ -90,12 +90,11 @@ pub(crate) fn conditions(sliding: &SlidingTable) -> FilmConditions {
     }
 }
 
-/// The film's error as the job's.
-pub(crate) fn film_failure(loaded: &LoadedCase, error: &kufe_sled::Error) -> Failure {
-    let text = format!("{}: the melt film: {error}", loaded.name);
-    match error {
-        kufe_sled::Error::NotConverged { .. } => Failure::NotConverged(text),
-        _ => Failure::BadInput(text),
+/// Makes the film's error the job's.
+pub(crate) fn film_failure(loaded: &LoadedCase) -> impl Fn(kufe_sled::Error) -> Failure {
+    |error| {
+        let failure = Failure::from(error).within("the melt film");
+        failure.within(&loaded.name)
     }
 }
 
@@ -119,14 +118,11 @@ impl Friction {
             }
         };
         let film = of_film(|totals| totals.friction);
-        let ploughing = Measure {
-            value: solution.groove.ploughing.value / fz,
-            error: solution.groove.ploughing.error / fz,
-        };
-        let (value, error) = (ploughing.value + film.value, ploughing.error + film.error);
+        let Measure { value, error } = solution.groove.ploughing;
+        let (value, error) = (value / fz, error / fz);
         Friction {
-            mu: Measured::new(value, error),
-            ploughing: ploughing.into(),
+            mu: Measured::new(value + film.value, error + film.error),
+            ploughing: Measured::new(value, error),
             viscous: of_film(|totals| totals.viscous_friction).into(),
             boundary: of_film(|totals| totals.boundary_friction).into(),
         }
@@ -155,9 +151,8 @@ impl SolvedSliding {
     /// The document's part on sliding.
     pub fn result(&self) -> SlidingResult {
         let groove = &self.groove;
-        let film = &self.film.film;
-        let thickest = film.thickest().map(|s| (s.thickness, s.thickness_error));
-        let (thickest, thickest_error) = thickest.unwrap_or_default();
+        let thickest = self.film.film.thickest();
+        let thickest = thickest.map(|s| Measured::new(s.thickness, s.thickness_error));
         SlidingResult {
             friction: self.friction,
             boundary_share: self.of_film(|totals| totals.boundary_share),
@@ -166,7 +161,7 @@ impl SolvedSliding {
             front: groove.front.into(),
             back: groove.back.into(),
             film_mean: self.of_film(|totals| totals.mean_thickness),
-            film_max: Measured::new(thickest, thickest_error),
+            film_max: thickest.unwrap_or(Measured::new(0.0, 0.0)),
             melt_rate: self.of_film(|totals| totals.melted),
             contact_time: self.hardness.contact_time.into(),
             hardness_pa: self.hardness.value,

@@ -3,7 +3,7 @@
 use kufe_contact::Options;
 use kufe_sled::friction::{Response, Span};
 
-use crate::case::{SlidingTable, StatedProblem};
+use crate::case::SlidingTable;
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
 use crate::jobs::slide::ploughing::{Ploughing, SolvedGroove};
@@ -27,12 +27,11 @@ pub fn friction_table(
     options: &Options,
 ) -> Result<Vec<FrictionRow>, Failure> {
     // Every combination is a case: those that are none are reported before anything is solved.
-    let mut cases = Vec::new();
-    for &ice_c in temperatures {
-        for &v_mps in speeds {
-            cases.push((ice_c, at(loaded, v_mps, ice_c)?));
-        }
-    }
+    let pairs = temperatures
+        .iter()
+        .flat_map(|ice_c| speeds.iter().map(move |v| (*v, *ice_c)));
+    let cases = pairs.map(|(v_mps, ice_c)| Ok((ice_c, at(loaded, v_mps, ice_c)?)));
+    let cases = cases.collect::<Result<Vec<_>, Failure>>()?;
     let mut points = Vec::new();
     let mut last: Option<(f64, SolvedGroove)> = None;
     for (ice_c, case) in &cases {
@@ -44,11 +43,10 @@ pub fn friction_table(
         let groove = match reused {
             Some((_, groove)) => groove,
             None => {
-                watch
-                    .check()
-                    .map_err(|failure| failure.within(&loaded.name))?;
+                let stopped = |failure: Failure| failure.within(&loaded.name);
+                watch.check().map_err(stopped)?;
                 watch.progress(&format!("groove on ice of {ice_c} C"));
-                let StatedProblem { problem, hull } = case.stated_sliding()?;
+                let (problem, hull) = case.stated_sliding()?;
                 let options = case.case.options_on(options.clone());
                 let found = Ploughing::new(case, table, &problem)?.groove(&options)?;
                 case.fine_enough(hull.as_ref(), &found.solution.contact)?;
@@ -83,8 +81,7 @@ pub(crate) fn at(loaded: &LoadedCase, v_mps: f64, ice_c: f64) -> Result<LoadedCa
     if loaded.case.ice.temperature_c.is_some() {
         loaded.case.ice.temperature_c = Some(ice_c);
     }
-    let checked = loaded.case.check();
-    checked.map_err(|error| loaded.bad_input(error))?;
+    loaded.valid(loaded.case.check())?;
     Ok(loaded)
 }
 
@@ -171,17 +168,12 @@ pub fn optimise(
         solved.push(SolvedRunner { values, mu });
     }
     let values: Vec<f64> = solved.iter().map(|runner| runner.mu.value).collect();
-    let refusal = |error| Failure::bad_input(error).within(&loaded.name);
-    let response = Response::fit(&spans, &values).map_err(refusal)?;
+    let response = loaded.valid(Response::fit(&spans, &values))?;
     let values = response.least();
     watch.progress("the best runner");
     let point = friction(&runner(&values)?)?;
-    let Friction {
-        mu,
-        ploughing,
-        viscous,
-        boundary,
-    } = point.friction;
+    let friction_there = point.friction;
+    let mu = friction_there.mu;
     let indistinct = mu.error / mu.value + response.misfit();
     let flat = response.flat(indistinct);
     let found = parameters.iter().zip(values.iter().zip(flat));
@@ -202,9 +194,9 @@ pub fn optimise(
         ice_c: point.ice_c,
         parameters: found.collect(),
         mu,
-        mu_ploughing: ploughing.value,
-        mu_viscous: viscous.value,
-        mu_boundary: boundary.value,
+        mu_ploughing: friction_there.ploughing.value,
+        mu_viscous: friction_there.viscous.value,
+        mu_boundary: friction_there.boundary.value,
         response_scatter: response.misfit(),
         response_miss: response.at(&values) / mu.value - 1.0,
         solved,

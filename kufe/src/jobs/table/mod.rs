@@ -7,7 +7,7 @@ mod spec;
 
 use std::path::Path;
 
-use crate::jobs::failure::Failure;
+use crate::jobs::failure::{Failure, Located};
 
 pub use plan_file::PlanFile;
 pub use points::{PointStore, same_origin};
@@ -19,7 +19,6 @@ pub use spec::{TableSpec, schema};
 /// # Errors
 /// [`Failure::BadInput`] with the file and the place in it.
 pub fn read_table(path: &Path) -> Result<kufe_lut::Table, Failure> {
-    let file = kufe_files::open_regular(path);
-    let mut file = file.map_err(|error| Failure::unreadable(path, error))?;
-    kufe_lut::Table::read(&mut file).map_err(|error| Failure::in_file(path, error))
+    let mut file = kufe_files::open_regular(path).readable(path)?;
+    kufe_lut::Table::read(&mut file).in_file(path)
 }

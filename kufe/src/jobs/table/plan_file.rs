@@ -1,13 +1,12 @@
 //! The folder of a plan: `plan.json` with the points of one round, the scripts that run its shards,
 //! and `points/` with their results.
 
-use std::fmt::Display;
 use std::path::Path;
 
 use kufe_lut::{Origin, Point, parallel_script, slurm_script};
 use serde::{Deserialize, Serialize};
 
-use crate::jobs::failure::Failure;
+use crate::jobs::failure::{Failure, Located};
 
 /// The value of the key `format`.
 const FORMAT: &str = "kufe-lut-plan";
@@ -58,9 +57,8 @@ impl PlanFile {
     /// # Errors
     /// [`Failure::BadInput`] where the folder does not exist or the scripts cannot name it.
     pub fn files(&self, folder: &Path) -> Result<[(&'static str, String); 3], Failure> {
-        let failed = |error: std::io::Error| Failure::in_file(folder, error);
-        let absolute = folder.canonicalize().map_err(failed)?;
-        let kufe = std::env::current_exe().map_err(failed)?;
+        let absolute = folder.canonicalize().in_file(folder)?;
+        let kufe = std::env::current_exe().in_file(folder)?;
         let plan = serde_json::to_string(self)? + "\n";
         let slurm = slurm_script(&kufe, &absolute, self.shards)?;
         let parallel = parallel_script(&kufe, &absolute, self.shards)?;
@@ -74,14 +72,13 @@ impl PlanFile {
     /// [`Failure::BadInput`] with the file and the place in it.
     pub fn read(folder: &Path) -> Result<Self, Failure> {
         let path = folder.join(PlanFile::NAMES[0]);
-        let bytes = kufe_files::read_regular(&path, MAX_BYTES);
-        let bytes = bytes.map_err(|error| Failure::unreadable(&path, error))?;
-        let damaged =
-            |reason: &dyn Display| Failure::in_file(&path, format_args!("damaged: {reason}"));
-        let plan: PlanFile = serde_json::from_slice(&bytes).map_err(|error| damaged(&error))?;
+        let bytes = kufe_files::read_regular(&path, MAX_BYTES).readable(&path)?;
+        let damaged = |reason: String| Failure::in_file(&path, format_args!("damaged: {reason}"));
+        let plan: serde_json::Result<PlanFile> = serde_json::from_slice(&bytes);
+        let plan = plan.map_err(|error| damaged(error.to_string()))?;
         if plan.format != FORMAT || plan.round == 0 || plan.shards == 0 {
-            let expected = format_args!("expected the format {FORMAT}, a round and shards");
-            return Err(damaged(&expected));
+            let expected = format!("expected the format {FORMAT}, a round and shards");
+            return Err(damaged(expected));
         }
         Ok(plan)
     }

@@ -15,7 +15,7 @@ use kufe_lut::{AxisKind, Figures, Origin, Point, Solve};
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
-use crate::jobs::failure::Failure;
+use crate::jobs::failure::{Failure, Located};
 
 /// Most bytes of a line.
 const LONGEST_LINE: u64 = 1 << 14;
@@ -35,7 +35,7 @@ struct Line {
 }
 
 /// A point by the bits of its coordinates.
-type Key = [u64; AxisKind::ALL.len()];
+pub(super) type Key = [u64; AxisKind::ALL.len()];
 
 /// The key of a point; -0 has that of 0.
 pub(super) fn key(point: &Point) -> Key {
@@ -92,8 +92,8 @@ impl PointStore {
         let mut store = PointStore::of_file(&own, origin)?;
         let mut files = Vec::new();
         if folder.exists() {
-            for entry in folder.read_dir().map_err(unreadable(folder))? {
-                files.push(entry.map_err(unreadable(folder))?.path());
+            for entry in folder.read_dir().readable(folder)? {
+                files.push(entry.readable(folder)?.path());
             }
         }
         files.sort();
@@ -112,10 +112,10 @@ impl PointStore {
         let file = match kufe_files::open_regular(path) {
             // An equal command has finished and removed it.
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
-            opened => opened.map_err(unreadable(path))?,
+            opened => opened.readable(path)?,
         };
         let mut reader = BufReader::new(file);
-        let beginning = reader.fill_buf().map_err(unreadable(path))?;
+        let beginning = reader.fill_buf().readable(path)?;
         let length = beginning.len().min(BEGINNING.len());
         if beginning[..length] != BEGINNING[..length] {
             let reason = "kufe did not write it; expected a file of solved points, or none";
@@ -123,7 +123,7 @@ impl PointStore {
         }
         let mut line = Vec::new();
         for number in 1.. {
-            if !next_line(&mut reader, &mut line).map_err(unreadable(path))? {
+            if !next_line(&mut reader, &mut line).readable(path)? {
                 break;
             }
             let place = format!("{}, line {number}", path.display());
@@ -177,7 +177,7 @@ impl PointStore {
             None => self.open_to_append()?,
         };
         let written = file.write_all(&line).and_then(|()| file.sync_data());
-        written.map_err(unwritable(&self.path))?;
+        written.writable(&self.path)?;
         state.file = Some(file);
         state.solved.insert(key(&solve.point), solve.figures);
         Ok(())
@@ -186,18 +186,14 @@ impl PointStore {
     /// Opens the file to append, without an interrupted last line.
     fn open_to_append(&self) -> Result<File, Failure> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        std::fs::create_dir_all(folder).map_err(unwritable(folder))?;
+        std::fs::create_dir_all(folder).writable(folder)?;
         // A link may have been put in the way since the file was read.
         if folder.is_symlink() || self.path.is_symlink() {
             return Err(link(&self.path));
         }
         let mut options = OpenOptions::new();
-        let file = options
-            .read(true)
-            .append(true)
-            .create(true)
-            .open(&self.path);
-        let whole = file.and_then(|file| {
+        let options = options.read(true).append(true).create(true);
+        let whole = options.open(&self.path).and_then(|file| {
             let (mut reader, mut line, mut whole) = (BufReader::new(&file), Vec::new(), 0);
             while next_line(&mut reader, &mut line)? {
                 whole += line.len() as u64;
@@ -207,7 +203,7 @@ impl PointStore {
             }
             Ok(file)
         });
-        whole.map_err(unwritable(&self.path))
+        whole.writable(&self.path)
     }
 
     /// Removes the file: its points are no longer needed.
@@ -219,7 +215,7 @@ impl PointStore {
         match std::fs::remove_file(&self.path) {
             // No point was appended, or an equal command has removed it.
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
-            removed => removed.map_err(unwritable(&self.path)),
+            removed => removed.writable(&self.path),
         }
     }
 
@@ -271,14 +267,6 @@ fn link(path: &Path) -> Failure {
         path,
         "a link is in the way; expected solved points, or none",
     )
-}
-
-fn unreadable(path: &Path) -> impl Fn(std::io::Error) -> Failure {
-    move |error| Failure::unreadable(path, error)
-}
-
-fn unwritable(path: &Path) -> impl Fn(std::io::Error) -> Failure {
-    move |error| Failure::unwritable(path, error)
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! The contact solver of a sweep: solves points of one case, and fills a table with them.
 
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+use indexmap::IndexMap;
 use kufe_contact::{
     BoundaryElements, Load, Options, Problem, Solution, VerifiedBem, boundary_elements,
 };
@@ -19,7 +19,7 @@ use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
 use crate::jobs::press::Prepared;
 use crate::jobs::slide::{Ploughing, SolvedGroove, at, conditions, film_along, sliding_of};
-use crate::jobs::table::points::{PointStore, key};
+use crate::jobs::table::points::{Key, PointStore, key};
 use crate::jobs::table::spec::TableSpec;
 use crate::jobs::watch::Watch;
 use crate::results::{CaseRecord, Friction};
@@ -61,32 +61,25 @@ impl Solver {
     pub fn new(spec: &TableSpec, watch: &Watch) -> Result<Solver, Failure> {
         let loaded = LoadedCase::read(&spec.case)?;
         let case = spec.case.display();
+        let refused = |reason: String| Err(Failure::in_file(&spec.path, reason));
         if spec.plan.get(AxisKind::RockerRadius).is_some() && loaded.case.runner.shape.is_none() {
-            return Err(Failure::in_file(
-                &spec.path,
-                format_args!(
-                    "axes.rocker_radius_m: the runner of {case} is a hull, expected a shape with a rocker radius"
-                ),
+            return refused(format!(
+                "axes.rocker_radius_m: the runner of {case} is a hull, expected a shape with a rocker radius"
             ));
         }
         if spec.plan.is_sliding() && loaded.case.sliding.is_none() {
-            return Err(Failure::in_file(
-                &spec.path,
-                format_args!(
-                    "axes: {case} has no [sliding]: expected a runner that slides where an axis is v_mps or ice_c"
-                ),
+            return refused(format!(
+                "axes: {case} has no [sliding]: expected a runner that slides where an axis is v_mps or ice_c"
             ));
         }
         check_axes(spec, &loaded)?;
         let prepared = Prepared::of(&loaded, watch)?;
         let base = prepared.problem(&loaded)?;
         loaded.hull_warnings(prepared.hull.as_ref(), watch);
-        let own = loaded.case.accuracy.p_max;
-        let requested = if spec.plan.is_fixed() {
-            own
-        } else {
-            own.min(0.5 * spec.plan.interpolation)
-        };
+        let mut requested = loaded.case.accuracy.p_max;
+        if !spec.plan.is_fixed() {
+            requested = requested.min(0.5 * spec.plan.interpolation);
+        }
         Ok(Solver {
             tolerance: spec.p_max.unwrap_or(requested),
             loaded,
@@ -108,10 +101,10 @@ impl Solver {
     /// # Errors
     /// [`Failure::BadInput`] where a hull that names further files cannot be read.
     pub fn inputs(&self, spec: &TableSpec) -> Result<Vec<PathBuf>, Failure> {
-        let files = self.loaded.files()?;
-        let mut inputs: Vec<PathBuf> = files.into_iter().map(|(_, path)| path).collect();
-        inputs.extend([spec.path.clone(), spec.case.clone()]);
-        Ok(inputs)
+        let files = self.loaded.files()?.into_iter().map(|(_, path)| path);
+        Ok(files
+            .chain([spec.path.clone(), spec.case.clone()])
+            .collect())
     }
 
     /// The origin of every result: this version, the case with the content of its files, and the
@@ -158,8 +151,7 @@ impl Solver {
     fn problem(&self, point: &Point) -> Result<Problem, Failure> {
         if point.rocker_radius.is_some() {
             let case = case_at(&self.loaded, point)?;
-            let problem = case.case.problem(&case.base);
-            return problem.map_err(|error| case.bad_input(error));
+            return case.valid(case.case.problem(&case.base));
         }
         let mut problem = self.base.clone();
         problem.track_curvature = point.curvature;
@@ -176,7 +168,7 @@ impl Solver {
             p_max_tolerance: self.tolerance,
             ..self.loaded.case.options()
         };
-        let solution = best(problem, &options).map_err(|error| self.loaded.failure(&error))?;
+        let solution = self.loaded.solved(best(problem, &options))?;
         let hull = self.prepared.hull.as_ref();
         self.loaded.fine_enough(hull, &solution)?;
         Ok(solution)
@@ -187,28 +179,22 @@ impl Solver {
         if self.anchors.get().is_some() || self.loaded.case.sliding.is_some() {
             return Ok(());
         }
-        let problem = |point: &Point| {
-            let problem = self
-                .problem(point)
-                .map_err(|failure| at_point(point, failure))?;
-            Ok((*point, problem))
-        };
-        let points: Result<Vec<_>, Failure> = self.ends.iter().map(problem).collect();
-        let points = points?;
+        let problem = |point: &Point| self.problem(point).map_err(at_point(point));
+        let problems = self.ends.iter().map(problem);
+        let problems = problems.collect::<Result<Vec<Problem>, Failure>>()?;
         let mut anchors = Anchors::default();
-        if points
+        if problems
             .iter()
-            .all(|(_, problem)| boundary_elements(problem).is_ok())
+            .all(|problem| boundary_elements(problem).is_ok())
         {
-            let solutions = each(&points, |(point, problem)| {
-                let solution = self.solution(problem, watch);
-                solution.map_err(|failure| at_point(point, failure))
+            let ends: Vec<(&Point, Problem)> = self.ends.iter().zip(problems).collect();
+            let solutions = each(&ends, |(point, problem)| {
+                self.solution(problem, watch).map_err(at_point(point))
             });
             let solutions = solutions.into_iter().collect::<Result<Vec<_>, _>>()?;
-            let solved = points.iter().zip(&solutions);
-            let solved = solved.map(|((point, _), solution)| (*point, figures(solution)));
-            anchors.solved = solved.collect();
-            let problems = points.into_iter().map(|(_, problem)| problem);
+            let solved = solutions.iter().map(figures);
+            anchors.solved = self.ends.iter().copied().zip(solved).collect();
+            let problems = ends.into_iter().map(|(_, problem)| problem);
             let pairs: Vec<(Problem, Solution)> = problems.zip(solutions).collect();
             anchors.verified = VerifiedBem::at(&pairs, self.tolerance);
         }
@@ -223,14 +209,11 @@ impl Solver {
         let mut last: Option<SolvedGroove> = None;
         let mut solved = Vec::with_capacity(points.len());
         for point in points {
-            let found = match last.take().filter(|_| !of_time) {
-                Some(groove) => Ok(groove),
-                None => self.solved_groove(point, watch),
-            };
-            match found {
-                Ok(found) => {
-                    solved.push(self.film(&found, point));
-                    last = Some(found);
+            let groove = last.take().filter(|_| !of_time);
+            match groove.map_or_else(|| self.solved_groove(point, watch), Ok) {
+                Ok(groove) => {
+                    solved.push(self.film(&groove, point));
+                    last = Some(groove);
                 }
                 Err(failure) => {
                     solved.push(Err(failure));
@@ -245,12 +228,11 @@ impl Solver {
     fn solved_groove(&self, point: &Point, watch: &Watch) -> Result<SolvedGroove, Failure> {
         watch.check()?;
         let case = case_at(&self.loaded, point)?;
-        let named = |error| case.bad_input(error);
         let runner = match point.rocker_radius {
             None => self.prepared.runner.clone(),
-            Some(_) => case.case.runner(&case.base, None).map_err(named)?.0,
+            Some(_) => case.valid(case.case.runner(&case.base, None))?.0,
         };
-        let problem = case.case.problem_of(runner, &case.base).map_err(named)?;
+        let problem = case.valid(case.case.problem_of(runner, &case.base))?;
         let ploughing = Ploughing::new(&case, sliding_of(&case), &problem)?;
         let mut tolerance = self.tolerance;
         loop {
@@ -258,18 +240,15 @@ impl Solver {
                 p_max_tolerance: tolerance,
                 ..case.case.options()
             };
-            match ploughing.groove(&options) {
-                // The best answer that there is, with its error, as of contacts at rest.
-                Err(Failure::NotConverged(_)) if 2.0 * tolerance < LARGEST_ERROR => {
-                    tolerance *= 2.0;
-                }
-                found => {
-                    let found = found?;
-                    let hull = self.prepared.hull.as_ref();
-                    case.fine_enough(hull, &found.solution.contact)?;
-                    return Ok(found);
-                }
+            let found = ploughing.groove(&options);
+            // The best answer that there is, with its error, as of contacts at rest.
+            if matches!(found, Err(Failure::NotConverged(_))) && 2.0 * tolerance < LARGEST_ERROR {
+                tolerance *= 2.0;
+                continue;
             }
+            let found = found?;
+            case.fine_enough(self.prepared.hull.as_ref(), &found.solution.contact)?;
+            return Ok(found);
         }
     }
 
@@ -333,7 +312,7 @@ impl Solver {
             let count = results.len();
             show(solved.fetch_add(count, Ordering::Relaxed) + count);
             for (&point, result) in group.iter().zip(results) {
-                let figures = result.map_err(|failure| interrupted(at_point(&point, failure)))?;
+                let figures = result.map_err(at_point(&point)).map_err(interrupted)?;
                 check_finite(&point, &figures)?;
                 let stored = store.append(&Solve { point, figures });
                 broken.fetch_or(stored.is_err(), Ordering::Relaxed);
@@ -479,8 +458,7 @@ fn case_at(loaded: &LoadedCase, point: &Point) -> Result<LoadedCase, Failure> {
         let speed = point.speed.unwrap_or(own.v_mps);
         return at(&loaded, speed, point.ice_c.unwrap_or(own.ice_c));
     }
-    let checked = loaded.case.check();
-    checked.map_err(|error| loaded.bad_input(error))?;
+    loaded.valid(loaded.case.check())?;
     Ok(loaded)
 }
 
@@ -493,10 +471,9 @@ fn check_axes(spec: &TableSpec, loaded: &LoadedCase) -> Result<(), Failure> {
     };
     for kind in AxisKind::ALL {
         for value in spec.plan.get(kind).iter().flat_map(|axis| axis.ends()) {
-            case_at(loaded, &own.with(kind, value)).map_err(|failure| {
-                let key = kind.key();
-                Failure::in_file(&spec.path, format_args!("axes.{key}: {failure}"))
-            })?;
+            let found = case_at(loaded, &own.with(kind, value));
+            let named = |failure: Failure| failure.within(format_args!("axes.{}", kind.key()));
+            found.map_err(|failure| named(failure).within(spec.path.display()))?;
         }
     }
     Ok(())
@@ -504,28 +481,22 @@ fn check_axes(spec: &TableSpec, loaded: &LoadedCase) -> Result<(), Failure> {
 
 /// Points that differ in speed alone, together, in the order of their first ones.
 fn groups<'a>(points: impl Iterator<Item = &'a Point>) -> Vec<Vec<Point>> {
-    let mut groups: Vec<Vec<Point>> = Vec::new();
-    let mut places = HashMap::new();
+    let mut groups: IndexMap<Key, Vec<Point>> = IndexMap::new();
     for &point in points {
         let alike = Point {
             speed: None,
             ..point
         };
-        let place = *places.entry(key(&alike)).or_insert(groups.len());
-        if place == groups.len() {
-            groups.push(Vec::new());
-        }
-        groups[place].push(point);
+        groups.entry(key(&alike)).or_default().push(point);
     }
-    groups
+    groups.into_values().collect()
 }
 
-/// A failure with the point that it happened at.
-fn at_point(point: &Point, failure: Failure) -> Failure {
-    match failure {
-        Failure::NotConverged(text) => Failure::NotConverged(format!("{text}, at {point}")),
-        Failure::BadInput(text) => Failure::BadInput(format!("{text}, at {point}")),
-        other => other,
+/// Says at which point a failure happened.
+fn at_point(point: &Point) -> impl Fn(Failure) -> Failure {
+    move |mut failure| {
+        *failure.text() += &format!(", at {point}");
+        failure
     }
 }
 

@@ -9,7 +9,7 @@ use kufe_lut::{AxisKind, Error, Mode, Outside, Plan, Spacing};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 
-use crate::jobs::failure::Failure;
+use crate::jobs::failure::{Failure, Located};
 
 /// A table file is a page of text; a longer file is something else [bytes].
 const LONGEST: u64 = 1 << 20;
@@ -134,28 +134,27 @@ impl TableSpec {
     /// # Errors
     /// [`Failure::BadInput`] naming the file, the key, what was found and what was expected.
     pub fn read(path: &Path) -> Result<TableSpec, Failure> {
-        let failed = |reason: String| Failure::in_file(path, reason);
-        let text = text_of_regular(path, LONGEST);
-        let text = text.map_err(|error| Failure::unreadable(path, error))?;
-        let file: TableToml = toml::from_str(&text).map_err(|error| {
+        let text = text_of_regular(path, LONGEST).readable(path)?;
+        TableSpec::parse(path, &text).in_file(path)
+    }
+
+    fn parse(path: &Path, text: &str) -> Result<TableSpec, String> {
+        let file: TableToml = toml::from_str(text).map_err(|error| {
             let start = error.span().map_or(0, |span| span.start.min(text.len()));
             let line = text[..start].matches('\n').count() + 1;
-            failed(format!("line {line}: {}", error.message()))
+            format!("line {line}: {}", error.message())
         })?;
-        let plan = plan(&file).map_err(failed)?;
-        let outside = file.axes.outside().map_err(failed)?;
-        plan.check().map_err(|error| {
-            failed(match line_of(&text, &error) {
-                Some(line) => format!("line {line}: {error}"),
-                None => error.to_string(),
-            })
+        let plan = plan(&file)?;
+        let outside = file.axes.outside()?;
+        plan.check().map_err(|error| match line_of(text, &error) {
+            Some(line) => format!("line {line}: {error}"),
+            None => error.to_string(),
         })?;
         let p_max = file.accuracy.p_max;
-        within("accuracy.p_max", "a relative error", p_max, 1e-5..=0.5).map_err(failed)?;
-        let base = path.parent().unwrap_or(Path::new(""));
+        within("accuracy.p_max", "a relative error", p_max, 1e-5..=0.5)?;
         Ok(TableSpec {
             path: path.to_path_buf(),
-            case: base.join(&file.case),
+            case: path.with_file_name(&file.case),
             plan,
             p_max,
             outside,

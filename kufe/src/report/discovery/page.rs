@@ -1,7 +1,7 @@
 //! The page: what to act on first, then each effect, then tables folded.
 
 use crate::plot::escape;
-use crate::report::discovery::parts::{amount, list};
+use crate::report::discovery::parts::{amount, folded, list};
 use crate::report::discovery::pictures::{gaps, models, picture};
 use crate::report::discovery::sections::{bins, detectable, next_runs, parameters, runs, step};
 use crate::report::discovery::summary::summary;
@@ -29,13 +29,11 @@ pub fn discovery_page(report: &Report, viewer: Option<&str>) -> String {
 
 /// Residuals along the track with most effects; along the others, folded.
 fn along_tracks(report: &Report, viewer: Option<&str>) -> String {
-    let strips = report
-        .pictures
-        .iter()
-        .filter_map(|picture| match &picture.plot {
-            Plot::Strip(strip) => Some((strip, &picture.plot)),
-            _ => None,
-        });
+    let pictures = report.pictures.iter();
+    let strips = pictures.filter_map(|picture| match &picture.plot {
+        Plot::Strip(strip) => Some((strip, &picture.plot)),
+        _ => None,
+    });
     let mut strips: Vec<(&Strip, &Plot)> = strips.collect();
     strips.sort_by_key(|(strip, _)| std::cmp::Reverse(strip.places.len()));
     let drawn = strips.into_iter().enumerate().map(|(k, (strip, plot))| {
@@ -82,32 +80,30 @@ fn strip_links(strip: &Strip, report: &Report, viewer: &str) -> Vec<String> {
 
 /// Diagrams side by side, maps one below the other.
 fn figures(pictures: &[Picture]) -> String {
-    let pictures = pictures
-        .iter()
-        .filter(|p| !matches!(p.plot, Plot::Strip(_)));
-    let is_diagram = |picture: &Picture| matches!(picture.plot, Plot::Scatter(_));
+    let is_diagram = |picture: &&Picture| matches!(picture.plot, Plot::Scatter(_));
     // Diagrams are in pairs; with an odd number of them the first is as wide as the page.
-    let mut is_single = pictures.clone().filter(|p| is_diagram(p)).count() % 2 == 1;
-    let drawn: String = pictures
-        .map(|one| {
-            let is_one_of_a_pair = is_diagram(one) && !std::mem::take(&mut is_single);
-            let class = if is_one_of_a_pair {
-                ""
-            } else {
-                " class=\"whole\""
-            };
-            let (title, svg) = (escape(&one.title), picture(&one.plot, is_one_of_a_pair));
-            let caption = match &*one.caption {
-                "" => String::new(),
-                caption => small(caption),
-            };
-            format!("<div{class}><h2>{title}</h2>\n{svg}\n{caption}</div>\n")
-        })
-        .collect();
-    if drawn.is_empty() {
-        return drawn;
+    let mut is_single = pictures.iter().filter(is_diagram).count() % 2 == 1;
+    let figure = |one: &Picture| {
+        let is_one_of_a_pair = is_diagram(&one) && !std::mem::take(&mut is_single);
+        let class = if is_one_of_a_pair {
+            ""
+        } else {
+            " class=\"whole\""
+        };
+        let (title, svg) = (escape(&one.title), picture(&one.plot, is_one_of_a_pair));
+        let caption = match &*one.caption {
+            "" => String::new(),
+            caption => small(caption),
+        };
+        format!("<div{class}><h2>{title}</h2>\n{svg}\n{caption}</div>\n")
+    };
+    let pictures = pictures.iter();
+    let figures = pictures.filter(|one| !matches!(one.plot, Plot::Strip(_)));
+    let figures: String = figures.map(figure).collect();
+    match &*figures {
+        "" => figures,
+        figures => format!("<div class=\"figures\">\n{figures}</div>\n"),
     }
-    format!("<div class=\"figures\">\n{drawn}</div>\n")
 }
 
 /// Tables of numbers, folded; those without numbers are omitted.
@@ -122,50 +118,28 @@ fn details(report: &Report, viewer: Option<&str>) -> String {
             held_out.runs.join(", ")
         ));
     }
-    let by_run = report.by_run.iter().any(|channel| channel.runs.len() >= 2);
-    let folds = [
-        (
-            true,
-            "The gap before and after, channel by channel",
-            before_and_after,
-        ),
-        (true, "Where it disagrees", bins(&report.bins)),
-        (
-            !report.steps.is_empty(),
-            "What remains afterwards",
-            bins(&report.bins_after),
-        ),
-        (
-            !report.next_runs.is_empty(),
-            "Which runs to drive next",
-            next_runs(&report.next_runs),
-        ),
-        (
-            by_run,
-            "By run and by session",
-            runs(&report.by_run, viewer),
-        ),
-        (
-            !report.base.is_empty(),
-            "Base parameters, refitted",
-            parameters(&report.base),
-        ),
-    ];
-    let folds = folds.into_iter().filter(|(is_shown, ..)| *is_shown);
     let mut out = String::from("<h2>In numbers</h2>\n");
     if !report.baselines.is_empty() {
         let title = "Three models on data they were not fitted to";
         out += &models(title, &report.baselines);
     }
-    out.extend(folds.map(|(_, title, inner)| fold(title, &inner)));
+    let shown_if = |is_shown: bool, inner: String| if is_shown { inner } else { String::new() };
+    let remains = shown_if(!report.steps.is_empty(), bins(&report.bins_after));
+    let by_run = report.by_run.iter().any(|channel| channel.runs.len() >= 2);
+    let by_run = shown_if(by_run, runs(&report.by_run, viewer));
+    let title = "The gap before and after, channel by channel";
+    out += &fold(title, &before_and_after);
+    out += &fold("Where it disagrees", &bins(&report.bins));
+    out += &folded("What remains afterwards", remains);
+    out += &folded("Which runs to drive next", next_runs(&report.next_runs));
+    out += &folded("By run and by session", by_run);
+    out += &folded("Base parameters, refitted", parameters(&report.base));
     let tolerated = report.within_tolerance.iter();
     let tolerated =
         tolerated.map(|part| format!("{}: {}", part.what, amount(part.size, &part.unit)));
     out += &list("Within the tolerance of the installation", tolerated);
-    if !report.minimum_detectable.is_empty() {
-        let title = "What these data could distinguish";
-        out += &fold(title, &detectable(&report.minimum_detectable));
-    }
+    let distinguished = detectable(&report.minimum_detectable);
+    out += &folded("What these data could distinguish", distinguished);
     let untestable = report.untestable.iter();
     let untestable = untestable.map(|(effect, reason)| format!("{effect}: {reason}"));
     out += &list("Not testable with these data", untestable);

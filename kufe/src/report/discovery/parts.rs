@@ -68,26 +68,44 @@ pub fn meaning(effect: &str, parameter: &str) -> Option<&'static str> {
     }
 }
 
+/// Content that is folded; nothing where it is empty.
+pub fn folded(title: &str, inner: String) -> String {
+    match &*inner {
+        "" => inner,
+        inner => fold(title, inner),
+    }
+}
+
 /// A folded list of texts; nothing where it is empty.
 pub fn list(title: &str, items: impl Iterator<Item = String>) -> String {
     let items: String = items
         .map(|text| format!("<li>{}</li>\n", escape(&text)))
         .collect();
-    if items.is_empty() {
-        return items;
+    match &*items {
+        "" => items,
+        items => fold(title, &format!("<ul>\n{items}</ul>\n")),
     }
-    fold(title, &format!("<ul>\n{items}</ul>\n"))
 }
 
-/// A table of texts with the columns `NAME|NAME|..`, of which those with a `#` are numbers; rows
-/// are shaded where their flag is set.
-pub fn table<const N: usize>(
+/// A table of texts with the columns `NAME|NAME|..`, of which those with a `#` are numbers; nothing
+/// without rows.
+pub fn table<const N: usize>(names: &str, rows: impl IntoIterator<Item = [String; N]>) -> String {
+    headed_table("", names, rows.into_iter().map(|cells| (false, cells)))
+}
+
+/// As [`table`], with HTML above it, and rows that are shaded where their flag is set.
+pub fn headed_table<const N: usize>(
+    head: &str,
     names: &str,
     rows: impl IntoIterator<Item = (bool, [String; N])>,
 ) -> String {
     let rows = rows.into_iter();
     let rows = rows.map(|(shaded, cells)| (shaded, cells.map(|text| escape(&text))));
-    html::table(&html::columns(names), rows)
+    let mut rows = rows.peekable();
+    match rows.peek() {
+        Some(_) => head.to_owned() + &html::shaded_table(&html::columns(names), rows),
+        None => String::new(),
+    }
 }
 
 /// A p-value as `= 0.012` or `< 1e-6`.
@@ -131,7 +149,7 @@ mod tests {
 
     #[test]
     fn cells_of_a_table_are_text() {
-        let out = table("name|#p", [(true, ["<a>".to_owned(), p_value(1e-9)])]);
+        let out = headed_table("", "name|#p", [(true, ["<a>".to_owned(), p_value(1e-9)])]);
         let row = "<tr class=in><td>&lt;a&gt;<td class=n>&lt; 1e-6\n";
         assert!(out.contains(row), "{out}");
     }

@@ -39,13 +39,14 @@ fn column(width: f64, label: &str, height: f64, panels: Vec<Panel>) -> Figure {
 
 /// A picture for a page and for a phone: the page shows the one that fits.
 fn for_both(page: f64, figure: Figure) -> String {
-    let [page, phone] = [page, PHONE].map(|width| {
+    let svg = |width| {
         Figure {
             width,
             ..figure.clone()
         }
         .svg()
-    });
+    };
+    let (page, phone) = (svg(page), svg(PHONE));
     format!("<div class=\"page\">{page}</div><div class=\"phone\">{phone}</div>\n")
 }
 
@@ -97,16 +98,11 @@ fn diagram(plot: &Scatter) -> Panel {
 /// Every run along a track in its session's colour, the mean of all, and the places of effects.
 fn strip(plot: &Strip, after: bool) -> Panel {
     let values = |run: &StripRun| {
-        if after {
-            run.after.clone()
-        } else {
-            run.before.clone()
-        }
+        let values = if after { &run.after } else { &run.before };
+        values.clone()
     };
-    let both = plot
-        .runs
-        .iter()
-        .flat_map(|run| run.before.iter().chain(&run.after));
+    let runs = plot.runs.iter();
+    let both = runs.flat_map(|run| run.before.iter().chain(&run.after));
     let [_, largest] = extent(both.map(|value| value.abs()).chain([1e-300]));
     let lengths = plot.runs.iter().map(|run| run.before.len());
     let count = lengths.max().unwrap_or(0);
@@ -175,21 +171,20 @@ fn peaks(rows: &[Peak]) -> Panel {
             ("before", Some(row.before), Symbol::Ring, 4.0, BEFORE),
             ("after", row.after, Symbol::Disc, 4.0, AFTER),
         ];
-        for (name, pressure, symbol, radius, colour) in points {
-            let Some(pressure) = pressure.map(mega) else {
-                continue;
-            };
-            let layer = Layer::symbols(symbol, radius, [(pressure, y)], colour);
-            let hint = format!("{name} {} MPa", number4(pressure));
-            layers.push(layer.named(name).hinted(hint));
-        }
+        layers.extend(
+            points
+                .into_iter()
+                .filter_map(|(name, pa, symbol, radius, colour)| {
+                    let pressure = mega(pa?);
+                    let layer = Layer::symbols(symbol, radius, [(pressure, y)], colour);
+                    let hint = format!("{name} {} MPa", number4(pressure));
+                    Some(layer.named(name).hinted(hint))
+                }),
+        );
     }
     let names = rows.iter().map(|row| {
-        if row.not_seen {
-            format!("{}, not seen", row.name)
-        } else {
-            row.name.clone()
-        }
+        let seen = if row.not_seen { ", not seen" } else { "" };
+        format!("{}{seen}", row.name)
     });
     let x = Axis::new("peak pressure [MPa]");
     Panel::new(x, Axis::names("", names).reversed(), layers)
@@ -244,8 +239,7 @@ fn bars<'a>(
     let panels = quantities.map(|(name, unit, values)| {
         let largest = values
             .iter()
-            .map(|(_, value, _)| *value)
-            .fold(1e-300, f64::max);
+            .fold(1e-300, |most, bar| f64::max(most, bar.1));
         let bars = values.iter().enumerate();
         let layers = bars.flat_map(|(k, (_, value, colour))| {
             let (y, end) = (k as f64, value / largest);
@@ -301,16 +295,12 @@ pub fn bins(bins: &[Bin]) -> String {
         layers.push(Layer::segments(2.0, [[at(-2.0), at(2.0)]], AFTER));
         layers.push(Layer::dots(4.0, [at(0.0)], BEFORE));
     }
-    let names = bins
-        .iter()
-        .map(|bin| format!("{}: {}", bin.channel, range(bin)));
-    let names = Axis::names("", names).reversed();
+    let name = |bin: &Bin| format!("{}: {}", bin.channel, range(bin));
+    let names = Axis::names("", bins.iter().map(name)).reversed();
     let title = "mean residual with two standard errors, relative to the largest of its channel";
     let panel = Panel::new(Axis::blank([-1.05, 1.05]), names, layers).titled(title);
-    for_both(
-        ALONE,
-        column(ALONE, "mean residual by bin", 0.0, vec![panel]),
-    )
+    let figure = column(ALONE, "mean residual by bin", 0.0, vec![panel]);
+    for_both(ALONE, figure)
 }
 
 /// A channel's mean residual run by run, every second session shaded.

@@ -3,9 +3,11 @@
 use std::collections::BTreeSet;
 
 use crate::plot::{escape, number4};
-use crate::report::discovery::parts::{amount, p_is, p_value, range, shown, table, unit_text};
+use crate::report::discovery::parts::{
+    amount, folded, headed_table, p_is, p_value, range, shown, table, unit_text,
+};
 use crate::report::discovery::pictures;
-use crate::report::html::{fold, small};
+use crate::report::html::small;
 use crate::report::viewer::{ViewedPart, viewer_links};
 use crate::results::finding::{
     Bin, ByRun, Detectable, Fitted, NextRuns, OfKind, Report, Rival, Step,
@@ -16,16 +18,13 @@ const MOST_BINS: usize = 15;
 
 /// One effect: how far the gap falls, its sizes, its rivals.
 pub fn step(number: usize, step: &Step, report: &Report) -> String {
-    let is_alone = report.steps.len() == 1;
-    let shared = if is_alone {
-        ""
-    } else {
-        " by all steps together"
+    let shared = match report.steps.len() {
+        1 => "",
+        _ => " by all steps together",
     };
-    let judged = if report.held_out.runs.is_empty() {
-        ""
-    } else {
-        " on held-out data"
+    let judged = match report.held_out.runs[..] {
+        [] => "",
+        _ => " on held-out data",
     };
     let closed = &step.explainable_gap_closed;
     let [value, low, high] = [closed.value, closed.low, closed.high].map(|share| 100.0 * share);
@@ -35,18 +34,12 @@ pub fn step(number: usize, step: &Step, report: &Report) -> String {
         p_is(step.p_value),
         fitted_gap(step, report),
     );
-    let mut out = format!(
-        "<h2>{number}. {}</h2>\n<p>{}</p>\n",
-        escape(&step.effect),
-        escape(&text)
-    );
+    let (effect, text) = (escape(&step.effect), escape(&text));
+    let mut out = format!("<h2>{number}. {effect}</h2>\n<p>{text}</p>\n");
     out += &evidence(&step.evidence);
-    out += &fold("Its size, with the interval", &parameters(&step.parameters));
-    if !step.rivals.is_empty() {
-        let title = format!("Why {} and not its rivals", step.effect);
-        out += &fold(&title, &rivals(&step.rivals));
-    }
-    out
+    out += &folded("Its size, with the interval", parameters(&step.parameters));
+    let title = format!("Why {} and not its rivals", step.effect);
+    out + &folded(&title, rivals(&step.rivals))
 }
 
 /// How far the gap falls on the data that were fitted: of a single effect as the bars show it, from
@@ -58,11 +51,9 @@ fn fitted_gap(step: &Step, report: &Report) -> String {
         format!("the gap is {before} with the model as given and {after} with the next one.")
     } else {
         let [before, after] = [step.gap_before, step.gap_after].map(|gap| amount(gap, &step.unit));
-        let has_base = !report.base.is_empty();
-        let base = if has_base {
-            " of the refitted base"
-        } else {
-            ""
+        let base = match report.base[..] {
+            [] => "",
+            _ => " of the refitted base",
         };
         if step.gap_after >= step.gap_before {
             format!("the base model had taken its place: the gap was {before} and is {after}.")
@@ -90,7 +81,7 @@ fn rivals(rivals: &[Rival]) -> String {
     let columns = "rival|parameter|#size alone|#size / error|#explains|#correlation|#named given it|what would decide";
     let head = "<p>Shaded: these data cannot distinguish it from the named effect. <i>Explains</i>: what the rival alone explains, in units of the noise. \
         <i>Named given it</i>: how many of its errors the named effect is away from 0 once the rival has taken its part; small means alike.</p>\n";
-    head.to_owned() + &table(columns, rivals.iter().map(row))
+    headed_table(head, columns, rivals.iter().map(row))
 }
 
 /// The value, the interval and the unit of a parameter.
@@ -103,18 +94,15 @@ fn sized(p: &Fitted) -> [String; 3] {
 pub fn parameters(fitted: &[Fitted]) -> String {
     let row = |p: &Fitted| {
         let [value, interval, unit] = sized(p);
-        (false, [p.name.clone(), value, interval, unit])
+        [p.name.clone(), value, interval, unit]
     };
-    table(
-        "parameter|#value|#95 % interval|unit",
-        fitted.iter().map(row),
-    )
+    let columns = "parameter|#value|#95 % interval|unit";
+    table(columns, fitted.iter().map(row))
 }
 
 /// The size of an effect by each kind of data of a campaign.
 fn evidence(kinds: &[OfKind]) -> String {
-    let agree = kinds.iter().all(|kind| kind.agrees);
-    let message = match (kinds.len(), agree) {
+    let message = match (kinds.len(), kinds.iter().all(|kind| kind.agrees)) {
         (0, _) => return String::new(),
         (1, _) => "One kind of data of the campaign knows this effect.",
         (_, true) => {
@@ -124,27 +112,23 @@ fn evidence(kinds: &[OfKind]) -> String {
             "The kinds of data disagree: each has its own size, and the next model has that of the first."
         }
     };
-    let row = |(kind, p): (&OfKind, &Fitted)| {
+    let rows = kinds.iter().flat_map(|kind| {
         let [before, after] = [kind.gap_before, kind.gap_after].map(|gap| amount(gap, &kind.unit));
         let gaps = format!("{before} → {after}");
-        let [value, interval, unit] = sized(p);
-        (
-            false,
+        kind.parameters.iter().map(move |p| {
+            let (data, name, [value, interval, unit]) = (&kind.data, &p.name, sized(p));
             [
-                kind.data.clone(),
-                p.name.clone(),
+                data.clone(),
+                name.clone(),
                 value,
                 interval,
                 unit,
-                gaps,
-            ],
-        )
-    };
+                gaps.clone(),
+            ]
+        })
+    });
     let columns = "data|parameter|#by itself|#95 % interval|unit|#gap not seen before, and after";
-    let rows = kinds
-        .iter()
-        .flat_map(|kind| kind.parameters.iter().map(move |p| (kind, p)));
-    format!("<p>{message}</p>\n{}", table(columns, rows.map(row)))
+    format!("<p>{message}</p>\n{}", table(columns, rows))
 }
 
 /// Runs that would distinguish the members of a class, simulated.
@@ -162,7 +146,7 @@ pub fn next_runs(plans: &[NextRuns]) -> String {
     let head = "<p>Each plan was simulated with every member of the class at its fitted size and examined with the others. <i>Expected</i>: the logarithm of the \
         likelihood ratio of the two that the runs would distinguish least; shaded where that distinguishes them nine times in ten.</p>\n";
     let columns = "runs|track|what differs|between|#expected";
-    head.to_owned() + &table(columns, plans.iter().map(row))
+    headed_table(head, columns, plans.iter().map(row))
 }
 
 /// Bins in which the residual is significant.
@@ -174,7 +158,7 @@ pub fn bins(bins: &[Bin]) -> String {
     let row = |b: &Bin| {
         let [mean, error] = [b.mean, b.error].map(|value| shown(value, &b.unit));
         let (unit, p) = (unit_text(&b.unit), p_value(b.p_value));
-        (false, [b.channel.clone(), range(b), mean, error, unit, p])
+        [b.channel.clone(), range(b), mean, error, unit, p]
     };
     let columns = "channel|bin|#mean residual|#standard error|unit|#p over all bins";
     let mut out = pictures::bins(bins) + &table(columns, bins.iter().take(MOST_BINS).map(row));
@@ -191,20 +175,16 @@ pub fn bins(bins: &[Bin]) -> String {
 pub fn runs(by_run: &[ByRun], viewer: Option<&str>) -> String {
     let names = by_run.iter().flat_map(|channel| &channel.runs);
     let names: BTreeSet<&str> = names.map(|run| run.run.as_str()).collect();
-    let link = |viewer| {
-        names
-            .iter()
-            .map(move |run| ViewedPart::of_runs(&[*run]).link(viewer, run))
-    };
-    let links: Vec<String> = viewer.into_iter().flat_map(link).collect();
+    let link = |run: &&str| Some(ViewedPart::of_runs(&[*run]).link(viewer?, run));
+    let links: Vec<String> = names.iter().filter_map(link).collect();
     let mut out = viewer_links(&links);
     for channel in by_run {
         let chance = |p: f64| if p >= 1.0 { "1".to_owned() } else { p_value(p) };
         out += &pictures::runs(channel);
+        let before = chance(channel.sessions_differ_before);
+        let after = chance(channel.sessions_differ_after);
         out += &small(&format!(
-            "That sessions differ this much by chance has a probability of {} before and {} after.",
-            chance(channel.sessions_differ_before),
-            chance(channel.sessions_differ_after)
+            "That sessions differ this much by chance has a probability of {before} before and {after} after.",
         ));
     }
     out
@@ -226,5 +206,5 @@ pub fn detectable(effects: &[Detectable]) -> String {
     let head = "<p>Before any residual is judged: the smallest size that would be found nine times in ten, \
         the share of each effect that a refit of the base leaves, and the effect that resembles it most.</p>\n";
     let columns = "effect|parameter|#smallest size|#share after the refit|most like|#correlation";
-    head.to_owned() + &table(columns, effects.iter().map(row))
+    headed_table(head, columns, effects.iter().map(row))
 }

@@ -70,11 +70,6 @@ fn notes(report: &Report) -> Vec<(&'static str, String)> {
 }
 
 fn in_words(report: &Report) -> String {
-    let more = if report.adequate || report.steps.is_empty() {
-        ""
-    } else {
-        ", and more is missing"
-    };
     let words = match report.verdict {
         Verdict::Named if report.steps.len() > 1 => "Effects are missing from the model",
         Verdict::Named => "An effect is missing from the model",
@@ -86,34 +81,36 @@ fn in_words(report: &Report) -> String {
         Verdict::None => "Nothing is missing that these data could show",
         Verdict::NotIdentifiable => "Something differs, but these data cannot name it",
     };
+    let is_all = report.adequate || report.steps.is_empty();
+    let more = if is_all { "" } else { ", and more is missing" };
     format!("{words}{more}")
 }
 
 /// Name, what it means, size with interval, place.
 fn effect(step: &Step) -> String {
     let mut text = format!("<b>{}</b>", escape(&step.effect));
-    if step.class.len() > 1 {
-        text += &format!(" or {}", escape(&step.class[1..].join(" or ")));
-    }
-    if !step.summary.is_empty() {
-        text += &format!(": {}", escape(&step.summary));
-    }
+    // A part of the text within its marks; nothing where it is empty.
+    let mut add = |before: &str, part: &str, after: &str| {
+        if !part.is_empty() {
+            text += &[before, &escape(part), after].concat();
+        }
+    };
+    add(
+        " or ",
+        &step.class.get(1..).unwrap_or_default().join(" or "),
+        "",
+    );
+    add(": ", &step.summary, "");
     let sizes: Vec<String> = step.parameters.iter().map(size).collect();
-    if !sizes.is_empty() {
-        text += &format!("<br>{}", escape(&sizes.join("; ")));
-    }
+    add("<br>", &sizes.join("; "), "");
     for parameter in &step.parameters {
         if let Some(meaning) = meaning(&step.effect, &parameter.name) {
-            text += &format!("<br><small>{}: {meaning}</small>", parameter.name);
+            let text = format!("{}: {meaning}", parameter.name);
+            add("<br><small>", &text, "</small>");
         }
     }
-    if let Some(contacts) = contacts(step) {
-        text += &format!("<br>{}", escape(&contacts));
-    }
-    if !step.place.is_empty() {
-        let places = escape(&places(&step.place));
-        text += &format!("<br><small>where: {places}</small>");
-    }
+    add("<br>", &contacts(step).unwrap_or_default(), "");
+    add("<br><small>where: ", &places(&step.place), "</small>");
     text
 }
 
@@ -245,8 +242,10 @@ fn explained(step: &Step, report: &Report) -> Option<Tile> {
         (true, true) => format!(" ({low:.0} to {high:.0} %: too few data to decide whether any)"),
         (false, _) => ": too few data to decide".to_owned(),
     };
-    let has_unseen = !report.held_out.runs.is_empty();
-    let judged = if has_unseen { " on data not seen" } else { "" };
+    let judged = match report.held_out.runs[..] {
+        [] => "",
+        _ => " on data not seen",
+    };
     let why = format!("of what effects could explain{judged} is explained {by}{known}");
     value.is_finite().then(|| (format!("{value:.0} %"), why))
 }

@@ -3,49 +3,26 @@
 use crate::plot::number4;
 use crate::report::sign::sign;
 
-/// A unit as files have it; the least size, the factor and the symbol of a unit in which it is
-/// shown, the largest first.
-type Step = (&'static str, f64, f64, &'static str);
+/// A unit as files have it, and those that its numbers are shown in, the largest first, with their
+/// number in one of it.
+type Shown = (&'static str, &'static [(&'static str, f64)]);
 
-const STEPS: [Step; 38] = [
-    ("Pa", 1e9, 1e-9, "GPa"),
-    ("Pa", 1e5, 1e-6, "MPa"),
-    ("Pa", 1e3, 1e-3, "kPa"),
-    ("Pa", 0.0, 1.0, "Pa"),
-    ("m", 1.0, 1.0, "m"),
-    ("m", 1e-3, 1e3, "mm"),
-    ("m", 1e-7, 1e6, "µm"),
-    ("m", 0.0, 1e9, "nm"),
-    ("m2", 0.1, 1.0, "m²"),
-    ("m2", 0.0, 1e6, "mm²"),
-    ("m3", 1e-2, 1.0, "m³"),
-    ("m3", 1e-7, 1e6, "cm³"),
-    ("m3", 0.0, 1e9, "mm³"),
-    ("rad", 1.0, 1.0, "rad"),
-    ("rad", 1e-4, 1e3, "mrad"),
-    ("rad", 0.0, 1e6, "µrad"),
-    ("rad/s", 0.1, 1.0, "rad/s"),
-    ("rad/s", 0.0, 1e3, "mrad/s"),
-    ("N", 1e4, 1e-3, "kN"),
-    ("N", 0.1, 1.0, "N"),
-    ("N", 0.0, 1e3, "mN"),
-    ("N m", 1.0, 1.0, "N m"),
-    ("N m", 0.0, 1e3, "mN m"),
-    ("N/rad", 1e3, 1e-3, "kN/rad"),
-    ("N/rad", 0.0, 1.0, "N/rad"),
-    ("J", 1e6, 1e-6, "MJ"),
-    ("J", 1e3, 1e-3, "kJ"),
-    ("J", 0.1, 1.0, "J"),
-    ("J", 0.0, 1e3, "mJ"),
-    ("s", 0.5, 1.0, "s"),
-    ("s", 1e-4, 1e3, "ms"),
-    ("s", 0.0, 1e6, "µs"),
-    ("m/s", 0.1, 1.0, "m/s"),
-    ("m/s", 0.0, 1e3, "mm/s"),
-    ("bytes", 1e6, 1e-6, "MB"),
-    ("bytes", 1e3, 1e-3, "kB"),
-    ("bytes", 0.0, 1.0, "bytes"),
-    ("1e-3", 0.0, 1e3, "10⁻³"),
+#[rustfmt::skip]
+const SHOWN: [Shown; 14] = [
+    ("Pa", &[("GPa", 1e-9), ("MPa", 1e-6), ("kPa", 1e-3), ("Pa", 1.0)]),
+    ("m", &[("m", 1.0), ("mm", 1e3), ("µm", 1e6), ("nm", 1e9)]),
+    ("m2", &[("m²", 1.0), ("mm²", 1e6)]),
+    ("m3", &[("m³", 1.0), ("cm³", 1e6), ("mm³", 1e9)]),
+    ("rad", &[("rad", 1.0), ("mrad", 1e3), ("µrad", 1e6)]),
+    ("rad/s", &[("rad/s", 1.0), ("mrad/s", 1e3)]),
+    ("N", &[("kN", 1e-3), ("N", 1.0), ("mN", 1e3)]),
+    ("N m", &[("N m", 1.0), ("mN m", 1e3)]),
+    ("N/rad", &[("kN/rad", 1e-3), ("N/rad", 1.0)]),
+    ("J", &[("MJ", 1e-6), ("kJ", 1e-3), ("J", 1.0), ("mJ", 1e3)]),
+    ("s", &[("s", 1.0), ("ms", 1e3), ("µs", 1e6)]),
+    ("m/s", &[("m/s", 1.0), ("mm/s", 1e3)]),
+    ("bytes", &[("MB", 1e-6), ("kB", 1e-3), ("bytes", 1.0)]),
+    ("1e-3", &[("10⁻³", 1e3)]),
 ];
 
 /// What numbers are shown in.
@@ -60,17 +37,20 @@ pub struct Scale {
 impl Scale {
     /// The one that suits numbers of which the largest has this size; zero has the usual unit.
     pub fn of(unit: &str, largest: f64) -> Scale {
-        let known = || STEPS.iter().filter(|step| step.0 == unit);
-        let usual = known().find(|step| step.2 == 1.0 && largest == 0.0);
-        let fitting = || known().find(|step| largest >= step.1);
-        let plain = sign(unit);
-        let (.., times, symbol) = usual.or_else(fitting).unwrap_or(&("", 0.0, 1.0, ""));
-        Scale {
-            times: *times,
-            unit: if symbol.is_empty() {
-                plain
-            } else {
-                (*symbol).to_owned()
+        let known = SHOWN.iter().find(|(known, _)| *known == unit);
+        let known = known.map_or(&[][..], |(_, shown)| shown);
+        let usual = known
+            .iter()
+            .find(|(_, times)| *times == 1.0 && largest == 0.0);
+        let mut fitting = known.iter().filter(|(_, times)| largest * times >= 1.0);
+        match usual.or(fitting.next()).or(known.last()) {
+            Some((unit, times)) => Scale {
+                times: *times,
+                unit: (*unit).to_owned(),
+            },
+            None => Scale {
+                times: 1.0,
+                unit: sign(unit),
             },
         }
     }
@@ -93,8 +73,9 @@ impl Scale {
         }
         let decimals = error.split_once('.').map_or(0, |(_, after)| after.len());
         let text = format!("{:.decimals$}", self.times * value);
-        match text.strip_prefix('-') {
-            Some(zero) if !zero.contains(|c| ('1'..='9').contains(&c)) => zero.to_owned(),
+        // No sign of a zero.
+        match text.parse() {
+            Ok(0.0) => text.trim_start_matches('-').to_owned(),
             _ => text,
         }
     }

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use crate::plot::escape;
 use crate::report::results::amount::Scale;
 use crate::report::results::label::{error_keys, name_of, unit_of};
-use crate::results::{Data, Datum};
+use crate::results::Datum;
 
 /// Most values of a list that are shown at once.
 const MOST_VALUES: usize = 8;
@@ -25,37 +25,37 @@ pub struct Entry<'a> {
 
 /// The figures of a group, and those of the groups in it after their names; tables and empty
 /// figures are omitted.
-pub fn entries(figures: &Data) -> Vec<Entry<'_>> {
+pub fn entries<'a>(figures: impl IntoIterator<Item = (&'a String, &'a Datum)>) -> Vec<Entry<'a>> {
     let mut all = Vec::new();
-    collect(&mut all, "", figures);
+    collect(&mut all, "", &figures.into_iter().collect::<Vec<_>>());
     all
 }
 
-fn collect<'a>(all: &mut Vec<Entry<'a>>, of: &str, figures: &'a Data) {
-    let errors: Vec<(&str, String)> = figures
-        .iter()
-        .filter(|(_, value)| is_number(value))
-        .flat_map(|(key, _)| error_keys(key).map(|error| (key, error)))
-        .filter(|(_, error)| figures.get(error).and_then(Datum::number).is_some())
-        .collect();
-    for (key, value) in figures.iter() {
+fn collect<'a>(all: &mut Vec<Entry<'a>>, of: &str, figures: &[(&'a String, &'a Datum)]) {
+    let number_of = |key: &String| {
+        let found = figures.iter().find(|(known, _)| *known == key);
+        found.and_then(|(_, value)| value.number())
+    };
+    // The key of a number's error, where the document states one.
+    let error_of = |(key, value): &(&String, &Datum)| {
+        let keys = error_keys(key).into_iter().filter(|_| is_number(value));
+        keys.into_iter().find(|error| number_of(error).is_some())
+    };
+    let errors: Vec<String> = figures.iter().filter_map(error_of).collect();
+    for figure in figures {
+        let (key, value) = *figure;
         let name = format!("{of}{}", name_of(key));
         match value {
             Datum::Group(inner) if value.interval().is_none() => {
-                collect(all, &format!("{name}: "), inner);
+                collect(all, &format!("{name}: "), &inner.iter().collect::<Vec<_>>());
             }
-            _ if value.is_empty() || value.is_table() => {}
-            _ if errors.iter().any(|(_, error)| error == key) => {}
-            _ => {
-                let error = errors.iter().find(|(of, _)| *of == key);
-                let error = error.and_then(|(_, error)| figures.get(error)?.number());
-                all.push(Entry {
-                    name,
-                    key,
-                    value,
-                    error,
-                });
-            }
+            _ if value.is_empty() || value.is_table() || errors.contains(key) => {}
+            _ => all.push(Entry {
+                name,
+                key,
+                value,
+                error: error_of(figure).and_then(|error| number_of(&error)),
+            }),
         }
     }
 }
@@ -66,14 +66,18 @@ fn is_number(figure: &Datum) -> bool {
 }
 
 impl Entry<'_> {
+    /// Its numbers: that of a value, those of an interval, or of a list.
+    fn numbers(&self) -> Vec<f64> {
+        let values = self.value.list().iter().chain([self.value]);
+        let interval = self.value.interval().map(|interval| interval.to_vec());
+        interval.unwrap_or_else(|| values.filter_map(Datum::number).collect())
+    }
+
     /// The size of its largest number; 0 where there is none.
     pub fn largest(&self) -> f64 {
-        let size = |value: &Datum| value.number().map_or(0.0, f64::abs);
-        match (self.value.interval(), self.value) {
-            (Some(numbers), _) => numbers.iter().fold(0.0, |most, x| x.abs().max(most)),
-            (None, Datum::List(values)) => values.iter().map(size).fold(0.0, f64::max),
-            (None, value) => size(value),
-        }
+        self.numbers()
+            .into_iter()
+            .fold(0.0, |most, x| x.abs().max(most))
     }
 
     /// Whether it is a number, with or without an interval.
@@ -94,8 +98,7 @@ impl Entry<'_> {
     /// The figure with the unit of this scale, as HTML.
     pub fn in_unit(&self, scale: &Scale) -> String {
         let number = self.number(scale);
-        let has_numbers = self.is_number() || self.value.list().iter().any(is_number);
-        if !has_numbers || scale.unit.is_empty() {
+        if scale.unit.is_empty() || self.numbers().is_empty() {
             return number;
         }
         let unit = escape(&scale.unit);
@@ -109,48 +112,55 @@ impl Entry<'_> {
 
     /// The figure without its unit, as HTML.
     pub fn number(&self, scale: &Scale) -> String {
-        if let Some([value, low, high]) = self.value.interval() {
-            let [value, low, high] = [value, low, high].map(|x| scale.number(x));
+        if let Some(interval) = self.value.interval() {
+            let [value, low, high] = interval.map(|x| scale.number(x));
             return if low == high {
                 value
             } else {
                 format!("{value} ({low} to {high})")
             };
         }
-        let single = |value: &Datum| match value {
+        if let Datum::List(values) = self.value {
+            let all: Vec<String> = values
+                .iter()
+                .map(|value| self.single(value, scale))
+                .collect();
+            let (count, all) = (all.len(), all.join(", "));
+            return match count {
+                ..=MOST_VALUES => all,
+                _ => format!(
+                    "<details class=\"values\"><summary>{count} values</summary>{all}</details>"
+                ),
+            };
+        }
+        match (self.value.number(), self.error) {
+            (Some(value), Some(error)) if error.is_finite() && value.abs() < error => {
+                let value = scale.uncertain(value, error);
+                format!("{value} ± {}", scale.error(error))
+            }
+            (_, Some(error)) => {
+                format!(
+                    "{} ± {}",
+                    self.single(self.value, scale),
+                    scale.error(error)
+                )
+            }
+            (_, None) => self.single(self.value, scale),
+        }
+    }
+
+    fn single(&self, value: &Datum, scale: &Scale) -> String {
+        match value {
             Datum::Flag(true) => "yes".to_owned(),
             Datum::Flag(false) => "no".to_owned(),
             // A text of such a column is itself the name of a column or key.
             Datum::Text(text) if ["column", "key"].contains(&self.key) => escape(&name_of(text)),
+            Datum::Number(number) => scale.number(*number),
+            // Counts and seeds that are longer than a number's digits are shown in full.
             other => match other.number() {
-                // Counts and seeds that are longer than a number's digits are shown in full.
-                Some(number)
-                    if matches!(other, Datum::Number(_))
-                        || number.abs() < 1e7
-                        || scale.times != 1.0 =>
-                {
-                    scale.number(number)
-                }
+                Some(number) if number.abs() < 1e7 || scale.times != 1.0 => scale.number(number),
                 _ => escape(&other.to_string()),
             },
-        };
-        let Datum::List(values) = self.value else {
-            let Some(error) = self.error else {
-                return single(self.value);
-            };
-            let exceeded = |value: &f64| error.is_finite() && value.abs() < error;
-            let value = match self.value.number().filter(exceeded) {
-                Some(value) => scale.uncertain(value, error),
-                None => single(self.value),
-            };
-            return format!("{value} ± {}", scale.error(error));
-        };
-        let all = values.iter().map(single).collect::<Vec<_>>().join(", ");
-        match values.len() {
-            ..=MOST_VALUES => all,
-            count => format!(
-                "<details class=\"values\"><summary>{count} values</summary>{all}</details>"
-            ),
         }
     }
 }

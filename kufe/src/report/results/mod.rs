@@ -5,7 +5,6 @@ mod amount;
 mod entry;
 pub(super) mod label;
 mod page;
-mod records;
 pub(super) mod sections;
 
 pub use page::{Picture, picture_url, results_page};

@@ -1,16 +1,19 @@
 //! A document as tables: what matters most first and open, the rest folded.
 
+use std::borrow::Cow;
+
+use indexmap::IndexMap;
 use kufe_sled::distinct;
 
 use crate::plot::escape;
-use crate::report::html::{fold, fold_with, table};
+use crate::report::html::{fold, fold_with, small, table};
 use crate::report::results::amount::Scale;
 use crate::report::results::entry::{Entry, entries};
-use crate::report::results::label::{is_named, name_of};
-use crate::report::results::records::{records, within};
+use crate::report::results::label::{is_named, name_of, unit_of};
 use crate::results::{Data, Datum};
 
-/// Longest table that is open.
+/// Most rows of a table that a page shows, and of one that is open.
+const MOST_ROWS: usize = 200;
 const OPEN_ROWS: usize = 40;
 /// So many further figures need no fold.
 const FEW: usize = 2;
@@ -31,93 +34,72 @@ pub fn document(document: &Datum) -> String {
     }
 }
 
+/// A key and its datum.
+type Figure<'a> = (&'a String, &'a Datum);
+
 /// The figures of a group, then its parts, then the further figures.
 fn top(figures: &Data) -> String {
-    let is_shown = |(key, value): &(&str, &Datum)| {
-        !ASIDE.contains(key) && !CASES.contains(key) && **value != Datum::Absent(())
-    };
-    let (nested, single): (Vec<_>, Vec<_>) = figures
+    let (cases, shown): (Vec<Figure>, Vec<Figure>) = figures
         .iter()
-        .filter(is_shown)
+        .filter(|(key, value)| !ASIDE.contains(&&***key) && **value != Datum::Absent(()))
+        .partition(|(key, _)| CASES.contains(&&***key));
+    let (nested, single): (Vec<Figure>, Vec<Figure>) = shown
+        .into_iter()
         .partition(|(_, value)| value.is_table() || has_parts(value));
     let none = single.iter().filter(|(_, value)| value.is_empty());
-    let none: Vec<String> = none
-        .map(|(key, _)| format!("{}: none", name_of(key)))
-        .collect();
-    let single = single
-        .into_iter()
-        .map(|(key, value)| (key.to_owned(), value.clone()));
-    let single = Data(single.collect());
-    let (first, further): (Vec<Entry>, Vec<Entry>) = entries(&single)
+    let none = none.map(|(key, _)| format!("{}: none", name_of(key)));
+    let none = none.collect::<Vec<_>>().join("; ");
+    let (first, further): (Vec<Entry>, Vec<Entry>) = entries(single)
         .into_iter()
         .partition(|entry| is_named(entry.key));
-    let mut out = pairs(&first) + &parts(&nested);
     let mut rest = pairs(&further);
     if !none.is_empty() {
-        rest += &format!("<p>{}</p>\n", escape(&none.join("; ")));
+        rest += &format!("<p>{}</p>\n", escape(&none));
     }
-    if !rest.is_empty() {
-        let is_alone = first.is_empty() && nested.is_empty();
-        out += &if is_alone || further.len() <= FEW {
-            rest
-        } else {
-            fold("Further figures", &rest)
-        };
+    let is_alone = first.is_empty() && nested.is_empty();
+    if !(rest.is_empty() || is_alone || further.len() <= FEW) {
+        rest = fold("Further figures", &rest);
     }
-    for (key, value) in figures.iter().filter(|(key, _)| CASES.contains(key)) {
-        let cases = match value {
+    let cases = cases.into_iter().map(|(key, value)| {
+        let list = match value {
             Datum::List(cases) => cases,
             case => std::slice::from_ref(case),
         };
-        let cases: String = cases.iter().map(as_stated).collect();
-        out += &fold(&format!("{}, as stated", capital(key)), &cases);
-    }
-    out
+        let tables: String = list.iter().map(as_stated).collect();
+        fold(&format!("{}, as stated", capital(key)), &tables)
+    });
+    pairs(&first) + &parts(nested) + &rest + &cases.collect::<String>()
 }
 
 /// Whether a figure is a group of more than a value with its interval.
 fn has_parts(figure: &Datum) -> bool {
     let group = figure.group().filter(|_| !figure.is_empty());
-    group.is_some_and(|figures| figures.get("value").is_none())
+    group.is_some_and(|figures| !figures.contains_key("value"))
 }
 
 /// Groups and tables under their names, long ones last; groups of the same keys side by side.
-fn parts(nested: &[(&str, &Datum)]) -> String {
-    let mut nested = nested.to_vec();
+fn parts(mut nested: Vec<Figure>) -> String {
     nested.sort_by_key(|(_, value)| value.list().len() > OPEN_ROWS);
-    let keys = |value: &Datum| -> Option<Vec<String>> {
-        Some(
-            value
-                .group()?
-                .iter()
-                .map(|(key, _)| key.to_owned())
-                .collect(),
-        )
-    };
-    let mut out = String::new();
-    let mut done: Vec<&str> = Vec::new();
-    for (key, value) in &nested {
-        if done.contains(key) {
-            continue;
-        }
-        let Datum::Group(figures) = value else {
-            let rows = value.list();
-            out += &folded(&name_of(key), rows.len() <= OPEN_ROWS, &list(rows));
-            continue;
-        };
-        let alike = nested
-            .iter()
-            .filter(|(_, other)| keys(other) == keys(value));
-        let alike: Vec<(&str, &Datum)> = alike.copied().collect();
-        if alike.len() == 1 {
-            out += &folded(&name_of(key), is_named(key), &top(figures));
-            continue;
-        }
-        done.extend(alike.iter().map(|(key, _)| *key));
-        let names: Vec<String> = alike.iter().map(|(key, _)| name_of(key)).collect();
-        out += &folded(&names.join(", "), true, &side_by_side(&names, &alike));
+    // Tables have no keys, and are alone.
+    let mut alike: IndexMap<(Vec<&String>, &str), Vec<Figure>> = IndexMap::new();
+    for (key, value) in nested {
+        let keys = value.group().map(|group| group.keys().collect::<Vec<_>>());
+        let own = keys.as_ref().map_or(key.as_str(), |_| "");
+        let place = (keys.unwrap_or_default(), own);
+        alike.entry(place).or_default().push((key, value));
     }
-    out
+    let part = |group: &Vec<Figure>| match group[..] {
+        [(key, Datum::Group(figures))] => folded(&name_of(key), is_named(key), &top(figures)),
+        [(key, value)] => {
+            let rows = value.list();
+            folded(&name_of(key), rows.len() <= OPEN_ROWS, &list(rows))
+        }
+        _ => {
+            let names: Vec<String> = group.iter().map(|(key, _)| name_of(key)).collect();
+            folded(&names.join(", "), true, &side_by_side(&names, group))
+        }
+    };
+    alike.values().map(part).collect()
 }
 
 /// Records, and the tables within them, folded.
@@ -155,13 +137,13 @@ fn pairs(figures: &[Entry]) -> String {
         } else {
             figure.in_unit(&scale)
         };
-        (false, [escape(&figure.name), text])
+        [escape(&figure.name), text]
     };
     table(&[], figures.iter().map(row))
 }
 
 /// Groups of the same figures, a column each.
-fn side_by_side(heads: &[String], group: &[(&str, &Datum)]) -> String {
+fn side_by_side(heads: &[String], group: &[Figure]) -> String {
     let columns = group.iter().filter_map(|(_, value)| value.group());
     let columns: Vec<Vec<Entry>> = columns.map(entries).collect();
     let row = |name: &String| {
@@ -169,17 +151,97 @@ fn side_by_side(heads: &[String], group: &[(&str, &Datum)]) -> String {
             let entry = column.iter().find(|entry| entry.name == *name);
             entry.map_or(String::new(), Entry::shown)
         });
-        (
-            false,
-            std::iter::once(escape(name))
-                .chain(cells)
-                .collect::<Vec<_>>(),
-        )
+        [escape(name)].into_iter().chain(cells).collect::<Vec<_>>()
     };
-    let heads = std::iter::once("").chain(heads.iter().map(String::as_str));
+    let heads = [""].into_iter().chain(heads.iter().map(String::as_str));
     let heads: Vec<(&str, bool)> = heads.map(|head| (head, false)).collect();
     let names = distinct(columns.iter().flatten().map(|entry| &entry.name));
     table(&heads, names.into_iter().map(row))
+}
+
+/// The unit of a figure in a row that names the column or key which it is of.
+///
+/// Where the speeds of two runs differ, the size is the missing force.
+fn own_unit(row: &Data, entry: &Entry) -> Cow<'static, str> {
+    let of = ["column", "key"]
+        .iter()
+        .find_map(|key| row.get(*key)?.text());
+    let unit = entry.unit();
+    match (&*unit, of) {
+        ("", Some("v_mps")) if entry.key == "size" => Cow::Borrowed("N"),
+        ("", Some(of)) if !entry.key.starts_with("times") => unit_of(of),
+        _ => unit,
+    }
+}
+
+/// Records as rows of one table, whose columns are all their figures; tables within rows are those
+/// of [`within`].
+fn records(rows: &[Datum]) -> String {
+    let rows: Vec<&Data> = rows.iter().filter_map(Datum::group).collect();
+    let shown = &rows[..rows.len().min(MOST_ROWS)];
+    let cells: Vec<Vec<Entry>> = shown.iter().map(|row| entries(*row)).collect();
+    let mut heads = Vec::new();
+    let mut texts = vec![Vec::new(); shown.len()];
+    for name in distinct(cells.iter().flatten().map(|entry| &entry.name)) {
+        let column = cells.iter();
+        let column = column.map(|row| row.iter().find(|entry| entry.name == *name));
+        let column: Vec<Option<&Entry>> = column.collect();
+        let present = || column.iter().flatten();
+        let unit = present().next().map_or("".into(), |entry| entry.unit());
+        let largest = present().map(|entry| entry.largest()).fold(0.0, f64::max);
+        let scale = Scale::of(&unit, largest);
+        // Rows that name a column or key have units of their own.
+        let names_key = |row: &&Data| row.get("column").or(row.get("key")).is_some();
+        let is_own = unit.is_empty() && shown.iter().any(names_key);
+        let rows = shown.iter().zip(&cells);
+        for ((entry, (row, all)), texts) in column.iter().zip(rows).zip(&mut texts) {
+            texts.push(match entry {
+                Some(entry) if is_own => {
+                    // The row's figures of this unit are read beside one another.
+                    let unit = own_unit(row, entry);
+                    let alike = all.iter().filter(|other| own_unit(row, other) == unit);
+                    let largest = alike.map(Entry::largest).fold(0.0, f64::max);
+                    entry.in_unit(&Scale::of(&unit, largest))
+                }
+                Some(entry) => entry.number(&scale),
+                None => String::new(),
+            });
+        }
+        let unit = match &*scale.unit {
+            "" => String::new(),
+            unit => format!(" [{unit}]"),
+        };
+        heads.push((
+            format!("{name}{unit}"),
+            present().all(|entry| entry.is_number()),
+        ));
+    }
+    let heads: Vec<(&str, bool)> = heads.iter().map(|(name, n)| (&**name, *n)).collect();
+    let mut out = table(&heads, texts);
+    if rows.len() > MOST_ROWS {
+        out += &small(&format!("The first {MOST_ROWS} of {}.", rows.len()));
+    }
+    out
+}
+
+/// The tables within rows, those of one key as one table: each of their rows begins with the first
+/// text of the row that it belongs to.
+fn within(rows: &[Datum]) -> IndexMap<&String, Vec<Datum>> {
+    let mut tables: IndexMap<&String, Vec<Datum>> = IndexMap::new();
+    for row in rows.iter().filter_map(Datum::group) {
+        let first = row.iter().find(|(_, value)| value.text().is_some());
+        for (key, table) in row.iter().filter(|(_, value)| value.is_table()) {
+            let inner = table.list().iter().filter_map(Datum::group);
+            let whole = inner.map(|inner| {
+                let of = first.filter(|(key, _)| !inner.contains_key(*key));
+                let whole = of.into_iter().chain(inner);
+                let whole = whole.map(|(key, value)| (key.clone(), value.clone()));
+                Datum::Group(whole.collect())
+            });
+            tables.entry(key).or_default().extend(whole);
+        }
+    }
+    tables
 }
 
 /// A case with the keys that its file has.
@@ -189,7 +251,7 @@ fn as_stated(case: &Datum) -> String {
     table(&[], rows)
 }
 
-fn stated(rows: &mut Vec<(bool, [String; 2])>, path: &str, value: &Datum) {
+fn stated(rows: &mut Vec<[String; 2]>, path: &str, value: &Datum) {
     match value {
         Datum::Group(figures) => {
             let dot = if path.is_empty() { "" } else { "." };
@@ -207,7 +269,7 @@ fn stated(rows: &mut Vec<(bool, [String; 2])>, path: &str, value: &Datum) {
                 Some(x) => x.to_string(),
                 None => escape(&single.to_string()),
             };
-            rows.push((false, [escape(path), text]));
+            rows.push([escape(path), text]);
         }
     }
 }

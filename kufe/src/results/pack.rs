@@ -4,6 +4,8 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
+use crate::plot::extent;
+
 /// Largest code of a finite value; the next one represents infinity.
 const TOP: f64 = 65534.0;
 /// The code of a value that is not finite.
@@ -25,15 +27,13 @@ pub struct Packed {
 /// Steps are 1/65534 of the range of the finite values. The codes are little-endian, in base64.
 ///
 /// ```
-/// let packed = kufe::report::pack([0.0, 65534.0, f64::INFINITY]);
+/// let packed = kufe::results::pack([0.0, 65534.0, f64::INFINITY]);
 /// assert_eq!((packed.low, packed.step), (0.0, 1.0));
 /// assert_eq!(packed.codes, "AAD+////");
 /// ```
 pub fn pack(values: impl IntoIterator<Item = f64>) -> Packed {
     let values: Vec<f64> = values.into_iter().collect();
-    let finite = || values.iter().copied().filter(|value| value.is_finite());
-    let low = finite().fold(f64::INFINITY, f64::min);
-    let high = finite().fold(f64::NEG_INFINITY, f64::max);
+    let [low, high] = extent(values.iter().copied());
     let low = if low.is_finite() { low } else { 0.0 };
     let step = if high > low { (high - low) / TOP } else { 0.0 };
     let code = |value: &f64| match (value.is_finite(), step > 0.0) {
@@ -41,11 +41,8 @@ pub fn pack(values: impl IntoIterator<Item = f64>) -> Packed {
         (true, false) => 0,
         (true, true) => ((value - low) / step).round().clamp(0.0, TOP) as u16,
     };
-    let bytes: Vec<u8> = values
-        .iter()
-        .flat_map(|value| code(value).to_le_bytes())
-        .collect();
-    let codes = STANDARD.encode(bytes);
+    let bytes = values.iter().flat_map(|value| code(value).to_le_bytes());
+    let codes = STANDARD.encode(bytes.collect::<Vec<u8>>());
     Packed { low, step, codes }
 }
 
