@@ -253,8 +253,7 @@ impl AllCells {
     /// The field of these pressures, with forces and the cells' sizes for what needs them.
     pub fn field<'a>(&'a self, force: &'a [f64], lumped: [&'a [f64]; 2]) -> PressureField<'a> {
         PressureField {
-            x: &self.x,
-            y: &self.y,
+            nodes: [&self.x, &self.y],
             force,
             gap: None,
             lumped,

@@ -101,15 +101,13 @@ impl<'a> GrooveReading<'a> {
 
     /// Back and front ends of the patch [m].
     fn ends(&self) -> [f64; 2] {
-        let chords = self.field.chords_along(&self.pressure, RimEstimator::Shape);
+        let chords = self.field.chords(0, &self.pressure, RimEstimator::Shape);
         self.rims.ends(&chords)
     }
 
     /// Both sides of the contact at every column; none where it is open.
     fn sides(&self) -> Vec<Option<[f64; 2]>> {
-        let chords = self
-            .field
-            .chords_across(&self.pressure, RimEstimator::Shape);
+        let chords = self.field.chords(1, &self.pressure, RimEstimator::Shape);
         self.rims.sides(&chords)
     }
 
