@@ -112,14 +112,15 @@ impl MeshSolve<'_> {
     /// which couples no components, is conditioned as (lambda + 2 mu) / mu, 4 at 1/3, and
     /// iterations go with its root.
     fn most_iterations(&self) -> usize {
-        let bodies = self.mesh.contact.bodies.iter();
-        let stiffest = bodies.flat_map(|body| {
-            let own = body.material.uniaxial_strain_modulus() / body.material.shear_modulus();
+        let materials = self.mesh.contact.bodies.iter().flat_map(|body| {
             let lower = body.stiffness.grid().and_then(TensorOperator::lower_layer);
-            let lower = lower.map(|layer| layer.lambda / layer.mu + 2.0);
-            [Some(own), lower].into_iter().flatten()
+            lower
+                .map(|layer| layer.material)
+                .into_iter()
+                .chain([body.material()])
         });
-        let condition = stiffest.fold(4.0, f64::max);
+        let conditions = materials.map(|m| m.uniaxial_strain_modulus() / m.shear_modulus());
+        let condition = conditions.fold(4.0, f64::max);
         (ITERATIONS as f64 * (condition / 4.0).sqrt()) as usize
     }
 
@@ -144,7 +145,7 @@ impl MeshSolve<'_> {
                 z: operator.axes[2].nodes.clone(),
                 ..grid.clone()
             };
-            let material = body.material;
+            let material = body.material();
             prescribe(&grid, symmetry, material, &lumps, Side::Above, on_runner);
         }
     }

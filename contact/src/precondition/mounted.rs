@@ -1,7 +1,7 @@
 //! The preconditioner of a body on a tensor grid, ready for a constraint on its contact plane.
 
 use faer::{Mat, MatRef};
-use kufe_fem::{Axis, BeamModes, FastDiagonal, Material, TensorOperator, to_components, to_nodes};
+use kufe_fem::{Axis, BeamModes, FastDiagonal, TensorOperator, to_components, to_nodes};
 use rayon::prelude::*;
 
 use crate::precondition::dense::DenseCholesky;
@@ -33,12 +33,11 @@ impl MountedInverse {
         operator: &TensorOperator,
         first: Option<&Axis>,
         columns: Columns,
-        material: Material,
         beam: BeamSpace,
         fixed: [Vec<[usize; 2]>; 3],
     ) -> Option<Self> {
         let fast = FastDiagonal::new(operator, first);
-        let response = surface_response(operator, material);
+        let response = surface_response(operator);
         let top = operator.shape()[2] - 1;
         Some(MountedInverse {
             contact: PlaneModes::new(&fast, 2, 0),

@@ -2,7 +2,7 @@
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
-use kufe_fem::{AxisModes, End, Material, PlanewiseDiagonal, TensorOperator};
+use kufe_fem::{AxisModes, End, PlanewiseDiagonal, TensorOperator};
 use rayon::prelude::*;
 
 /// P^-1 by layers, with the contact plane as the end of the elimination.
@@ -17,12 +17,7 @@ pub(crate) struct PlanewiseInverse {
 
 impl PlanewiseInverse {
     /// With the contact plane at the end of z that is towards the other body.
-    pub fn new(
-        operator: &TensorOperator,
-        columns: Columns,
-        side: Side,
-        material: Material,
-    ) -> Self {
+    pub fn new(operator: &TensorOperator, columns: Columns, side: Side) -> Self {
         let end = match side {
             Side::Below => End::High,
             Side::Above => End::Low,
@@ -33,7 +28,7 @@ impl PlanewiseInverse {
             basis: PlaneBasis::new(x, y),
             columns,
             side,
-            response: surface_response(operator, material),
+            response: surface_response(operator),
             preconditioner,
         }
     }
@@ -274,8 +269,9 @@ fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Mat<f64> {
 ///
 /// Both are 1 / |k| in the wave number: (1 - nu) / mu for elasticity, 1 / sqrt(mu (lambda + 2 mu))
 /// for P.
-pub(crate) fn surface_response(operator: &TensorOperator, material: Material) -> f64 {
-    let stiffness_ratio = (operator.lambda + 2.0 * operator.mu) / operator.mu;
+pub(crate) fn surface_response(operator: &TensorOperator) -> f64 {
+    let material = operator.material;
+    let stiffness_ratio = material.uniaxial_strain_modulus() / material.shear_modulus();
     (1.0 - material.poissons_ratio()) * stiffness_ratio.sqrt()
 }
 

@@ -61,19 +61,13 @@ impl BlockMatrix {
 
     /// The diagonal, [`BlockMatrix::dofs`] numbers.
     pub fn diagonal(&self) -> Vec<f64> {
-        let mut diagonal = vec![0.0; self.dofs()];
-        for (node, d) in diagonal.chunks_exact_mut(3).enumerate() {
-            let position = self.position(node, node as u32);
-            for i in 0..3 {
-                d[i] = self.blocks[position][i][i];
-            }
-        }
-        diagonal
-    }
-
-    fn position(&self, node: usize, neighbour: u32) -> usize {
-        let place = self.graph.row(node).binary_search(&neighbour);
-        self.graph.row_start[node] + place.expect("nodes of one cell are neighbours")
+        let own = |node: usize| {
+            let place = self.graph.row(node).binary_search(&(node as u32));
+            let place = place.expect("nodes of one cell are neighbours");
+            let block = &self.blocks[self.graph.row_start[node] + place];
+            [0, 1, 2].map(|i| block[i][i])
+        };
+        (0..self.graph.node_count()).flat_map(own).collect()
     }
 
     /// The lower triangle over the free displacements of `map` as a faer matrix, diagonal included.
