@@ -153,7 +153,7 @@ impl<'a> Meshes<'a> {
             at_ridge: !self.patch.is_even(),
         };
         self.solved
-            .push(pressure.figures, place, cells, self.graded_anew);
+            .push(pressure.figures, place, [cells; 3], self.graded_anew);
         if options.subsurface {
             let largest = mesh.largest_shear(self.checked.material, &pressure.values, &state);
             self.solved.push_under(largest, cells, self.graded_anew);
@@ -305,7 +305,7 @@ impl Meshes<'_> {
         let limits = self.solved.limits();
         let tolerance = options.p_max_tolerance;
         let room = options.max_dofs as f64 / contact.mesh.free_dofs() as f64;
-        let penetrations = self.solved.similar() == 1 && self.solved.missed() > BY_RIMS * tolerance;
+        let penetrations = self.solved.similar() == 1 && self.solved.missed > BY_RIMS * tolerance;
         let coarse = contact.pressure.patch.finest_over(&self.patch) < COARSE;
         let anew = self.regraded < REGRADINGS && (coarse || penetrations);
         // That a finer grading changes nothing is as good as that no finer one is wanted.

@@ -302,12 +302,8 @@ impl Trace {
                 start,
                 sign,
             } => {
-                let [nx, ny] = columns.count;
-                for j in 0..ny {
-                    for i in 0..nx {
-                        closing[columns.node([i, j])] += sign * u[start + j * nx + i];
-                    }
-                }
+                let value = |[i, j]: [usize; 2]| sign * u[start + j * columns.count[0] + i];
+                columns.add_to_plane(closing, value);
             }
             Trace::Means(mortar) => mortar.add_closing(u, closing),
         }

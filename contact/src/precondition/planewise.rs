@@ -54,12 +54,8 @@ impl PlanewiseInverse {
             gathered[(a, b)] * response[(a, b)]
         });
         let trace = self.basis.to_nodes(answer.as_ref());
-        let [nx, ny] = self.columns.count;
-        for j in 0..ny {
-            for i in 0..nx {
-                closing[self.columns.node([i, j])] += self.side.sign() * trace[(i, j)];
-            }
-        }
+        let value = |[i, j]: [usize; 2]| self.side.sign() * trace[(i, j)];
+        self.columns.add_to_plane(closing, value);
     }
 
     /// See [`crate::bodies::elastic_body::ElasticBody::finish`].
@@ -80,13 +76,7 @@ impl PlanewiseInverse {
 
     /// `gathered` -= B^T m for the forces m on nodes.
     fn take_forces(&self, multipliers: &[(usize, f64)], mut gathered: MatMut<'_, f64>) {
-        let [nx, ny] = self.columns.count;
-        let mut plane = Mat::<f64>::zeros(nx, ny);
-        for &(node, m) in multipliers {
-            if let Some([i, j]) = self.columns.local(node) {
-                plane[(i, j)] = m;
-            }
-        }
+        let plane = self.columns.field(multipliers);
         let load = self.basis.to_modes(plane.as_ref());
         gathered -= faer::Scale(self.side.sign()) * load;
     }
@@ -329,6 +319,26 @@ impl Columns {
         let local = nodes.iter().map(|&node| self.local(node));
         let all: Option<Vec<[usize; 2]>> = local.collect();
         all.unwrap_or_else(|| panic!("contact candidates over the body"))
+    }
+
+    /// The values of plane nodes in this rectangle, columns along x by those along y; 0 elsewhere.
+    pub fn field(&self, values: &[(usize, f64)]) -> Mat<f64> {
+        let mut field = Mat::zeros(self.count[0], self.count[1]);
+        for &(node, value) in values {
+            if let Some([i, j]) = self.local(node) {
+                field[(i, j)] = value;
+            }
+        }
+        field
+    }
+
+    /// `plane` += a value for each column of this rectangle.
+    pub fn add_to_plane(&self, plane: &mut [f64], value: impl Fn([usize; 2]) -> f64) {
+        for j in 0..self.count[1] {
+            for i in 0..self.count[0] {
+                plane[self.node([i, j])] += value([i, j]);
+            }
+        }
     }
 
     /// The plane node of a column of this rectangle.
