@@ -101,11 +101,12 @@ impl MountedInverse {
 
     /// Takes the forces m on nodes from what an application has gathered: r - B^T m.
     fn take_forces(&self, multipliers: &[(usize, f64)], work: &mut InverseWork) {
-        let plane = faer::Scale(SIGN) * self.columns.field(multipliers);
-        for &(node, m) in multipliers {
+        let forces = multipliers.iter().map(|&(node, m)| (node, SIGN * m));
+        let forces: Vec<(usize, f64)> = forces.collect();
+        let plane = self.columns.field(&forces);
+        for (node, force) in forces {
             if let Some(column) = self.columns.local(node) {
-                self.beam
-                    .subtract_contact(column, SIGN * m, &mut work.motion);
+                self.beam.subtract_contact(column, force, &mut work.motion);
             }
         }
         self.contact
