@@ -64,9 +64,7 @@ impl MeshSolve<'_> {
         forces: &Forces,
     ) -> Result<(State, Progress), Error> {
         let contact = &self.mesh.contact;
-        let CheckedProblem {
-            problem, options, ..
-        } = self.checked;
+        let (problem, options) = (self.checked.problem, self.checked.options);
         let greens = contact.greens(self.stored);
         let on_plane = contact.plane_contact_from_rest(&greens[1], motion);
         let mut state = contact.state_of(&on_plane.force, on_plane.motion);
@@ -130,11 +128,15 @@ impl MeshSolve<'_> {
         let lumps = lumps(&forces.x, &forces.y, &forces.force, forces.symmetry);
         let (grid, symmetry) = (&self.mesh.grid, self.mesh.symmetry);
         let (on_ice, on_runner) = state.displacement.split_at_mut(3 * grid.node_count());
-        let CheckedProblem {
-            problem, material, ..
-        } = self.checked;
-        if problem.ice.foundation == Foundation::HalfSpace {
-            prescribe(grid, symmetry, *material, &lumps, Side::Below, on_ice);
+        if self.checked.problem.ice.foundation == Foundation::HalfSpace {
+            prescribe(
+                grid,
+                symmetry,
+                self.checked.material,
+                &lumps,
+                Side::Below,
+                on_ice,
+            );
         }
         // An unbounded runner has all columns: a half-space too.
         if let [ice, body] = &self.mesh.contact.bodies[..]

@@ -14,7 +14,7 @@ use crate::boundary_elements::window_contact::{AllCells, MOST_WINDOWS, Search, W
 use crate::grid::grading::storable;
 use crate::problem::check::CheckedProblem;
 use crate::result::measure::{Figures, ROUNDED};
-use crate::{Error, Iterate, NextMesh, Solution, StiffnessForm, SurfaceField};
+use crate::{Error, Iterate, Solution, StiffnessForm, SurfaceField};
 
 /// Touching nodes from which the contact plane alone is solved: the cost of finite elements grows
 /// with their square.
@@ -214,13 +214,7 @@ impl<'a> Asperities<'a> {
     ) -> Result<Option<(WindowContact, Read)>, Error> {
         let (level, dofs) = (history.len(), grid.count());
         let options = self.checked.options;
-        if let Some(watcher) = &options.next_mesh {
-            watcher(&NextMesh {
-                level,
-                dofs,
-                error_before,
-            });
-        }
+        options.announce(level, dofs, error_before);
         let start = from.carried(&grid);
         let Some(contact) = unless_stopped(search.solved(grid, Some(start)))? else {
             return Ok(None);

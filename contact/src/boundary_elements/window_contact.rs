@@ -58,13 +58,8 @@ impl Search<'_> {
         window: Window,
         start: Option<Vec<f64>>,
     ) -> Result<WindowContact, CheckUnavailable> {
-        let CheckedProblem {
-            problem,
-            gap,
-            options,
-            ..
-        } = self.checked;
-        let plane = Plane::new(problem, gap, &window);
+        let options = self.checked.options;
+        let plane = Plane::new(self.checked.problem, &self.checked.gap, &window);
         let mut operator = Operator::new(&window, self.surface)?;
         let pressed = press(&plane, &mut operator, start, self.precision, options)?;
         Ok(WindowContact {
