@@ -39,7 +39,7 @@ pub fn needle_block(cells: usize) -> NeedleBlock {
     let ice = Material::new(ICE.0, ICE.1).unwrap_or_else(|error| panic!("{error}"));
     // Mirror planes at x = 0 and y = 0, the far faces fixed, the surface free.
     let fixed = std::array::from_fn(|c| [[c == 0, true], [c == 1, true], [true, false]]);
-    let operator = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), fixed);
+    let operator = TensorOperator::new(&grid, ice, fixed);
     let preconditioner = PlanewiseDiagonal::new(&operator, End::High);
     NeedleBlock {
         grid,

@@ -92,6 +92,17 @@ impl Options {
             .is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
 
+    /// Calls the watcher of meshes before one is solved.
+    pub(crate) fn announce(&self, level: usize, dofs: usize, error_before: Option<f64>) {
+        if let Some(watcher) = &self.next_mesh {
+            watcher(&NextMesh {
+                level,
+                dofs,
+                error_before,
+            });
+        }
+    }
+
     /// An error where the solve is to end.
     pub(crate) fn check_stop(&self) -> Result<(), Error> {
         if self.stopped() {

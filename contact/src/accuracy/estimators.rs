@@ -178,7 +178,7 @@ fn order_of(observed: f64, ratio: impl Fn(f64) -> f64) -> f64 {
 
 /// How a figure settles as cells get smaller.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Settling {
+pub(crate) enum Settling {
     /// By an order, or not at all.
     #[default]
     ByOrder,
@@ -202,18 +202,10 @@ pub(crate) struct Sequence {
 }
 
 impl Sequence {
-    /// Of a figure that no rim between nodes moves.
-    pub fn alternating() -> Self {
+    /// Of a figure that settles like this.
+    pub fn new(settling: Settling) -> Self {
         Sequence {
-            settling: Settling::Alternating,
-            ..Self::default()
-        }
-    }
-
-    /// Of the highest of many peaks, each of few cells.
-    pub fn of_many_peaks() -> Self {
-        Sequence {
-            settling: Settling::Scatter,
+            settling,
             ..Self::default()
         }
     }
@@ -492,7 +484,7 @@ mod tests {
     /// A peak whose error of first order has either sign by where the cells lie.
     #[test]
     fn the_highest_of_many_peaks_has_what_first_order_leaves_of_its_range() {
-        let mut sequence = Sequence::of_many_peaks();
+        let mut sequence = Sequence::new(Settling::Scatter);
         for (cells, part) in [(3.0, 1.0), (4.0, -1.0), (6.0, 1.0)] {
             assert!(sequence.limit().is_none());
             let value = 5.0 + 0.3 * part / cells;
@@ -505,7 +497,7 @@ mod tests {
     }
 
     fn sequence_of<const N: usize>(cells: [f64; N], values: &[f64; N]) -> Sequence {
-        let mut sequence = Sequence::alternating();
+        let mut sequence = Sequence::new(Settling::Alternating);
         for (cells, value) in cells.into_iter().zip(*values) {
             sequence.push(MeshValue { cells, value }, false);
         }

@@ -64,9 +64,7 @@ impl MeshSolve<'_> {
         forces: &Forces,
     ) -> Result<(State, Progress), Error> {
         let contact = &self.mesh.contact;
-        let CheckedProblem {
-            problem, options, ..
-        } = self.checked;
+        let (problem, options) = (self.checked.problem, self.checked.options);
         let greens = contact.greens(self.stored);
         let on_plane = contact.plane_contact_from_rest(&greens[1], motion);
         let mut state = contact.state_of(&on_plane.force, on_plane.motion);
@@ -112,14 +110,15 @@ impl MeshSolve<'_> {
     /// which couples no components, is conditioned as (lambda + 2 mu) / mu, 4 at 1/3, and
     /// iterations go with its root.
     fn most_iterations(&self) -> usize {
-        let bodies = self.mesh.contact.bodies.iter();
-        let stiffest = bodies.flat_map(|body| {
-            let own = body.material.uniaxial_strain_modulus() / body.material.shear_modulus();
+        let materials = self.mesh.contact.bodies.iter().flat_map(|body| {
             let lower = body.stiffness.grid().and_then(TensorOperator::lower_layer);
-            let lower = lower.map(|layer| layer.lambda / layer.mu + 2.0);
-            [Some(own), lower].into_iter().flatten()
+            lower
+                .map(|layer| layer.material)
+                .into_iter()
+                .chain([body.material()])
         });
-        let condition = stiffest.fold(4.0, f64::max);
+        let conditions = materials.map(|m| m.uniaxial_strain_modulus() / m.shear_modulus());
+        let condition = conditions.fold(4.0, f64::max);
         (ITERATIONS as f64 * (condition / 4.0).sqrt()) as usize
     }
 
@@ -129,11 +128,15 @@ impl MeshSolve<'_> {
         let lumps = lumps(&forces.x, &forces.y, &forces.force, forces.symmetry);
         let (grid, symmetry) = (&self.mesh.grid, self.mesh.symmetry);
         let (on_ice, on_runner) = state.displacement.split_at_mut(3 * grid.node_count());
-        let CheckedProblem {
-            problem, material, ..
-        } = self.checked;
-        if problem.ice.foundation == Foundation::HalfSpace {
-            prescribe(grid, symmetry, *material, &lumps, Side::Below, on_ice);
+        if self.checked.problem.ice.foundation == Foundation::HalfSpace {
+            prescribe(
+                grid,
+                symmetry,
+                self.checked.material,
+                &lumps,
+                Side::Below,
+                on_ice,
+            );
         }
         // An unbounded runner has all columns: a half-space too.
         if let [ice, body] = &self.mesh.contact.bodies[..]
@@ -144,7 +147,7 @@ impl MeshSolve<'_> {
                 z: operator.axes[2].nodes.clone(),
                 ..grid.clone()
             };
-            let material = body.material;
+            let material = body.material();
             prescribe(&grid, symmetry, material, &lumps, Side::Above, on_runner);
         }
     }

@@ -20,7 +20,7 @@ use crate::mesh::contact_mesh::State;
 use crate::mesh::discretise::{Discretisation, Reach, expected};
 use crate::problem::check::CheckedProblem;
 use crate::result::pressure::Field;
-use crate::{Error, Iterate, NextMesh, Solution, StiffnessForm};
+use crate::{Error, Iterate, Solution, StiffnessForm};
 
 /// How often a mesh is graded anew; each time its cells may become three times smaller.
 pub(crate) const REGRADINGS: usize = 6;
@@ -97,9 +97,7 @@ impl<'a> Meshes<'a> {
     /// Solves the next mesh.
     pub fn solve_next(&mut self) -> Result<SolvedMesh, Error> {
         let mut mesh = self.next_mesh()?;
-        let CheckedProblem {
-            problem, options, ..
-        } = self.checked;
+        let (problem, options) = (self.checked.problem, self.checked.options);
         if options.stiffness == StiffnessForm::Assembled {
             let elastic = problem.runner.elastic.as_ref();
             let element = elastic.map(|e| e.element_kind());
@@ -110,13 +108,7 @@ impl<'a> Meshes<'a> {
         let reported = RefCell::new(Vec::new());
         let field = Field::new(&mesh, problem, &self.patch);
         let error_before = self.solved.limits().map(|limits| limits.relative);
-        if let Some(watcher) = &options.next_mesh {
-            watcher(&NextMesh {
-                level,
-                dofs,
-                error_before,
-            });
-        }
+        options.announce(level, dofs, error_before);
         let report = |update: &SetUpdate, state: &State| {
             let iterate = Iterate {
                 level,
@@ -153,7 +145,7 @@ impl<'a> Meshes<'a> {
             at_ridge: !self.patch.is_even(),
         };
         self.solved
-            .push(pressure.figures, place, cells, self.graded_anew);
+            .push(pressure.figures, place, [cells; 3], self.graded_anew);
         if options.subsurface {
             let largest = mesh.largest_shear(self.checked.material, &pressure.values, &state);
             self.solved.push_under(largest, cells, self.graded_anew);
@@ -305,7 +297,7 @@ impl Meshes<'_> {
         let limits = self.solved.limits();
         let tolerance = options.p_max_tolerance;
         let room = options.max_dofs as f64 / contact.mesh.free_dofs() as f64;
-        let penetrations = self.solved.similar() == 1 && self.solved.missed() > BY_RIMS * tolerance;
+        let penetrations = self.solved.similar() == 1 && self.solved.missed > BY_RIMS * tolerance;
         let coarse = contact.pressure.patch.finest_over(&self.patch) < COARSE;
         let anew = self.regraded < REGRADINGS && (coarse || penetrations);
         // That a finer grading changes nothing is as good as that no finer one is wanted.

@@ -98,7 +98,7 @@ impl<'a> DeformedGap<'a> {
                 (1.0 - v) * low + v * high - CURVED * (most - least)
             }
             _ => {
-                let material = mesh.contact.bodies[0].material;
+                let material = mesh.contact.bodies[0].material();
                 let sunk = |lump: &PointForce| {
                     let point = [x - lump.at[0], y - lump.at[1], 0.0];
                     boussinesq(point, lump.force, material)[2]

@@ -1,7 +1,7 @@
 //! The figures that accuracy watches, mesh by mesh.
 
 use crate::Measure;
-use crate::accuracy::estimators::{HIGHEST_ORDER, MeshValue, Sequence};
+use crate::accuracy::estimators::{HIGHEST_ORDER, MeshValue, Sequence, Settling};
 use crate::options::AREA_WEIGHT;
 use crate::result::measure::Figures;
 use crate::{LargestShear, UnderPeak};
@@ -20,7 +20,7 @@ pub(crate) struct FigureHistory {
     /// Of the last mesh.
     last: Option<Figures>,
     /// Relative error of peak and approach that comes from rims the mesh was not made for.
-    missed: f64,
+    pub missed: f64,
     /// Largest pressure that the ice bears [Pa].
     hardness: f64,
     floor: ErrorFloor,
@@ -70,29 +70,10 @@ pub(crate) struct Place {
     pub at_ridge: bool,
 }
 
-/// How fine a mesh is.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Fineness {
-    /// Cells over half of what the peak lies in: the patch, or one of many asperities.
-    pub cells: f64,
-    /// Cells over half the length and over half the width of the contact.
-    pub extents: [f64; 2],
-}
-
-impl From<f64> for Fineness {
-    /// So many cells over half the one patch there is.
-    fn from(cells: f64) -> Self {
-        Fineness {
-            cells,
-            extents: [cells; 2],
-        }
-    }
-}
-
 impl FigureHistory {
     pub fn new(hardness: Option<f64>, floor: ErrorFloor) -> Self {
         FigureHistory {
-            peak: Sequence::alternating(),
+            peak: Sequence::new(Settling::Alternating),
             approach: Sequence::default(),
             area: Sequence::default(),
             area_off: Vec::new(),
@@ -110,23 +91,22 @@ impl FigureHistory {
     /// Of a contact of many asperities.
     pub fn of_asperities(hardness: Option<f64>) -> Self {
         FigureHistory {
-            peak: Sequence::of_many_peaks(),
+            peak: Sequence::new(Settling::Scatter),
             ..FigureHistory::new(hardness, ErrorFloor::default())
         }
     }
 
     /// Adds a mesh: similar to the last one and finer, or `graded_anew`.
+    ///
+    /// It has so many cells over half of what the peak lies in (the patch, or one of many
+    /// asperities), over half the length and over half the width of the contact.
     pub fn push(
         &mut self,
         figures: Figures,
         place: Place,
-        fineness: impl Into<Fineness>,
+        [cells, along, across]: [f64; 3],
         graded_anew: bool,
     ) {
-        let Fineness {
-            cells,
-            extents: [along, across],
-        } = fineness.into();
         if place.at_ridge {
             self.peak.set_at_ridge();
         }
@@ -161,11 +141,6 @@ impl FigureHistory {
     /// How many of the last meshes are similar.
     pub fn similar(&self) -> usize {
         self.peak.similar()
-    }
-
-    /// Relative error of peak and approach that comes from rims the last mesh was not made for.
-    pub fn missed(&self) -> f64 {
-        self.missed
     }
 
     /// The limits; `None` before there is anything to compare.
@@ -309,8 +284,8 @@ pub(crate) struct ShearHistory {
 impl ShearHistory {
     pub fn new() -> Self {
         ShearHistory {
-            shear: Sequence::alternating(),
-            depth: Sequence::alternating(),
+            shear: Sequence::new(Settling::Alternating),
+            depth: Sequence::new(Settling::Alternating),
         }
     }
 
@@ -367,7 +342,7 @@ mod tests {
             width: 0.01,
             off: [0.0; 3],
         };
-        watched.push(figures, PLACE, cells, false);
+        watched.push(figures, PLACE, [cells; 3], false);
     }
 
     #[test]
@@ -410,10 +385,7 @@ mod tests {
         let mut stated = [0.0; 2];
         for (cells, length) in [(3.0, 0.098), (4.0, 0.102), (6.0, 0.1)] {
             // 50 asperities along and 5 across.
-            let fineness = Fineness {
-                cells,
-                extents: [50.0 * cells, 5.0 * cells],
-            };
+            let fineness = [cells, 50.0 * cells, 5.0 * cells];
             let figures = Figures {
                 p_max: 20e6,
                 area: 1.0,
@@ -456,7 +428,7 @@ mod tests {
                 width: 0.01,
                 off: [0.0; 3],
             };
-            watched.push(figures, PLACE, cells, anew);
+            watched.push(figures, PLACE, [cells; 3], anew);
         };
         for p_max in [90.0, 95.0, 96.0] {
             add(&mut watched, 4.0, p_max, true);

@@ -331,27 +331,23 @@ impl PlaneProblem<'_> {
             }
         }
         let rows: Vec<[f64; 3]> = inside.iter().map(|&i| self.rows[i]).collect();
-        let matrix = match self.green {
-            Green::Dense(green) => Mat::from_fn(n, n, |i, j| green[(inside[i], inside[j])]),
+        let gap: Vec<f64> = inside.iter().map(|&i| self.gap[i] + pressed[i]).collect();
+        let (found, motion) = match self.green {
+            Green::Dense(green) => {
+                let matrix = Mat::from_fn(n, n, |i, j| green[(inside[i], inside[j])]);
+                let sides = Mat::from_fn(n, 4, |i, j| match j {
+                    0 => gap[i],
+                    _ => rows[i][j - 1],
+                });
+                let solved = DenseCholesky::new(&matrix)?.solve(&sides);
+                forces_and_motion(self.motion, &rows, &solved, balance, state.motion)
+            }
             Green::Modal(green) => {
-                let gap: Vec<f64> = inside.iter().map(|&i| self.gap[i] + pressed[i]).collect();
                 let near: Vec<f64> = inside.iter().map(|&i| state.force[i]).collect();
                 let set = ClosedSet::new(green, inside, &rows, self.motion.free);
-                let (found, motion) =
-                    set.solve(ITERATIONS, &gap, [balance, state.motion], &near)?;
-                for (&node, f) in inside.iter().zip(found) {
-                    force[node] = f;
-                }
-                return Some((force, motion));
+                set.solve(ITERATIONS, &gap, [balance, state.motion], &near)?
             }
         };
-        let factor = DenseCholesky::new(&matrix)?;
-        let sides = Mat::from_fn(n, 4, |i, j| match j {
-            0 => self.gap[inside[i]] + pressed[inside[i]],
-            _ => self.rows[inside[i]][j - 1],
-        });
-        let solved = factor.solve(&sides);
-        let (found, motion) = forces_and_motion(self.motion, &rows, &solved, balance, state.motion);
         for (&node, f) in inside.iter().zip(found) {
             force[node] = f;
         }

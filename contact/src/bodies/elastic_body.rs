@@ -26,8 +26,6 @@ pub(crate) struct ElasticBody {
     pub assembled: Option<Arc<SparseStiffness>>,
     pub inverse: Inverse,
     pub trace: Trace,
-    /// Young's modulus and Poisson's ratio; of the ice where a bed lies under it.
-    pub material: Material,
     /// Displacements that the preconditioner's clamps fix, in addition to those of the stiffness.
     pub fixed: Vec<usize>,
     /// Forces from outside on the body [N]; none where empty.
@@ -69,38 +67,16 @@ pub(crate) struct BodyWork {
 
 impl ElasticBody {
     /// A body on a tensor grid, fixed at faces of its operator only.
-    pub fn on_grid(
-        operator: TensorOperator,
-        material: Material,
-        side: Side,
-        columns: Columns,
-    ) -> Self {
-        let inverse = PlanewiseInverse::new(&operator, columns, side, material);
+    pub fn on_grid(operator: TensorOperator, side: Side, columns: Columns) -> Self {
+        let inverse = PlanewiseInverse::new(&operator, columns, side);
         let inverse = Inverse::Planewise(Box::new(inverse));
-        ElasticBody::with_inverse(operator, inverse, material, side, columns)
+        ElasticBody::with_inverse(operator, inverse, side, columns)
     }
 
-    /// A body above the plane with a preconditioner that includes its mount: entries that its
-    /// clamps hold, and forces from outside (none where empty) [N].
-    pub fn mounted(
-        operator: TensorOperator,
-        inverse: MountedInverse,
-        material: Material,
-        columns: Columns,
-        (fixed, load): (Vec<usize>, Vec<f64>),
-    ) -> Self {
-        let inverse = Inverse::Mounted(Box::new(inverse));
-        ElasticBody {
-            fixed,
-            load,
-            ..ElasticBody::with_inverse(operator, inverse, material, Side::Above, columns)
-        }
-    }
-
-    fn with_inverse(
+    /// A body on a tensor grid with this preconditioner, without clamps and forces from outside.
+    pub fn with_inverse(
         operator: TensorOperator,
         inverse: Inverse,
-        material: Material,
         side: Side,
         columns: Columns,
     ) -> Self {
@@ -119,7 +95,6 @@ impl ElasticBody {
             inverse,
             stiffness: Stiffness::Tensor(operator),
             assembled: None,
-            material,
             fixed: Vec::new(),
             load: Vec::new(),
         }
@@ -132,6 +107,14 @@ impl ElasticBody {
             self.stiffness = Stiffness::Mapped { grid, hexahedra };
         }
         self
+    }
+
+    /// What it is made of; the ice where a bed lies under it.
+    pub fn material(&self) -> Material {
+        match &self.stiffness {
+            Stiffness::Tensor(grid) | Stiffness::Mapped { grid, .. } => grid.material,
+            Stiffness::Solid(solid) => solid.material(),
+        }
     }
 
     /// Length of a displacement vector.
@@ -319,12 +302,8 @@ impl Trace {
                 start,
                 sign,
             } => {
-                let [nx, ny] = columns.count;
-                for j in 0..ny {
-                    for i in 0..nx {
-                        closing[columns.node([i, j])] += sign * u[start + j * nx + i];
-                    }
-                }
+                let value = |[i, j]: [usize; 2]| sign * u[start + j * columns.count[0] + i];
+                columns.add_to_plane(closing, value);
             }
             Trace::Means(mortar) => mortar.add_closing(u, closing),
         }
@@ -351,25 +330,21 @@ impl Trace {
 
 // The hexahedra of a body on a tensor grid, as they are assembled.
 
-/// The body that a tensor operator describes; `material` is that of its cells, except of its lower
-/// layer's.
+/// The body that a tensor operator describes.
 ///
 /// # Errors
-/// Those of [`Body::new`] and [`Material::new`].
-pub(crate) fn hexahedra(operator: &TensorOperator, material: Material) -> Result<Body, Error> {
+/// Those of [`Body::new`].
+pub(crate) fn hexahedra(operator: &TensorOperator) -> Result<Body, Error> {
     let [x, y, z] = operator.axes.each_ref().map(|axis| axis.nodes.clone());
     let mesh = TensorGrid { x, y, z }.hex_mesh();
     let of = |material| Section {
         material,
         kind: operator.element_kind(),
     };
-    let mut sections = vec![of(material); mesh.cells.len()];
+    let mut sections = vec![of(operator.material); mesh.cells.len()];
     if let Some(layer) = operator.lower_layer() {
-        let (lambda, mu) = (layer.lambda, layer.mu);
-        let youngs_modulus = mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
-        let bed = Material::new(youngs_modulus, 0.5 * lambda / (lambda + mu))?;
         let [nx, ny, _] = operator.shape().map(|nodes| nodes - 1);
-        sections[..nx * ny * layer.cells].fill(of(bed));
+        sections[..nx * ny * layer.cells].fill(of(layer.material));
     }
     Body::new(mesh, sections)
 }

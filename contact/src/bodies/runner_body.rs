@@ -1,11 +1,9 @@
 //! The elastic runner: hexahedra on the ice's columns between its underside and its mount.
 
-use kufe_fem::{
-    BeamModes, Body as Solid, ElementKind, FixedFaces, Material, MatrixFree, TensorOperator,
-};
+use kufe_fem::{BeamModes, Body as Solid, ElementKind, Material, MatrixFree, TensorOperator};
 use kufe_mesh::{HexMesh, TensorGrid, limit_slope, mesh_over_heights};
 
-use crate::bodies::elastic_body::{ElasticBody, fixed_faces};
+use crate::bodies::elastic_body::{ElasticBody, Inverse, fixed_faces};
 use crate::grid::grading::{Start, Zone, even_steps, graded_axis};
 use crate::grid::stretch::Stretch;
 use crate::precondition::mounted::{BeamSpace, MountedInverse};
@@ -53,9 +51,20 @@ impl RunnerPlan<'_> {
         }
         let (columns, grid) = self.columns();
         let (mesh, grid) = mapped(self.problem, elastic, grid, (self.spacing, self.growth))?;
+        let kind = elastic.element_kind();
+        let solid = || Solid::uniform(mesh.clone(), material, kind).map_err(Error::runner_mesh);
         let body = match elastic.mount {
-            Mount::Top => self.fixed_at_top(material, columns, &mesh, &grid)?,
-            Mount::Places(_) | Mount::Loads(_) => self.mounted(material, columns, &mesh, &grid)?,
+            Mount::Top => {
+                let fixed = fixed_faces(self.symmetry, false, [false, true]);
+                let operator = TensorOperator::new(&grid, material, fixed);
+                ElasticBody::on_grid(operator, Side::Above, columns)
+            }
+            Mount::Places(_) | Mount::Loads(_) => self.mounted(columns, &solid()?, &grid)?,
+        };
+        let body = if self.for_solving {
+            body.on_mapped(&solid()?)
+        } else {
+            body
         };
         Ok((body, mesh))
     }
@@ -68,23 +77,13 @@ impl RunnerPlan<'_> {
             z: ice.z.iter().rev().map(|z| -z).collect(),
         };
         let columns = Columns::of_plane([ice.x.len(), ice.y.len()]);
-        let mut operator = self.operator(
-            &grid,
-            material,
-            fixed_faces(self.symmetry, true, [false, true]),
-        );
+        let fixed = fixed_faces(self.symmetry, true, [false, true]);
+        let mut operator = TensorOperator::new(&grid, material, fixed);
         if self.elastic.element_kind() == ElementKind::Hex8Dilatation {
             operator = operator.with_mean_dilatation();
         }
-        (
-            ElasticBody::on_grid(operator, material, Side::Above, columns),
-            grid.hex_mesh(),
-        )
-    }
-
-    fn operator(&self, grid: &TensorGrid, material: Material, fixed: FixedFaces) -> TensorOperator {
-        let (lambda, mu) = (material.lame_lambda(), material.shear_modulus());
-        TensorOperator::new(grid, lambda, mu, fixed)
+        let body = ElasticBody::on_grid(operator, Side::Above, columns);
+        (body, grid.hex_mesh())
     }
 
     /// The columns under the hull, and their grid without heights.
@@ -110,37 +109,18 @@ impl RunnerPlan<'_> {
         (columns, grid)
     }
 
-    fn fixed_at_top(
-        &self,
-        material: Material,
-        columns: Columns,
-        mesh: &HexMesh,
-        grid: &TensorGrid,
-    ) -> Result<ElasticBody, Error> {
-        let operator = self.operator(
-            grid,
-            material,
-            fixed_faces(self.symmetry, false, [false, true]),
-        );
-        let body = ElasticBody::on_grid(operator, material, Side::Above, columns);
-        if !self.for_solving {
-            return Ok(body);
-        }
-        let solid = solid(mesh, material, self.elastic.element_kind())?;
-        Ok(body.on_mapped(&solid))
-    }
-
     fn mounted(
         &self,
-        material: Material,
         columns: Columns,
-        mesh: &HexMesh,
+        solid: &Solid,
         grid: &TensorGrid,
     ) -> Result<ElasticBody, Error> {
         let (elastic, symmetry) = (self.elastic, self.symmetry);
+        let section = solid.sections()[0];
         let extent = self.problem.runner.underside.extent();
         let length = extent[1] - extent[0];
-        let mut operator = self.operator(grid, material, fixed_faces(symmetry, false, [false; 2]));
+        let faces = fixed_faces(symmetry, false, [false; 2]);
+        let mut operator = TensorOperator::new(grid, section.material, faces);
         // No face holds the body: its rigid motions get a little stiffness in P, and the mount is a
         // constraint.
         let axis = &mut operator.axes[0];
@@ -149,28 +129,25 @@ impl RunnerPlan<'_> {
                 k[d] += m[d] / (length * length);
             }
         }
-        let kind = elastic.element_kind();
-        let averaged = (kind == ElementKind::Hex8Axial).then(|| operator.axes[0].averaged(SHARE));
-        let solid = solid(mesh, material, kind)?;
+        let axial = section.kind == ElementKind::Hex8Axial;
+        let averaged = axial.then(|| operator.axes[0].averaged(SHARE));
         let height = grid.z[grid.z.len() - 1];
-        let beam = beam_space(&solid, &operator, symmetry, [length, height]);
+        let beam = beam_space(solid, &operator, symmetry, [length, height]);
         let fixed = fixed_nodes(&elastic.mount, grid, symmetry);
-        let load = match &elastic.mount {
-            Mount::Loads(loads) => load_of(self.problem, loads, grid, symmetry),
-            Mount::Top | Mount::Places(_) => Vec::new(),
-        };
         let [nx, ny, nz] = grid.shape();
         let entry = |c: usize, [i, j]: [usize; 2]| ((c * nz + nz - 1) * ny + j) * nx + i;
         let of = |c: usize| fixed[c].iter().map(move |&node| entry(c, node));
         let entries = (0..3).flat_map(of).collect();
-        let first = averaged.as_ref();
-        let inverse = MountedInverse::new(&operator, first, columns, material, beam, fixed)
+        let inverse = MountedInverse::new(&operator, averaged.as_ref(), columns, beam, fixed)
             .ok_or_else(|| Error::runner_mesh("its mount holds no independent nodes"))?;
-        let body = ElasticBody::mounted(operator, inverse, material, columns, (entries, load));
-        Ok(if self.for_solving {
-            body.on_mapped(&solid)
-        } else {
-            body
+        let inverse = Inverse::Mounted(Box::new(inverse));
+        Ok(ElasticBody {
+            fixed: entries,
+            load: match &elastic.mount {
+                Mount::Loads(loads) => load_of(self.problem, loads, grid, symmetry),
+                Mount::Top | Mount::Places(_) => Vec::new(),
+            },
+            ..ElasticBody::with_inverse(operator, inverse, Side::Above, columns)
         })
     }
 }
@@ -218,10 +195,6 @@ fn mapped(
         mesh_over_heights(x, y, &heights, elastic.top, &levels).map_err(Error::runner_mesh)?;
     grid.z = z;
     Ok((mesh, grid))
-}
-
-fn solid(mesh: &HexMesh, material: Material, kind: ElementKind) -> Result<Solid, Error> {
-    Solid::uniform(mesh.clone(), material, kind).map_err(Error::runner_mesh)
 }
 
 /// The beam motions of a body of `length` and `height` [m] whose rigid motions nothing holds.

@@ -30,7 +30,6 @@ pub(crate) fn solid_body(solid: &Arc<RunnerSolid>, grid: &TensorGrid) -> Elastic
         assembled: None,
         inverse: Inverse::Factored(FactoredInverse::new(solid.clone(), mortar.clone())),
         trace: Trace::Means(mortar),
-        material: solid.material(),
         fixed: Vec::new(),
         load: Vec::new(),
     }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::accuracy::estimators::{REFINEMENT, first_resolution, next_refinement};
 use crate::accuracy::meshes::FEWEST as LEAST_RESOLUTION;
-use crate::accuracy::watched::{FigureHistory, Fineness, Limits, Place};
+use crate::accuracy::watched::{FigureHistory, Limits, Place};
 use crate::boundary_elements::active_set::Precision;
 use crate::boundary_elements::operator::Operator;
 use crate::boundary_elements::window::{CellAxis, CheckUnavailable, Surface, Window};
@@ -14,7 +14,7 @@ use crate::boundary_elements::window_contact::{AllCells, MOST_WINDOWS, Search, W
 use crate::grid::grading::storable;
 use crate::problem::check::CheckedProblem;
 use crate::result::measure::{Figures, ROUNDED};
-use crate::{Error, Iterate, NextMesh, Solution, StiffnessForm, SurfaceField};
+use crate::{Error, Iterate, Solution, StiffnessForm, SurfaceField};
 
 /// Touching nodes from which the contact plane alone is solved: the cost of finite elements grows
 /// with their square.
@@ -154,7 +154,10 @@ impl<'a> Asperities<'a> {
                 missed: 0.0,
                 at_ridge: false,
             };
-            figures.push(read.figures, place, read.fineness(&contact, cells), false);
+            let [dx, dy] = contact.window.size();
+            let Figures { length, width, .. } = read.figures;
+            let fineness = [cells, 0.5 * length / dx, 0.5 * width / dy];
+            figures.push(read.figures, place, fineness, false);
             judged = figures.limits();
             let reached = match judged {
                 _ if options.cells.is_some() => Some(figures.unjudged()),
@@ -211,13 +214,7 @@ impl<'a> Asperities<'a> {
     ) -> Result<Option<(WindowContact, Read)>, Error> {
         let (level, dofs) = (history.len(), grid.count());
         let options = self.checked.options;
-        if let Some(watcher) = &options.next_mesh {
-            watcher(&NextMesh {
-                level,
-                dofs,
-                error_before,
-            });
-        }
+        options.announce(level, dofs, error_before);
         let start = from.carried(&grid);
         let Some(contact) = unless_stopped(search.solved(grid, Some(start)))? else {
             return Ok(None);
@@ -285,7 +282,7 @@ impl<'a> Asperities<'a> {
         limits: Limits,
         history: &mut Vec<Iterate>,
     ) -> Solution {
-        let Read { all, force, .. } = read;
+        let all = read.all;
         let Figures {
             p_max,
             area,
@@ -293,15 +290,13 @@ impl<'a> Asperities<'a> {
             width,
             ..
         } = read.figures;
-        let fz = force.iter().sum::<f64>();
+        let fz = all.force.iter().sum::<f64>();
         let nx = all.x.len();
-        let moment = |at: &dyn Fn(usize) -> f64| -> f64 {
-            force.iter().enumerate().map(|(n, f)| f * at(n)).sum()
-        };
-        let centre_of_pressure = [
-            moment(&|n| all.x[n % nx]) / fz,
-            moment(&|n| all.y[n / nx]) / fz,
-        ];
+        let centre_of_pressure = [0, 1].map(|axis| {
+            let at = |n: usize| [all.x[n % nx], all.y[n / nx]][axis];
+            let forces = all.force.iter().enumerate();
+            forces.map(|(n, f)| f * at(n)).sum::<f64>() / fz
+        });
         let [pitch, roll] = self.tilt(contact);
         let bound = ROUNDED * contact.plane.hardness;
         let gap = contact.unfolded(&contact.pressed.opening);
@@ -459,46 +454,23 @@ fn of_size(window: Window, size: [f64; 2], most: f64) -> Window {
 
 // Pressures, forces and figures of a contact.
 
-/// Pressures and forces of a contact on all cells of its window, and its figures.
+/// A contact on all cells of its window, and its figures.
 struct Read {
     all: AllCells,
-    /// Of each cell [N].
-    force: Vec<f64>,
     figures: Figures,
-}
-
-impl Read {
-    /// How fine a contact's cells are, so many of them over half an asperity's.
-    fn fineness(&self, contact: &WindowContact, cells: f64) -> Fineness {
-        let [dx, dy] = contact.window.size();
-        Fineness {
-            cells,
-            extents: [
-                0.5 * self.figures.length / dx,
-                0.5 * self.figures.width / dy,
-            ],
-        }
-    }
 }
 
 impl WindowContact {
     fn read(&self) -> Read {
         let all = self.all_cells();
         let [dx, dy] = self.window.size();
-        let force: Vec<f64> = all.pressure.iter().map(|p| p * dx * dy).collect();
-        let lumped = [vec![dx; all.x.len()], vec![dy; all.y.len()]];
-        let field = all.field(&force, [&lumped[0], &lumped[1]]);
-        let mut figures = field.figures(&all.pressure);
+        let mut figures = all.field().figures(&all.pressure);
         // Cells in contact are too many, as a rim has it in part of the outermost; ends of short
         // chords by shape and load lie too far inside. The truth is between them.
-        let counted = force.iter().filter(|f| **f > 0.0).count() as f64 * dx * dy;
+        let counted = all.force.iter().filter(|f| **f > 0.0).count() as f64 * dx * dy;
         figures.off[0] = (0.5 * (counted - figures.area).abs()).max(figures.off[0]);
         figures.area = 0.5 * (counted + figures.area);
-        Read {
-            all,
-            force,
-            figures,
-        }
+        Read { all, figures }
     }
 
     /// Touching nodes of a mesh with so many cells over half of an asperity's contact, of this half

@@ -58,13 +58,8 @@ impl Search<'_> {
         window: Window,
         start: Option<Vec<f64>>,
     ) -> Result<WindowContact, CheckUnavailable> {
-        let CheckedProblem {
-            problem,
-            gap,
-            options,
-            ..
-        } = self.checked;
-        let plane = Plane::new(problem, gap, &window);
+        let options = self.checked.options;
+        let plane = Plane::new(self.checked.problem, &self.checked.gap, &window);
         let mut operator = Operator::new(&window, self.surface)?;
         let pressed = press(&plane, &mut operator, start, self.precision, options)?;
         Ok(WindowContact {
@@ -137,20 +132,23 @@ impl WindowContact {
     /// Area, length and width, from where p^2 reaches zero along the cells' lines.
     fn extents(&self) -> [f64; 3] {
         let all = self.all_cells();
-        let field = all.field(&[], [&[], &[]]);
-        field.extents(&all.pressure, RimEstimator::Shape)
+        all.field().extents(&all.pressure, RimEstimator::Shape)
     }
 
     /// The pressures on all cells of the window.
     pub fn all_cells(&self) -> AllCells {
-        let [x, y] = self.window.axes.map(|axis| {
+        let [x, y] = self.window.axes.map(|axis| -> Vec<f64> {
             let centre = |cell: usize| axis.low + (cell as f64 + 0.5) * axis.size();
             (0..axis.cells).map(centre).collect()
         });
+        let [dx, dy] = self.window.size();
+        let pressure = self.unfolded(&self.pressed.pressure);
         AllCells {
+            force: pressure.iter().map(|p| p * dx * dy).collect(),
+            sizes: [vec![dx; x.len()], vec![dy; y.len()]],
             x,
             y,
-            pressure: self.unfolded(&self.pressed.pressure),
+            pressure,
             hardness: self.plane.hardness,
         }
     }
@@ -246,18 +244,21 @@ pub(super) struct AllCells {
     pub y: Vec<f64>,
     /// Pressures, x fastest [Pa].
     pub pressure: Vec<f64>,
+    /// Forces of the cells [N].
+    pub force: Vec<f64>,
+    /// Sizes of the cells along x and y [m].
+    sizes: [Vec<f64>; 2],
     hardness: f64,
 }
 
 impl AllCells {
-    /// The field of these pressures, with forces and the cells' sizes for what needs them.
-    pub fn field<'a>(&'a self, force: &'a [f64], lumped: [&'a [f64]; 2]) -> PressureField<'a> {
+    /// The field of these pressures.
+    pub fn field(&self) -> PressureField<'_> {
         PressureField {
-            x: &self.x,
-            y: &self.y,
-            force,
+            nodes: [&self.x, &self.y],
+            force: &self.force,
             gap: None,
-            lumped,
+            lumped: self.sizes.each_ref().map(|sizes| &sizes[..]),
             symmetry: [false; 2],
             hardness: self.hardness,
         }

@@ -6,7 +6,7 @@ use faer::{Mat, MatRef};
 use kufe_fem::Tridiagonal;
 
 use crate::bodies::elastic_body::{BodyWork, ElasticBody, Inverse, Stiffness};
-use crate::green::matrix::{LineSweep, QuadraticForm, Window};
+use crate::green::matrix::{QuadraticForm, Window, sweep_lines};
 
 /// G = B M^-1 B^T of all bodies, as a product.
 ///
@@ -127,7 +127,7 @@ impl<'a> ModalGreen<'a> {
         wanted: impl Fn(usize, f64, f64) -> f64,
     ) {
         let others = self.of_others(force);
-        LineSweep::new(&self.window, &self.forms, force).run(&others, force, wanted);
+        sweep_lines(&self.window, &self.forms, &others, force, wanted);
         deflection.copy_from_slice(&self.times(force));
     }
 }

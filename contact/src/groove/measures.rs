@@ -6,7 +6,7 @@ use crate::groove::solution::{GrooveProfile, Section};
 use crate::mesh::discretise::Discretisation;
 use crate::motion::dot;
 use crate::problem::check::CheckedProblem;
-use crate::result::measure::{PressureField, differences, mean_of_root};
+use crate::result::measure::{Chords, PressureField, differences, mean_of_root};
 use crate::result::pressure::Field;
 use crate::result::rim::{RimEstimator, rim_by_overlap};
 use crate::symmetry::unfolded;
@@ -101,15 +101,13 @@ impl<'a> GrooveReading<'a> {
 
     /// Back and front ends of the patch [m].
     fn ends(&self) -> [f64; 2] {
-        let chords = self.field.chords_along(&self.pressure, RimEstimator::Shape);
+        let chords = self.field.chords(0, &self.pressure, RimEstimator::Shape);
         self.rims.ends(&chords)
     }
 
     /// Both sides of the contact at every column; none where it is open.
     fn sides(&self) -> Vec<Option<[f64; 2]>> {
-        let chords = self
-            .field
-            .chords_across(&self.pressure, RimEstimator::Shape);
+        let chords = self.field.chords(1, &self.pressure, RimEstimator::Shape);
         self.rims.sides(&chords)
     }
 
@@ -136,11 +134,8 @@ impl<'a> GrooveReading<'a> {
 
     /// Work of the plastic depth over the way: H times the section that this runner adds.
     fn plastic_work(&self) -> f64 {
-        let [nx, ny] = self.rims.shape();
-        let across = &self.mesh.contact.lumped[1];
-        let added: f64 = (0..ny)
-            .map(|j| across[j] * (self.slid.depth[j * nx] - self.slid.depth[j * nx + nx - 1]))
-            .sum();
+        let widths = self.mesh.contact.lumped[1].iter().enumerate();
+        let added: f64 = widths.map(|(j, w)| w * self.rims.grown(0, j)).sum();
         self.mesh.copies() * self.checked.hardness() * added
     }
 
@@ -177,14 +172,11 @@ impl<'a> GrooveReading<'a> {
     /// Where the runner, as it is turned, is lowest over the track along x; the middle of where it
     /// is level.
     fn lowest(&self) -> f64 {
-        let [nx, ny] = self.rims.shape();
+        let [nx, ny] = self.rims.shape;
         let contact = &self.mesh.contact;
-        let motion = self.slid.state.motion;
+        let height = |n: usize| contact.gap[n] - dot(contact.rows[n], self.slid.state.motion);
         let height = |i: usize| {
-            let heights = (0..ny).map(|j| {
-                let n = j * nx + i;
-                contact.gap[n] - dot(contact.rows[n], motion)
-            });
+            let heights = (0..ny).map(|j| height(self.rims.node(i, j)));
             heights.fold(f64::INFINITY, f64::min)
         };
         let heights: Vec<f64> = (0..nx).map(height).collect();
@@ -231,6 +223,8 @@ fn with_ends(mut sections: Vec<Section>, [back, front]: [f64; 2]) -> Vec<Section
 pub(crate) struct Rims<'a> {
     mesh: &'a Discretisation,
     slid: &'a SlidingState,
+    /// Nodes along x and y.
+    shape: [usize; 2],
     full: Vec<bool>,
     gaps: Vec<f64>,
 }
@@ -247,9 +241,33 @@ impl<'a> Rims<'a> {
         Rims {
             mesh,
             slid,
+            shape: [mesh.grid.x.len(), mesh.grid.y.len()],
             full,
             gaps,
         }
+    }
+
+    /// The node of column `i` and row `j`.
+    fn node(&self, i: usize, j: usize) -> usize {
+        j * self.shape[0] + i
+    }
+
+    fn full(&self, i: usize, j: usize) -> bool {
+        self.full[self.node(i, j)]
+    }
+
+    fn force(&self, i: usize, j: usize) -> f64 {
+        self.slid.state.force[self.node(i, j)]
+    }
+
+    /// Plastic depth [m].
+    fn depth(&self, i: usize, j: usize) -> f64 {
+        self.slid.depth[self.node(i, j)]
+    }
+
+    /// Depth at a node below the groove in which the ice came [m].
+    fn grown(&self, i: usize, j: usize) -> f64 {
+        self.depth(i, j) - self.depth(self.shape[0] - 1, j)
     }
 
     /// The area that yields, up to its rims below the cell, over that of the full nodes' parts of
@@ -260,15 +278,12 @@ impl<'a> Rims<'a> {
     /// linear: it is where a round runner's patch ends, and a sum over columns would leave a part
     /// of it open that depends on where the front lies between nodes.
     pub fn full_area(&self) -> f64 {
-        let [nx, ny] = self.shape();
         let [along, across] = &self.mesh.contact.lumped;
         let (mut nodes, mut missing) = (0.0, 0.0);
         let mut before = None;
         for (i, length) in along.iter().enumerate() {
-            let part: f64 = (0..ny)
-                .filter(|j| self.full[j * nx + i])
-                .map(|j| across[j])
-                .sum();
+            let full = (0..across.len()).filter(|&j| self.full(i, j));
+            let part: f64 = full.map(|j| across[j]).sum();
             let sides = [false, true].map(|upper| self.outside_node(i, upper));
             let outside: f64 = sides.iter().flatten().sum();
             nodes += length * part;
@@ -302,13 +317,12 @@ impl<'a> Rims<'a> {
     /// node bears the hardness on its part, whatever its force is fitted to, and so does what lies
     /// between there and the rim.
     fn mean_pressure(&self, i: usize, width: f64, hardness: f64) -> f64 {
-        let [nx, ny] = self.shape();
         let [along, across] = &self.mesh.contact.lumped;
-        let borne = (0..ny).map(|j| {
-            if self.full[j * nx + i] {
+        let borne = (0..across.len()).map(|j| {
+            if self.full(i, j) {
                 hardness * across[j]
             } else {
-                self.slid.state.force[j * nx + i] / along[i]
+                self.force(i, j) / along[i]
             }
         });
         let outside = [false, true].into_iter();
@@ -321,12 +335,16 @@ impl<'a> Rims<'a> {
     /// the area under squared widths that are linear between them, and on to the front where
     /// nothing touches ahead.
     fn between_columns(&self, i: usize, [before, width]: [f64; 2]) -> f64 {
-        let x = &self.mesh.grid.x;
+        let ([_, ny], x) = (self.shape, &self.mesh.grid.x);
         let step = x[i] - x[i - 1];
         let mut missing = step * (mean_of_root(before, width) - 0.5 * (before + width));
+        let open = |i: usize| (0..ny).all(|j| self.force(i, j) <= 0.0);
+        // The foremost place where the ice begins to yield in the rows that touch here.
+        let rows = (0..ny).filter(|&j| self.full(i, j));
+        let mut fronts = rows.filter_map(|j| self.front(j));
         if i + 1 < x.len()
-            && self.open(i + 1)
-            && let Some(front) = self.foremost(i)
+            && open(i + 1)
+            && let Some(front) = fronts.by_ref().reduce(f64::max)
         {
             let slope = (width * width - before * before) / step;
             let tip = (width * width + slope * (front - x[i])).max(0.0).sqrt();
@@ -335,46 +353,31 @@ impl<'a> Rims<'a> {
         missing
     }
 
-    /// Whether nothing touches in column `i`.
-    fn open(&self, i: usize) -> bool {
-        let [nx, ny] = self.shape();
-        (0..ny).all(|j| self.slid.state.force[j * nx + i] <= 0.0)
-    }
-
-    /// The foremost place where the ice begins to yield in the rows that touch in column `i`,
-    /// before the open one ahead [m].
-    fn foremost(&self, i: usize) -> Option<f64> {
-        let [nx, ny] = self.shape();
-        let rows = (0..ny).filter(|j| self.full[j * nx + i]);
-        rows.filter_map(|j| self.front(j)).reduce(f64::max)
-    }
-
     /// Where the ice begins to yield at a side of column `i`, between the outermost node, if it is
     /// full, and the open one next to it: where the parabola of growth and gap through these and
     /// the next node within is zero.
     fn yielding_side(&self, i: usize, upper: bool) -> Option<([usize; 2], f64)> {
-        let [nx, _] = self.shape();
         let [j, k] = self.outermost(i, upper)?;
-        let outside = self.gaps[k * nx + i] - self.grown(i, k);
-        let y = &self.mesh.grid.y;
-        let inside = self.grown(i, j);
-        if !self.full[j * nx + i] || outside <= 0.0 || !outside.is_finite() {
+        let outside = self.gaps[self.node(i, k)] - self.grown(i, k);
+        if !self.full(i, j) || outside <= 0.0 || !outside.is_finite() {
             return None;
         }
+        let y = &self.mesh.grid.y;
+        let at = |j: usize| (y[j], self.grown(i, j));
         let within = match (upper, j) {
             // Across the mirror plane lies the open node's image.
             (true, 0) => self.mesh.symmetry[1].then_some((-y[k], -outside)),
-            (true, _) => Some((y[j - 1], self.grown(i, j - 1))),
-            (false, _) => (j + 1 < y.len()).then(|| (y[j + 1], self.grown(i, j + 1))),
+            (true, _) => Some(at(j - 1)),
+            (false, _) => (j + 1 < y.len()).then(|| at(j + 1)),
         };
-        let side = rim_by_overlap(within, (y[j], inside), (y[k], -outside))?;
+        let side = rim_by_overlap(within, at(j), (y[k], -outside))?;
         Some(([j, k], side))
     }
 
     /// The outermost node in contact at a side of column `i` and the next one outwards.
     fn outermost(&self, i: usize, upper: bool) -> Option<[usize; 2]> {
-        let [nx, ny] = self.shape();
-        let touching = |j: &usize| self.slid.state.force[j * nx + i] > 0.0;
+        let ny = self.shape[1];
+        let touching = |j: &usize| self.force(i, *j) > 0.0;
         if upper {
             let j = (0..ny).rfind(touching)?;
             (j + 1 < ny).then_some([j, j + 1])
@@ -384,19 +387,12 @@ impl<'a> Rims<'a> {
         }
     }
 
-    /// Depth at a node below the groove in which the ice came [m].
-    fn grown(&self, i: usize, j: usize) -> f64 {
-        let [nx, _] = self.shape();
-        self.slid.depth[j * nx + i] - self.slid.depth[j * nx + nx - 1]
-    }
-
     /// Both sides of the contact at every column with these chords; none where it is open.
-    fn sides(&self, chords: &[Vec<[f64; 2]>]) -> Vec<Option<[f64; 2]>> {
-        let [nx, _] = self.shape();
-        let mut sides = vec![None; nx];
+    fn sides(&self, chords: &Chords) -> Vec<Option<[f64; 2]>> {
         let mut ahead = [0.0; 2];
-        for i in (0..nx).rev() {
-            if let (Some(first), Some(last)) = (chords[i].first(), chords[i].last()) {
+        let mut sides = vec![None; chords.len()];
+        for (i, own) in chords.iter().enumerate().rev() {
+            if let (Some(first), Some(last)) = (own.first(), own.last()) {
                 ahead = [
                     self.side(i, [first[0], ahead[0]], false),
                     self.side(i, [last[1], ahead[1]], true),
@@ -408,23 +404,19 @@ impl<'a> Rims<'a> {
     }
 
     /// The contact's side at column `i`: where the groove begins if the outermost node yields,
-    /// where it began before if that lies in it, and else that of the pressure. `known` holds the
-    /// last and what it was ahead.
-    fn side(&self, i: usize, known: [f64; 2], upper: bool) -> f64 {
-        let [nx, _] = self.shape();
+    /// where it began before, `ahead`, if that lies in it, and else that of the pressure.
+    fn side(&self, i: usize, [by_pressure, ahead]: [f64; 2], upper: bool) -> f64 {
         let Some([j, k]) = self.outermost(i, upper) else {
-            return known[0];
+            return by_pressure;
         };
-        let y = &self.mesh.grid.y;
-        let inside = self.grown(i, j);
         if let Some((_, side)) = self.yielding_side(i, upper) {
             return side;
         }
+        let (y, inside) = (&self.mesh.grid.y, self.grown(i, j));
         let within = if upper { j.checked_sub(1) } else { Some(j + 1) };
-        if inside <= 0.0 && within.is_some_and(|w| self.full[w * nx + i]) {
-            return self.partly(j * nx + i, y[j], [y[within.unwrap_or(j)], y[k]]);
+        if let Some(within) = within.filter(|&w| inside <= 0.0 && self.full(i, w)) {
+            return self.partly(self.node(i, j), y[j], [y[within], y[k]]);
         }
-        let [by_pressure, ahead] = known;
         let between = (y[j].min(y[k])..=y[j].max(y[k])).contains(&ahead);
         if inside > 0.0 && self.grown(i, k) <= 0.0 && between {
             ahead
@@ -443,48 +435,43 @@ impl<'a> Rims<'a> {
 
     /// Back and front ends of the patch [m]; the front where the ice begins to yield, below the
     /// cell.
-    fn ends(&self, chords: &[Vec<[f64; 2]>]) -> [f64; 2] {
+    fn ends(&self, chords: &Chords) -> [f64; 2] {
         let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
         for (j, chords) in chords.iter().enumerate() {
-            let (Some(first), Some(last)) = (chords.first(), chords.last()) else {
-                continue;
-            };
-            let front = self.front(j).unwrap_or(last[1]);
-            let back = self.back(j).unwrap_or(first[0]);
-            ends = [ends[0].min(back), ends[1].max(front)];
+            if let (Some(first), Some(last)) = (chords.first(), chords.last()) {
+                let front = self.front(j).unwrap_or(last[1]);
+                let back = self.back(j).unwrap_or(first[0]);
+                ends = [ends[0].min(back), ends[1].max(front)];
+            }
         }
         ends
     }
 
     /// The front of row `j` where the ice yields there.
     fn front(&self, j: usize) -> Option<f64> {
-        let [nx, _] = self.shape();
         let x = &self.mesh.grid.x;
-        let node = |i: usize| j * nx + i;
-        let i = (1..nx - 1).rfind(|&i| self.slid.state.force[node(i)] > 0.0)?;
-        let outside = self.gaps[node(i + 1)];
-        if self.full[node(i)] && outside.is_finite() {
-            let inside = self.slid.depth[node(i)] - self.slid.depth[node(i + 1)];
+        let i = (1..x.len() - 1).rfind(|&i| self.force(i, j) > 0.0)?;
+        let outside = self.gaps[self.node(i + 1, j)];
+        if self.full(i, j) && outside.is_finite() {
+            let inside = self.depth(i, j) - self.depth(i + 1, j);
             return Some(x[i] + inside / (inside + outside) * (x[i + 1] - x[i]));
         }
-        self.full[node(i - 1)].then(|| self.partly(node(i), x[i], [x[i - 1], x[i + 1]]))
+        let partly = || self.partly(self.node(i, j), x[i], [x[i - 1], x[i + 1]]);
+        self.full(i - 1, j).then(partly)
     }
 
     /// The back of row `j` where the ice yields up to there: where the groove no longer deepens,
     /// which it does ever less towards the runner's lowest point.
     fn back(&self, j: usize) -> Option<f64> {
-        let [nx, _] = self.shape();
         let x = &self.mesh.grid.x;
-        let node = |i: usize| j * nx + i;
-        let i = (1..nx - 2).find(|&i| self.slid.state.force[node(i)] > 0.0)?;
-        if !self.full[node(i + 1)] {
+        let i = (1..x.len() - 2).find(|&i| self.force(i, j) > 0.0)?;
+        if !self.full(i + 1, j) {
             return None;
         }
-        if !self.full[node(i)] {
-            return Some(self.partly(node(i), x[i], [x[i + 1], x[i - 1]]));
+        if !self.full(i, j) {
+            return Some(self.partly(self.node(i, j), x[i], [x[i + 1], x[i - 1]]));
         }
-        let depth = |i: usize| self.slid.depth[node(i)];
-        let slope = |i: usize| (depth(i) - depth(i + 1)) / (x[i + 1] - x[i]);
+        let slope = |i: usize| (self.depth(i, j) - self.depth(i + 1, j)) / (x[i + 1] - x[i]);
         let middle = |i: usize| 0.5 * (x[i] + x[i + 1]);
         let bend = (slope(i + 1) - slope(i)) / (middle(i + 1) - middle(i));
         let end = middle(i) - slope(i) / bend;
@@ -493,9 +480,5 @@ impl<'a> Rims<'a> {
         } else {
             middle(i - 1)
         })
-    }
-
-    fn shape(&self) -> [usize; 2] {
-        [self.mesh.grid.x.len(), self.mesh.grid.y.len()]
     }
 }

@@ -104,8 +104,8 @@ impl<'a> SlidingMeshes<'a> {
             })?;
             let plain = self.reading(&mesh, &plain).measures();
             let measures = self.take(&mesh, &slid, &mut history);
-            let errors = Errors::of(&history.measures, &plain, refined);
-            estimate = errors.largest(&measures);
+            let errors = errors(&history.measures, &plain, refined);
+            estimate = largest(&errors, &measures);
             if options.cells.is_some() || estimate <= tolerance {
                 return Ok(self.solution(mesh, slid, errors, history));
             }
@@ -240,7 +240,9 @@ impl<'a> SlidingMeshes<'a> {
             *gap += depth;
         }
         let figures = pressure.figures;
-        let (length_error, relative) = (errors.front + errors.back, errors.largest(&m));
+        let relative = largest(&errors, &m);
+        let [p_max, depth_error, ploughing, front, back, load_ahead] = errors;
+        let length_error = front + back;
         // Of one mesh nothing is known, of a tilt of 0 neither.
         let tilt_error = |tilt: f64| {
             if relative.is_finite() {
@@ -252,7 +254,7 @@ impl<'a> SlidingMeshes<'a> {
         let [_, pitch, roll] = slid.state.motion;
         let of = |value, error| Measure { value, error };
         let limits = Limits {
-            peak: of(m.p_max, errors.p_max),
+            peak: of(m.p_max, p_max),
             approach: of(m.approach, m.approach * relative),
             // The width is taken to be as uncertain as the length.
             area_error: 2.0 * length_error / (m.front - m.back) * figures.area,
@@ -273,11 +275,11 @@ impl<'a> SlidingMeshes<'a> {
         SlidingSolution {
             contact,
             groove: Groove {
-                deepest: of(m.depth, errors.depth),
-                ploughing: of(m.ploughing, errors.ploughing),
-                front: of(m.front, errors.front),
-                back: of(m.back, errors.back),
-                load_ahead: of(m.load_ahead, errors.load_ahead),
+                deepest: of(m.depth, depth_error),
+                ploughing: of(m.ploughing, ploughing),
+                front: of(m.front, front),
+                back: of(m.back, back),
+                load_ahead: of(m.load_ahead, load_ahead),
                 lowest: m.lowest,
                 profile,
                 depth,
@@ -371,53 +373,37 @@ pub fn slide(
 
 // How far the last mesh's figures are from those of fine meshes.
 
-/// Estimated errors, in the figures' own units.
-struct Errors {
-    p_max: f64,
-    depth: f64,
-    ploughing: f64,
-    front: f64,
-    back: f64,
-    load_ahead: f64,
-}
+/// Estimated errors of peak pressure, groove's depth, ploughing force, front, back and place of the
+/// load, in their own units.
+type Errors = [f64; 6];
 
 /// Ploughing force over the load below which its error is measured by this [1].
 const LEAST_PLOUGHING: f64 = 1e-4;
 /// Depth of the groove over the approach below which its error is measured by this.
 const LEAST_DEPTH: f64 = 0.05;
 
-impl Errors {
-    /// The grid convergence index of the last two meshes, the last one `refined` times as fine as
-    /// the one before, and what the area between nodes and rims changes on the last one: `plain` is
-    /// that mesh's answer without it. The two add up as independent errors do. Infinite for one
-    /// mesh.
-    ///
-    /// The index alone does not do: where nodes lie next to rims is chance, and two meshes may
-    /// agree by it.
-    fn of(measures: &[Measures], plain: &Measures, refined: f64) -> Self {
-        let error = |of: fn(&Measures) -> f64| match measures {
-            [.., before, last] => {
-                grid_convergence_index(of(before), of(last), refined).hypot(of(plain) - of(last))
-            }
-            _ => f64::INFINITY,
-        };
-        Errors {
-            p_max: error(|m| m.p_max),
-            depth: error(|m| m.depth),
-            ploughing: error(|m| m.ploughing),
-            front: error(|m| m.front),
-            back: error(|m| m.back),
-            load_ahead: error(|m| m.load_ahead),
-        }
-    }
+/// The grid convergence index of the last two meshes, the last one `refined` times as fine as the
+/// one before, and what the area between nodes and rims changes on the last one: `plain` is that
+/// mesh's answer without it. The two add up as independent errors do. Infinite for one mesh.
+///
+/// The index alone does not do: where nodes lie next to rims is chance, and two meshes may agree by
+/// it.
+fn errors(measures: &[Measures], plain: &Measures, refined: f64) -> Errors {
+    let of = |m: &Measures| [m.p_max, m.depth, m.ploughing, m.front, m.back, m.load_ahead];
+    let [.., before, last] = measures else {
+        return [f64::INFINITY; 6];
+    };
+    let (before, last, plain) = (of(before), of(last), of(plain));
+    [0, 1, 2, 3, 4, 5]
+        .map(|k| grid_convergence_index(before[k], last[k], refined).hypot(plain[k] - last[k]))
+}
 
-    /// Largest of the errors of peak pressure, groove and ploughing, over their values.
-    fn largest(&self, of: &Measures) -> f64 {
-        let shares = [
-            self.p_max / of.p_max,
-            self.depth / of.depth.max(LEAST_DEPTH * of.approach),
-            self.ploughing / of.ploughing.max(LEAST_PLOUGHING * of.fz),
-        ];
-        shares.into_iter().fold(0.0, f64::max)
-    }
+/// Largest of the errors of peak pressure, groove and ploughing, over their values.
+fn largest([p_max, depth, ploughing, ..]: &Errors, of: &Measures) -> f64 {
+    let shares = [
+        p_max / of.p_max,
+        depth / of.depth.max(LEAST_DEPTH * of.approach),
+        ploughing / of.ploughing.max(LEAST_PLOUGHING * of.fz),
+    ];
+    shares.into_iter().fold(0.0, f64::max)
 }

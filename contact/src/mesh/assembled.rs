@@ -44,11 +44,11 @@ pub(crate) fn assemble(
             (Stiffness::Solid(solid), _) => of(&solid.body)?,
             (Stiffness::Mapped { .. }, Some(runner)) => {
                 let kind = element.unwrap_or_default();
-                let solid = Body::uniform(runner.clone(), body.material, kind);
+                let solid = Body::uniform(runner.clone(), body.material(), kind);
                 of(&solid.map_err(named)?)?
             }
             (Stiffness::Tensor(grid) | Stiffness::Mapped { grid, .. }, _) => {
-                of(&hexahedra(grid, body.material).map_err(named)?)?
+                of(&hexahedra(grid).map_err(named)?)?
             }
         };
     }

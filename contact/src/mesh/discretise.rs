@@ -16,7 +16,7 @@ use crate::motion::Motion;
 use crate::precondition::planewise::{Columns, Side};
 use crate::problem::check::{CheckedProblem, solid_material};
 use crate::symmetry::copies;
-use crate::{Bed, Error, Foundation, Load};
+use crate::{Error, Foundation, Load};
 
 /// How far the mesh reaches and which of its nodes may touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,16 +111,8 @@ impl MeshPlan<'_> {
             z,
         };
         storable(grid.shape())?;
-        let (lambda, mu) = (
-            self.checked.material.lame_lambda(),
-            self.checked.material.shear_modulus(),
-        );
-        let mut operator = TensorOperator::new(
-            &grid,
-            lambda,
-            mu,
-            fixed_faces(symmetry, true, [true, false]),
-        );
+        let fixed = fixed_faces(symmetry, true, [true, false]);
+        let mut operator = TensorOperator::new(&grid, self.checked.material, fixed);
         if let Some(layer) = lower {
             operator = operator.on_layer(layer);
         }
@@ -255,7 +247,11 @@ impl MeshPlan<'_> {
             return Ok((z, None));
         };
         let below = below(&z, bed.thickness, growth)?;
-        let lower = lower_layer(bed, below.len())?;
+        let (modulus, ratio) = (bed.youngs_modulus, bed.poissons_ratio);
+        let lower = LowerLayer {
+            cells: below.len(),
+            material: solid_material("Young's modulus of the bed", modulus, ratio)?,
+        };
         z.splice(0..0, below);
         Ok((increasing(z)?, Some(lower)))
     }
@@ -314,7 +310,7 @@ impl MeshPlan<'_> {
         ];
         let columns = Columns::of_plane([nx, ny]);
         let lumped = [0, 1].map(|axis| operator.axes[axis].lumped_mass.clone());
-        let ice = ElasticBody::on_grid(operator, self.checked.material, Side::Below, columns);
+        let ice = ElasticBody::on_grid(operator, Side::Below, columns);
         Ok(ContactMesh {
             bodies: vec![ice],
             lumped,
@@ -337,15 +333,4 @@ pub(crate) fn expected(patch: &Patch, x: f64, y: f64) -> bool {
         (stretch.low - margin..=stretch.high + margin).contains(&at)
     };
     near(&patch.y, y) && patch.x.iter().any(|stretch| near(stretch, x))
-}
-
-/// The bed as the operator sees it.
-fn lower_layer(bed: Bed, cells: usize) -> Result<LowerLayer, Error> {
-    let (modulus, ratio) = (bed.youngs_modulus, bed.poissons_ratio);
-    let material = solid_material("Young's modulus of the bed", modulus, ratio)?;
-    Ok(LowerLayer {
-        cells,
-        lambda: material.lame_lambda(),
-        mu: material.shear_modulus(),
-    })
 }

@@ -1,7 +1,7 @@
 //! The preconditioner of a body on a tensor grid, ready for a constraint on its contact plane.
 
 use faer::{Mat, MatRef};
-use kufe_fem::{Axis, BeamModes, FastDiagonal, Material, TensorOperator, to_components, to_nodes};
+use kufe_fem::{Axis, BeamModes, FastDiagonal, TensorOperator, to_components, to_nodes};
 use rayon::prelude::*;
 
 use crate::precondition::dense::DenseCholesky;
@@ -33,12 +33,11 @@ impl MountedInverse {
         operator: &TensorOperator,
         first: Option<&Axis>,
         columns: Columns,
-        material: Material,
         beam: BeamSpace,
         fixed: [Vec<[usize; 2]>; 3],
     ) -> Option<Self> {
         let fast = FastDiagonal::new(operator, first);
-        let response = surface_response(operator, material);
+        let response = surface_response(operator);
         let top = operator.shape()[2] - 1;
         Some(MountedInverse {
             contact: PlaneModes::new(&fast, 2, 0),
@@ -94,24 +93,20 @@ impl MountedInverse {
     fn add_closing(&self, factor: f64, work: &InverseWork, closing: &mut [f64]) {
         let trace = self.contact.trace(&self.fast, &work.intermediate);
         let amplitudes = self.beam.answer(&work.motion);
-        let [nx, ny] = self.columns.count;
-        for j in 0..ny {
-            for i in 0..nx {
-                let value = trace[(i, j)] + self.beam.on_contact([i, j], &amplitudes);
-                closing[self.columns.node([i, j])] += factor * SIGN * value;
-            }
-        }
+        self.columns.add_to_plane(closing, |[i, j]| {
+            let value = trace[(i, j)] + self.beam.on_contact([i, j], &amplitudes);
+            factor * SIGN * value
+        });
     }
 
     /// Takes the forces m on nodes from what an application has gathered: r - B^T m.
     fn take_forces(&self, multipliers: &[(usize, f64)], work: &mut InverseWork) {
-        let [nx, ny] = self.columns.count;
-        let mut plane = Mat::<f64>::zeros(nx, ny);
-        for &(node, m) in multipliers {
-            if let Some([i, j]) = self.columns.local(node) {
-                plane[(i, j)] = SIGN * m;
-                self.beam
-                    .subtract_contact([i, j], SIGN * m, &mut work.motion);
+        let forces = multipliers.iter().map(|&(node, m)| (node, SIGN * m));
+        let forces: Vec<(usize, f64)> = forces.collect();
+        let plane = self.columns.field(&forces);
+        for (node, force) in forces {
+            if let Some(column) = self.columns.local(node) {
+                self.beam.subtract_contact(column, force, &mut work.motion);
             }
         }
         self.contact
@@ -374,18 +369,11 @@ impl BeamSpace {
     pub fn new(modes: BeamModes, shape: [usize; 3]) -> Self {
         let n = modes.count();
         let [nx, ny, nz] = shape;
-        let columns: Vec<Vec<f64>> = (0..n)
-            .into_par_iter()
-            .map(|j| {
-                let mut c = vec![0.0; n];
-                c[j] = 1.0;
-                modes.solve(&mut c);
-                c
-            })
-            .collect();
+        let inverse = modes.inverse();
+        let inverse = Mat::from_fn(n, n, |i, j| 0.5 * (inverse[(i, j)] + inverse[(j, i)]));
         let contact = (0..nx * ny).map(|node| modes.row(node, 2)).collect();
         BeamSpace {
-            inverse: Mat::from_fn(n, n, |i, j| 0.5 * (columns[j][i] + columns[i][j])),
+            inverse,
             modes,
             shape: [nx, ny],
             contact,

@@ -2,7 +2,7 @@
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
-use kufe_fem::{AxisModes, End, Material, PlanewiseDiagonal, TensorOperator};
+use kufe_fem::{AxisModes, End, PlanewiseDiagonal, TensorOperator};
 use rayon::prelude::*;
 
 /// P^-1 by layers, with the contact plane as the end of the elimination.
@@ -17,12 +17,7 @@ pub(crate) struct PlanewiseInverse {
 
 impl PlanewiseInverse {
     /// With the contact plane at the end of z that is towards the other body.
-    pub fn new(
-        operator: &TensorOperator,
-        columns: Columns,
-        side: Side,
-        material: Material,
-    ) -> Self {
+    pub fn new(operator: &TensorOperator, columns: Columns, side: Side) -> Self {
         let end = match side {
             Side::Below => End::High,
             Side::Above => End::Low,
@@ -33,7 +28,7 @@ impl PlanewiseInverse {
             basis: PlaneBasis::new(x, y),
             columns,
             side,
-            response: surface_response(operator, material),
+            response: surface_response(operator),
             preconditioner,
         }
     }
@@ -59,12 +54,8 @@ impl PlanewiseInverse {
             gathered[(a, b)] * response[(a, b)]
         });
         let trace = self.basis.to_nodes(answer.as_ref());
-        let [nx, ny] = self.columns.count;
-        for j in 0..ny {
-            for i in 0..nx {
-                closing[self.columns.node([i, j])] += self.side.sign() * trace[(i, j)];
-            }
-        }
+        let value = |[i, j]: [usize; 2]| self.side.sign() * trace[(i, j)];
+        self.columns.add_to_plane(closing, value);
     }
 
     /// See [`crate::bodies::elastic_body::ElasticBody::finish`].
@@ -85,13 +76,7 @@ impl PlanewiseInverse {
 
     /// `gathered` -= B^T m for the forces m on nodes.
     fn take_forces(&self, multipliers: &[(usize, f64)], mut gathered: MatMut<'_, f64>) {
-        let [nx, ny] = self.columns.count;
-        let mut plane = Mat::<f64>::zeros(nx, ny);
-        for &(node, m) in multipliers {
-            if let Some([i, j]) = self.columns.local(node) {
-                plane[(i, j)] = m;
-            }
-        }
+        let plane = self.columns.field(multipliers);
         let load = self.basis.to_modes(plane.as_ref());
         gathered -= faer::Scale(self.side.sign()) * load;
     }
@@ -274,8 +259,9 @@ fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Mat<f64> {
 ///
 /// Both are 1 / |k| in the wave number: (1 - nu) / mu for elasticity, 1 / sqrt(mu (lambda + 2 mu))
 /// for P.
-pub(crate) fn surface_response(operator: &TensorOperator, material: Material) -> f64 {
-    let stiffness_ratio = (operator.lambda + 2.0 * operator.mu) / operator.mu;
+pub(crate) fn surface_response(operator: &TensorOperator) -> f64 {
+    let material = operator.material;
+    let stiffness_ratio = material.uniaxial_strain_modulus() / material.shear_modulus();
     (1.0 - material.poissons_ratio()) * stiffness_ratio.sqrt()
 }
 
@@ -333,6 +319,26 @@ impl Columns {
         let local = nodes.iter().map(|&node| self.local(node));
         let all: Option<Vec<[usize; 2]>> = local.collect();
         all.unwrap_or_else(|| panic!("contact candidates over the body"))
+    }
+
+    /// The values of plane nodes in this rectangle, columns along x by those along y; 0 elsewhere.
+    pub fn field(&self, values: &[(usize, f64)]) -> Mat<f64> {
+        let mut field = Mat::zeros(self.count[0], self.count[1]);
+        for &(node, value) in values {
+            if let Some([i, j]) = self.local(node) {
+                field[(i, j)] = value;
+            }
+        }
+        field
+    }
+
+    /// `plane` += a value for each column of this rectangle.
+    pub fn add_to_plane(&self, plane: &mut [f64], value: impl Fn([usize; 2]) -> f64) {
+        for j in 0..self.count[1] {
+            for i in 0..self.count[0] {
+                plane[self.node([i, j])] += value([i, j]);
+            }
+        }
     }
 
     /// The plane node of a column of this rectangle.

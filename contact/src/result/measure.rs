@@ -1,15 +1,13 @@
 //! From nodal forces to pressures, and from pressures to the figures of a contact.
 
-use crate::result::rim::{RimEstimator, chords};
+use crate::result::rim::{Line, RimEstimator};
 use crate::symmetry::copies;
 
 /// A pressure field on the graded nodes of the contact plane, x fastest, with the mirror planes it
 /// ends at.
 pub(crate) struct PressureField<'a> {
-    /// Nodes along x [m].
-    pub x: &'a [f64],
-    /// Nodes along y [m].
-    pub y: &'a [f64],
+    /// Nodes along x and along y [m].
+    pub nodes: [&'a [f64]; 2],
     /// Nodal forces [N].
     pub force: &'a [f64],
     /// Gaps at the nodes, where they are to help to find rims [m].
@@ -22,8 +20,8 @@ pub(crate) struct PressureField<'a> {
     pub hardness: f64,
 }
 
-/// What the line of an index holds, by its chords.
-type LineValue<'a> = dyn Fn(usize, &[[f64; 2]]) -> f64 + 'a;
+/// Contact intervals of each line along an axis.
+pub(crate) type Chords = Vec<Vec<[f64; 2]>>;
 
 /// Pressures from this part of the hardness on are the hardness but for rounding.
 pub(crate) const ROUNDED: f64 = 1.0 - 1e-9;
@@ -47,29 +45,107 @@ impl PressureField<'_> {
         self.hardness * ROUNDED
     }
 
+    /// Step between neighbours along an axis.
+    fn stride(&self, axis: usize) -> usize {
+        [1, self.nodes[0].len()][axis]
+    }
+
+    /// Node `k` of a line along an axis.
+    pub fn node(&self, axis: usize, line: usize, k: usize) -> usize {
+        line * self.stride(1 - axis) + k * self.stride(axis)
+    }
+
+    /// A node's place on its line along an axis.
+    fn place(&self, node: usize, axis: usize) -> usize {
+        node / self.stride(axis) % self.nodes[axis].len()
+    }
+
     /// Nodal pressures [Pa].
     ///
     /// A node's force over the integral of its hat function is a weighted mean of the pressure: p +
     /// m1 p' + m2 p'' / 2 with the hat's first two moments. Where both neighbours along an axis are
     /// in contact the moments' share is taken out with the differences of the means themselves.
     pub fn pressures(&self) -> Vec<f64> {
-        let (nx, ny) = (self.x.len(), self.y.len());
-        let mean: Vec<f64> = (0..nx * ny)
-            .map(|n| self.force[n] / (self.lumped[0][n % nx] * self.lumped[1][n / nx]))
-            .collect();
-        let mut pressure = mean.clone();
-        for j in 0..ny {
-            for i in 0..nx {
-                let n = j * nx + i;
-                if mean[n] <= 0.0 || mean[n] >= self.bound() {
-                    continue;
-                }
-                let along_x = moment_share(self.x, i, self.symmetry[0], |k| mean[j * nx + k]);
-                let along_y = moment_share(self.y, j, self.symmetry[1], |k| mean[k * nx + i]);
-                pressure[n] = (mean[n] - along_x - along_y).clamp(0.0, self.hardness);
+        let hat = |n: usize| {
+            let [along, across] = [0, 1].map(|axis| self.lumped[axis][self.place(n, axis)]);
+            along * across
+        };
+        let forces = self.force.iter().enumerate();
+        let mean: Vec<f64> = forces.map(|(n, force)| force / hat(n)).collect();
+        let corrected = |n: usize| {
+            if mean[n] <= 0.0 || mean[n] >= self.bound() {
+                return mean[n];
             }
-        }
-        pressure
+            let [along, across] = [0, 1].map(|axis| self.moment_share(&mean, n, axis));
+            (mean[n] - along - across).clamp(0.0, self.hardness)
+        };
+        (0..mean.len()).map(corrected).collect()
+    }
+
+    /// Distances and pressures of a node's neighbours along an axis; a mirror plane continues the
+    /// field evenly. `None` where one of them is not in contact.
+    fn neighbours(&self, pressure: &[f64], node: usize, axis: usize) -> Option<[[f64; 2]; 2]> {
+        let (nodes, stride) = (self.nodes[axis], self.stride(axis));
+        let k = self.place(node, axis);
+        let above = [nodes.get(k + 1)? - nodes[k], pressure[node + stride]];
+        let below = match k {
+            0 if self.symmetry[axis] => above,
+            0 => return None,
+            _ => [nodes[k] - nodes[k - 1], pressure[node - stride]],
+        };
+        (below[1] > 0.0 && above[1] > 0.0).then_some([below, above])
+    }
+
+    /// m1 p' + m2 p'' / 2 of a node's hat function along an axis; 0 at the rim, where the pressure
+    /// is not smooth.
+    fn moment_share(&self, mean: &[f64], node: usize, axis: usize) -> f64 {
+        let Some(sides) = self.neighbours(mean, node, axis) else {
+            return 0.0;
+        };
+        let [h0, h1] = [sides[0][0], sides[1][0]];
+        let (slope, curvature) = differences(sides, mean[node]);
+        let first = (h1 - h0) / 3.0;
+        let second = (h0.powi(3) + h1.powi(3)) / (6.0 * (h0 + h1));
+        first * slope + 0.5 * second * curvature
+    }
+
+    /// The largest pressure: at a node, raised by the vertex of the parabola through its neighbours
+    /// on each axis.
+    pub fn peak(&self, pressure: &[f64]) -> f64 {
+        let Some(top) = (0..pressure.len()).max_by(|&a, &b| pressure[a].total_cmp(&pressure[b]))
+        else {
+            return 0.0;
+        };
+        let rise = |axis: usize| {
+            let sides = self.neighbours(pressure, top, axis);
+            match sides.map(|sides| differences(sides, pressure[top])) {
+                Some((slope, curvature)) if curvature < 0.0 => -0.5 * slope * slope / curvature,
+                _ => 0.0,
+            }
+        };
+        (pressure[top] + rise(0) + rise(1)).min(self.hardness)
+    }
+
+    /// Contact intervals of every line along an axis.
+    pub fn chords(&self, axis: usize, pressure: &[f64], by: RimEstimator) -> Chords {
+        let nodes = self.nodes[axis];
+        let lines = 0..self.nodes[1 - axis].len();
+        let chords = lines.map(|line| {
+            let own = |of: &[f64]| {
+                (0..nodes.len())
+                    .map(|k| of[self.node(axis, line, k)])
+                    .collect()
+            };
+            let line = Line {
+                nodes,
+                pressure: own(pressure),
+                gap: self.gap.as_deref().map(own).unwrap_or_default(),
+                bound: self.bound(),
+                symmetric: self.symmetry[axis],
+            };
+            line.chords(by)
+        });
+        chords.collect()
     }
 
     /// Peak, area, length and width of the contact.
@@ -82,25 +158,24 @@ impl PressureField<'_> {
         let by_shape = self.extents_of(&lines);
         let by_load = self.extents(pressure, RimEstimator::Load);
         let apart = [0, 1, 2].map(|k| (by_shape[k] - by_load[k]).abs());
-        let ([area, length, width], off) = if pressure.iter().any(|&p| p >= self.bound()) {
+        let mut extents = [0, 1, 2].map(|k| 0.5 * (by_shape[k] + by_load[k]));
+        let mut off = [0.5 * apart[0], apart[1], apart[2]];
+        if pressure.iter().any(|&p| p >= self.bound()) {
             let excess = self.excess_area(pressure, &lines);
             // Rims below the cell reduce the error: the areas of 180 contacts had errors of up to
             // 0.86 times half of it.
             let share = if self.gap.is_some() { 0.5 } else { 1.0 };
-            let [area, ..] = by_shape;
-            let part = if area > 0.0 { excess / area } else { 0.0 };
-            let [long, wide] = [0, 1].map(|axis| self.too_far(axis, pressure, &lines, part));
-            let excess = [(excess, share), (long, 1.0), (wide, 1.0)];
-            (
-                [0, 1, 2].map(|k| by_shape[k] - excess[k].0),
-                [0, 1, 2].map(|k| apart[k].max(excess[k].1 * excess[k].0.abs())),
-            )
-        } else {
-            (
-                [0, 1, 2].map(|k| 0.5 * (by_shape[k] + by_load[k])),
-                [0.5 * apart[0], apart[1], apart[2]],
-            )
-        };
+            let part = if by_shape[0] > 0.0 {
+                excess / by_shape[0]
+            } else {
+                0.0
+            };
+            let too_far = |axis: usize| self.too_far(axis, pressure, &lines[axis], part);
+            let excess = [(excess, share), (too_far(0), 1.0), (too_far(1), 1.0)];
+            extents = [0, 1, 2].map(|k| by_shape[k] - excess[k].0);
+            off = [0, 1, 2].map(|k| apart[k].max(excess[k].1 * excess[k].0.abs()));
+        }
+        let [area, length, width] = extents;
         Figures {
             p_max: self.peak(pressure),
             area,
@@ -109,75 +184,6 @@ impl PressureField<'_> {
             off,
         }
     }
-
-    /// What lines, each by its chords, make over the contact: the mean of columns (`of` first) and
-    /// rows.
-    fn integral(&self, Lines { columns, rows }: &Lines, of: [&LineValue; 2]) -> f64 {
-        let values = |chords: &[Vec<[f64; 2]>], of: &LineValue| {
-            let values = chords.iter().enumerate().map(|(k, line)| of(k, line));
-            values.collect::<Vec<f64>>()
-        };
-        let by_columns = area(self.x, &values(columns, of[0]), rows);
-        let by_rows = area(self.y, &values(rows, of[1]), columns);
-        0.5 * (by_columns + by_rows) * copies(self.symmetry)
-    }
-
-    /// Contact intervals of every line across (one for each x).
-    pub fn chords_across(&self, pressure: &[f64], by: RimEstimator) -> Vec<Vec<[f64; 2]>> {
-        let nx = self.x.len();
-        let end = (self.bound(), self.symmetry[1]);
-        let line = |i: usize| {
-            let column = |of: &[f64]| of.iter().skip(i).step_by(nx).copied().collect::<Vec<f64>>();
-            let gap = self.gap.as_deref().map(column);
-            chords(self.y, &column(pressure), gap.as_deref(), end, by)
-        };
-        (0..nx).map(line).collect()
-    }
-
-    /// Contact intervals of every line along (one for each y).
-    pub fn chords_along(&self, pressure: &[f64], by: RimEstimator) -> Vec<Vec<[f64; 2]>> {
-        let nx = self.x.len();
-        let end = (self.bound(), self.symmetry[0]);
-        let line = |(j, row): (usize, &[f64])| {
-            let gap = self.gap.as_ref().map(|gap| &gap[j * nx..(j + 1) * nx]);
-            chords(self.x, row, gap, end, by)
-        };
-        pressure.chunks_exact(nx).enumerate().map(line).collect()
-    }
-
-    /// The largest pressure: at a node, raised by the vertex of the parabola through its neighbours
-    /// on each axis.
-    pub fn peak(&self, pressure: &[f64]) -> f64 {
-        let nx = self.x.len();
-        let Some(top) = (0..pressure.len()).max_by(|&a, &b| pressure[a].total_cmp(&pressure[b]))
-        else {
-            return 0.0;
-        };
-        let (i, j) = (top % nx, top / nx);
-        let rise_x = vertex_rise(self.x, i, self.symmetry[0], |k| pressure[j * nx + k]);
-        let rise_y = vertex_rise(self.y, j, self.symmetry[1], |k| pressure[k * nx + i]);
-        (pressure[top] + rise_x + rise_y).min(self.hardness)
-    }
-}
-
-/// Neighbours' distances and pressures around node `k`; a mirror plane continues the field evenly.
-/// `None` where one of them is not in contact.
-fn neighbours(
-    nodes: &[f64],
-    k: usize,
-    symmetric: bool,
-    value: &impl Fn(usize) -> f64,
-) -> Option<[[f64; 2]; 2]> {
-    if k + 1 >= nodes.len() {
-        return None;
-    }
-    let above = [nodes[k + 1] - nodes[k], value(k + 1)];
-    let below = match k {
-        0 if symmetric => above,
-        0 => return None,
-        _ => [nodes[k] - nodes[k - 1], value(k - 1)],
-    };
-    (below[1] > 0.0 && above[1] > 0.0).then_some([below, above])
 }
 
 /// Slope and curvature at a node from its neighbours.
@@ -187,28 +193,6 @@ pub(crate) fn differences([[h0, p0], [h1, p1]]: [[f64; 2]; 2], here: f64) -> (f6
         (down * h1 + up * h0) / (h0 + h1),
         2.0 * (up - down) / (h0 + h1),
     )
-}
-
-/// m1 p' + m2 p'' / 2 of the hat function at node `k`; 0 at the rim, where the pressure is not
-/// smooth.
-fn moment_share(nodes: &[f64], k: usize, symmetric: bool, value: impl Fn(usize) -> f64) -> f64 {
-    let Some(sides) = neighbours(nodes, k, symmetric, &value) else {
-        return 0.0;
-    };
-    let [h0, h1] = [sides[0][0], sides[1][0]];
-    let (slope, curvature) = differences(sides, value(k));
-    let first = (h1 - h0) / 3.0;
-    let second = (h0.powi(3) + h1.powi(3)) / (6.0 * (h0 + h1));
-    first * slope + 0.5 * second * curvature
-}
-
-/// How far the parabola through three nodes rises above the middle one.
-fn vertex_rise(nodes: &[f64], k: usize, symmetric: bool, value: impl Fn(usize) -> f64) -> f64 {
-    let sides = neighbours(nodes, k, symmetric, &value);
-    match sides.map(|sides| differences(sides, value(k))) {
-        Some((slope, curvature)) if curvature < 0.0 => -0.5 * slope * slope / curvature,
-        _ => 0.0,
-    }
 }
 
 /// The integral of what lines of one axis hold (their chords' lengths, of which it makes the area),
@@ -259,42 +243,21 @@ fn tip(last: f64, outside: f64, crossing: &[Vec<[f64; 2]>]) -> f64 {
 // Extents of a contact: area, length and width, and how its load corrects them where the ice
 // yields up to its rim.
 
-/// Contact intervals of all lines of nodes.
-struct Lines {
-    /// Of those across, one for each x.
-    columns: Vec<Vec<[f64; 2]>>,
-    /// Of those along, one for each y.
-    rows: Vec<Vec<[f64; 2]>>,
-}
-
-impl Lines {
-    /// Those that run along x, or along y.
-    fn along(&self, axis: usize) -> &[Vec<[f64; 2]>] {
-        match axis {
-            0 => &self.rows,
-            _ => &self.columns,
-        }
-    }
-
-    /// The line along an axis whose chord ends first or last, with that chord.
-    fn outermost(&self, axis: usize, last: bool) -> Option<(usize, [f64; 2])> {
-        let lines = self.along(axis).iter().enumerate();
-        let chords = lines.flat_map(|(line, chords)| chords.iter().map(move |c| (line, *c)));
-        if last {
-            chords.max_by(|a, b| a.1[1].total_cmp(&b.1[1]))
-        } else {
-            chords.min_by(|a, b| a.1[0].total_cmp(&b.1[0]))
-        }
+/// The line whose chord ends first or last, with that chord.
+fn outermost(lines: &Chords, last: bool) -> Option<(usize, [f64; 2])> {
+    let lines = lines.iter().enumerate();
+    let chords = lines.flat_map(|(line, chords)| chords.iter().map(move |c| (line, *c)));
+    if last {
+        chords.max_by(|a, b| a.1[1].total_cmp(&b.1[1]))
+    } else {
+        chords.min_by(|a, b| a.1[0].total_cmp(&b.1[0]))
     }
 }
 
 impl PressureField<'_> {
-    /// Contact intervals of all lines, with ends by this estimator.
-    fn lines(&self, pressure: &[f64], by: RimEstimator) -> Lines {
-        Lines {
-            columns: self.chords_across(pressure, by),
-            rows: self.chords_along(pressure, by),
-        }
+    /// Contact intervals of all lines, those along x first, with ends by this estimator.
+    fn lines(&self, pressure: &[f64], by: RimEstimator) -> [Chords; 2] {
+        [0, 1].map(|axis| self.chords(axis, pressure, by))
     }
 
     /// Area, length and width of the contact.
@@ -303,18 +266,29 @@ impl PressureField<'_> {
     }
 
     /// The same from its lines.
-    fn extents_of(&self, lines: &Lines) -> [f64; 3] {
+    fn extents_of(&self, lines: &[Chords; 2]) -> [f64; 3] {
         let extent = |axis: usize| {
-            let ends = [false, true].map(|last| lines.outermost(axis, last));
+            let ends = [false, true].map(|last| outermost(&lines[axis], last));
             match ends {
                 [Some(_), Some((_, [_, high]))] if self.symmetry[axis] => 2.0 * high,
                 [Some((_, [low, _])), Some((_, [_, high]))] => high - low,
                 _ => 0.0,
             }
         };
-        let of = |_: usize, chords: &[[f64; 2]]| chords.iter().map(|c| c[1] - c[0]).sum();
-        let area = self.integral(lines, [&of; 2]);
+        let area = self.integral(lines, |_, _, [low, high]| high - low);
         [area, extent(0), extent(1)]
+    }
+
+    /// What the chords of lines (axis, line, chord) hold over the contact: the mean of lines along
+    /// y and along x.
+    fn integral(&self, lines: &[Chords; 2], of: impl Fn(usize, usize, [f64; 2]) -> f64) -> f64 {
+        let by = |axis: usize| {
+            let values = lines[axis].iter().enumerate();
+            let values = values.map(|(line, own)| own.iter().map(|c| of(axis, line, *c)).sum());
+            let values: Vec<f64> = values.collect();
+            area(self.nodes[1 - axis], &values, &lines[1 - axis])
+        };
+        0.5 * (by(1) + by(0)) * copies(self.symmetry)
     }
 
     /// Excess of the area within the rims where the ice yields next to them [m2].
@@ -322,36 +296,35 @@ impl PressureField<'_> {
     /// A pressure that falls from the hardness H to 0 within a cell leaves its rim known to a part
     /// of that cell. But what the pressures up to these rims would bear, Q, is more than the force
     /// F by H for each area too much, and by nothing where pressures go to 0 at a rim: (Q - F) / H.
-    fn excess_area(&self, pressure: &[f64], lines: &Lines) -> f64 {
-        let nx = self.x.len();
-        let (bound, yielding) = (self.bound(), &self.yielding_to_the_rim(pressure));
-        let across = |i: usize, chords: &[[f64; 2]]| {
-            let line = |j: usize| yielding[j * nx + i];
-            chords.iter().map(|c| borne(self.y, line, *c, bound)).sum()
-        };
-        let along = |j: usize, chords: &[[f64; 2]]| {
-            let line = |i: usize| yielding[j * nx + i];
-            chords.iter().map(|c| borne(self.x, line, *c, bound)).sum()
-        };
-        let within = self.integral(lines, [&across, &along]);
+    fn excess_area(&self, pressure: &[f64], lines: &[Chords; 2]) -> f64 {
+        let yielding = self.yielding_to_the_rim(pressure);
+        let within = self.integral(lines, |axis, line, chord| {
+            let on_line = |k: usize| yielding[self.node(axis, line, k)];
+            borne(self.nodes[axis], on_line, chord, self.bound())
+        });
         (within - copies(self.symmetry) * self.force.iter().sum::<f64>()) / self.hardness
     }
 
     /// What the length or the width is too large by where the area is by `part` of itself: half of
     /// that part of the stretch at either end, if the ice yields there; ends where the pressure
     /// goes to 0 stay [m].
-    fn too_far(&self, axis: usize, pressure: &[f64], lines: &Lines, part: f64) -> f64 {
-        let mirrored = self.symmetry[axis];
+    fn too_far(&self, axis: usize, pressure: &[f64], lines: &Chords, part: f64) -> f64 {
+        let (nodes, mirrored) = (self.nodes[axis], self.symmetry[axis]);
         let end = |last: bool| {
-            let Some((line, [low, high])) = lines.outermost(axis, last) else {
+            let Some((line, [low, high])) = outermost(lines, last) else {
                 return 0.0;
             };
-            let cut = mirrored && low <= [self.x, self.y][axis][0];
+            let cut = mirrored && low <= nodes[0];
             let stretch = if cut { 2.0 * high } else { high - low };
-            if self.yields_at(axis, pressure, line, ([low, high], last)) {
-                0.25 * part * stretch
+            let mut inside = (0..nodes.len()).filter(|&k| (low..=high).contains(&nodes[k]));
+            let outermost = if last {
+                inside.next_back()
             } else {
-                0.0
+                inside.next()
+            };
+            match outermost.map(|k| pressure[self.node(axis, line, k)]) {
+                Some(p) if p >= self.bound() => 0.25 * part * stretch,
+                _ => 0.0,
             }
         };
         if mirrored {
@@ -361,48 +334,24 @@ impl PressureField<'_> {
         }
     }
 
-    /// Whether the outermost node inside an end of a line's chord bears all it can.
-    fn yields_at(
-        &self,
-        axis: usize,
-        pressure: &[f64],
-        line: usize,
-        ([low, high], last): ([f64; 2], bool),
-    ) -> bool {
-        let nx = self.x.len();
-        let nodes = [self.x, self.y][axis];
-        let full = |k: usize| {
-            let node = [line * nx + k, k * nx + line][axis];
-            pressure[node] >= self.bound()
-        };
-        let mut inside = (0..nodes.len()).filter(|&k| (low..=high).contains(&nodes[k]));
-        let outermost = if last {
-            inside.next_back()
-        } else {
-            inside.next()
-        };
-        outermost.is_some_and(full)
-    }
-
     /// Pressures that are the hardness up to the rim where the next node inside has it.
     fn yielding_to_the_rim(&self, pressure: &[f64]) -> Vec<f64> {
-        let (nx, ny) = (self.x.len(), self.y.len());
-        let ends = |k: usize, count: usize, at: &dyn Fn(usize) -> f64| {
-            let rim =
-                |inside: usize, outside: usize| at(inside) >= self.bound() && at(outside) <= 0.0;
-            k > 0 && k + 1 < count && (rim(k - 1, k + 1) || rim(k + 1, k - 1))
+        let ends = |n: usize, axis: usize| {
+            let (k, stride) = (self.place(n, axis), self.stride(axis));
+            let rim = |inside: usize, outside: usize| {
+                pressure[inside] >= self.bound() && pressure[outside] <= 0.0
+            };
+            let inner = k > 0 && k + 1 < self.nodes[axis].len();
+            inner && (rim(n - stride, n + stride) || rim(n + stride, n - stride))
         };
-        let of = |n: usize| {
-            let (i, j) = (n % nx, n / nx);
-            let along = ends(i, nx, &|k| pressure[j * nx + k]);
-            let across = ends(j, ny, &|k| pressure[k * nx + i]);
-            if pressure[n] > 0.0 && (along || across) {
+        let of = |(n, &p): (usize, &f64)| {
+            if p > 0.0 && (ends(n, 0) || ends(n, 1)) {
                 self.hardness
             } else {
-                pressure[n]
+                p
             }
         };
-        (0..nx * ny).map(of).collect()
+        pressure.iter().enumerate().map(of).collect()
     }
 }
 
@@ -451,8 +400,7 @@ mod tests {
             let borne = force.iter().sum::<f64>() / hardness;
             let lumped = vec![size; nodes.len()];
             let field = PressureField {
-                x: &nodes,
-                y: &nodes,
+                nodes: [&nodes, &nodes],
                 force: &force,
                 gap: None,
                 lumped: [&lumped, &lumped],

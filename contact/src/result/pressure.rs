@@ -49,8 +49,7 @@ impl<'a> Field<'a> {
     {
         let [along, across] = &self.mesh.contact.lumped;
         PressureField {
-            x: &self.mesh.grid.x,
-            y: &self.mesh.grid.y,
+            nodes: [&self.mesh.grid.x, &self.mesh.grid.y],
             force: &state.force,
             gap: (!state.displacement.is_empty()).then(|| self.gaps(state)),
             lumped: [along, across],
@@ -106,76 +105,57 @@ impl<'a> Field<'a> {
     pub fn of(&self, state: &State) -> Pressure {
         let field = self.pressure_field(state);
         let values = field.pressures();
-        let figures = field.figures(&values);
-        let edge = self.touches_edge(state);
-        let patch = found_patch(
-            &field,
-            &values,
-            state.motion[0],
-            self.patch,
-            edge,
-            self.finer,
-        );
         Pressure {
+            figures: field.figures(&values),
+            patch: self.found_patch(&field, &values, state),
             values,
-            figures,
-            patch,
         }
     }
-}
 
-/// The patch that a pressure field covers, with the cell sizes that resolve it.
-///
-/// Sizes start from those of `before`, the patch that the mesh was made for. Where the contact ends
-/// at the hull's own sharp `edge` the pressure is singular, and where the ice yields it falls from
-/// its hardness to 0 at a rim: no mesh resolves that, and the sizes stay as they are.
-fn found_patch(
-    field: &PressureField,
-    pressure: &[f64],
-    motion: f64,
-    before: &Patch,
-    edge: bool,
-    finer: f64,
-) -> Patch {
-    let nx = field.x.len();
-    let along = field.chords_along(pressure, RimEstimator::Cells);
-    let across = field.chords_across(pressure, RimEstimator::Cells);
-    let mut x = merged(along, field.symmetry[0]);
-    let mut y = merged(across, field.symmetry[1]);
-    let last = y.pop().unwrap_or_else(|| before.y.clone());
-    let mut y = Stretch::even(y.first().map_or(last.low, |first| first.low), last.high);
-    let highest_at_x = (0..nx).map(|i| highest(pressure.iter().skip(i).step_by(nx)));
-    let highest_at_x: Vec<f64> = highest_at_x.collect();
-    let highest_at_y = pressure.chunks_exact(nx).map(|row| highest(row.iter()));
-    let highest_at_y: Vec<f64> = highest_at_y.collect();
-    let steep = edge || pressure.iter().any(|&p| p >= field.bound());
-    for stretch in &mut x {
-        if let Some(same) = before.x.iter().find(|s| s.meets(stretch)) {
-            stretch.sizes.clone_from(&same.sizes);
+    /// The patch that a pressure field covers, with the cell sizes that resolve it.
+    ///
+    /// Sizes start from those of the patch that the mesh was made for. Where the contact ends at
+    /// the hull's own sharp edge the pressure is singular, and where the ice yields it falls from
+    /// its hardness to 0 at a rim: no mesh resolves that, and the sizes stay as they are.
+    fn found_patch(&self, field: &PressureField, pressure: &[f64], state: &State) -> Patch {
+        let before = self.patch;
+        let [mut x, mut y] = [0, 1].map(|axis| {
+            let chords = field.chords(axis, pressure, RimEstimator::Cells);
+            merged(chords, field.symmetry[axis])
+        });
+        let last = y.pop().unwrap_or_else(|| before.y.clone());
+        let mut y = Stretch::even(y.first().map_or(last.low, |first| first.low), last.high);
+        // At each node of an axis the highest pressure on the line across it.
+        let highest = [0, 1].map(|axis| -> Vec<f64> {
+            let across = 0..field.nodes[1 - axis].len();
+            let line = |k: usize| across.clone().map(move |line| field.node(axis, line, k));
+            let highest = |k: usize| line(k).map(|n| pressure[n]).fold(0.0, f64::max);
+            (0..field.nodes[axis].len()).map(highest).collect()
+        });
+        let steep = self.touches_edge(state) || pressure.iter().any(|&p| p >= field.bound());
+        for stretch in &mut x {
+            if let Some(same) = before.x.iter().find(|s| s.meets(stretch)) {
+                stretch.sizes.clone_from(&same.sizes);
+            }
         }
+        y.sizes.clone_from(&before.y.sizes);
         if !steep {
-            stretch.adapt(field.x, &highest_at_x, finer);
+            for stretch in &mut x {
+                stretch.adapt(field.nodes[0], &highest[0], self.finer);
+            }
+            y.adapt(field.nodes[1], &highest[1], self.finer);
         }
+        if x.is_empty() {
+            x.clone_from(&before.x);
+        }
+        let patch = Patch {
+            x,
+            y,
+            motion: state.motion[0],
+            corners: before.corners.clone(),
+        };
+        patch.refined_at_corners()
     }
-    y.sizes.clone_from(&before.y.sizes);
-    if !steep {
-        y.adapt(field.y, &highest_at_y, finer);
-    }
-    if x.is_empty() {
-        x.clone_from(&before.x);
-    }
-    let corners = before.corners.clone();
-    let patch = Patch {
-        x,
-        y,
-        motion,
-        corners,
-    };
-    patch.refined_at_corners()
-}
-
-fn highest<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
-    values.copied().fold(0.0, f64::max)
 }
 
 /// The union of the stretches on all lines; whole where a mirror plane cuts one.

@@ -13,42 +13,6 @@ pub(crate) enum RimEstimator {
     Cells,
 }
 
-/// Stretches of positive pressure along a line, resolved below the cell.
-///
-/// Where ends are not found `by` that estimator finds none, they are by [`rim_by_gap`] or where the
-/// ice ceases to yield, if that is farther out, and where neither finds one, half-way; a mirror
-/// plane at the first node is the start of a stretch that touches it.
-pub(crate) fn chords(
-    nodes: &[f64],
-    pressure: &[f64],
-    gap: Option<&[f64]>,
-    (bound, symmetric): (f64, bool),
-    by: RimEstimator,
-) -> Vec<[f64; 2]> {
-    let line = Line {
-        nodes,
-        pressure,
-        gap: gap.unwrap_or(&[]),
-        bound,
-        symmetric,
-    };
-    let mut found = Vec::new();
-    let mut i = 0;
-    while i < nodes.len() {
-        if pressure[i] <= 0.0 {
-            i += 1;
-            continue;
-        }
-        let first = i;
-        while i + 1 < nodes.len() && pressure[i + 1] > 0.0 {
-            i += 1;
-        }
-        found.push([0, 1].map(|side| line.end([first, i], side, by)));
-        i += 1;
-    }
-    found
-}
-
 /// Where p^2 reaches zero outside the outermost node in contact; `None` where it is no parabola
 /// there, or a rising one.
 ///
@@ -203,16 +167,37 @@ fn rim_by_gap(
     Some(rim.clamp(least.min(near.0), least.max(near.0)))
 }
 
-/// A line's nodes with their pressures and gaps.
-struct Line<'a> {
-    nodes: &'a [f64],
-    pressure: &'a [f64],
-    gap: &'a [f64],
-    bound: f64,
-    symmetric: bool,
+/// A line's nodes with their pressures and, where these are to help to find rims, gaps.
+pub(crate) struct Line<'a> {
+    pub nodes: &'a [f64],
+    pub pressure: Vec<f64>,
+    pub gap: Vec<f64>,
+    /// Largest pressure there can be, but for rounding [Pa].
+    pub bound: f64,
+    /// Whether the first node lies on a mirror plane.
+    pub symmetric: bool,
 }
 
 impl Line<'_> {
+    /// Stretches of positive pressure, resolved below the cell.
+    ///
+    /// Where ends are not found `by` that estimator finds none, they are by [`rim_by_gap`] or where
+    /// the ice ceases to yield, if that is farther out, and where neither finds one, half-way; a
+    /// mirror plane at the first node is the start of a stretch that touches it.
+    pub fn chords(&self, by: RimEstimator) -> Vec<[f64; 2]> {
+        let touching = |k: &usize| self.pressure[*k] > 0.0;
+        let touching: Vec<usize> = (0..self.nodes.len()).filter(touching).collect();
+        let stretches = touching.chunk_by(|k, next| next - k == 1);
+        stretches
+            .map(|of| [0, 1].map(|side| self.end([of[0], of[of.len() - 1]], side, by)))
+            .collect()
+    }
+
+    /// Place and pressure of a node.
+    fn at(&self, node: usize) -> (f64, f64) {
+        (self.nodes[node], self.pressure[node])
+    }
+
     /// The lower (`side` 0) or upper end of the stretch of the nodes `first` to `last`.
     fn end(&self, [first, last]: [usize; 2], side: usize, by: RimEstimator) -> f64 {
         let nodes = self.nodes;
@@ -220,18 +205,14 @@ impl Line<'_> {
         if cut && side == 0 {
             return nodes[0];
         }
-        let before = first.checked_sub(1).map_or(nodes[first], |o| nodes[o]);
-        let after = nodes.get(last + 1).copied().unwrap_or(nodes[last]);
-        let half_way = [0.5 * (nodes[first] + before), 0.5 * (nodes[last] + after)];
-        // From the outermost node inwards, and outwards.
-        let inside: Vec<usize> = match side {
-            0 => (first..=last).take(4).collect(),
-            _ => (first..=last).rev().take(4).collect(),
-        };
-        let outwards = [-1, 1][side];
-        let at = |k: usize| (nodes[k], self.pressure[k]);
-        let shape: Vec<(f64, f64)> = inside.iter().map(|&k| at(k)).collect();
-        let outside = [before, after][side];
+        let outside = [first.saturating_sub(1), (last + 1).min(nodes.len() - 1)].map(|k| nodes[k]);
+        let half_way = [0, 1].map(|side| 0.5 * (nodes[[first, last][side]] + outside[side]));
+        // From the outermost node inwards.
+        let mut inside: Vec<usize> = (first..=last).collect();
+        if side == 1 {
+            inside.reverse();
+        }
+        let shape: Vec<(f64, f64)> = inside.iter().take(4).map(|&k| self.at(k)).collect();
         let opposite = |x: f64| {
             if cut {
                 2.0 * nodes[0] - x
@@ -240,36 +221,34 @@ impl Line<'_> {
             }
         };
         let found = match by {
-            RimEstimator::Shape => rim_by_shape(&shape, outside, self.bound),
+            RimEstimator::Shape => rim_by_shape(&shape, outside[side], self.bound),
             RimEstimator::Load | RimEstimator::Cells if cut || last > first + 2 => {
-                rim_by_load(&shape, outside, opposite, self.bound)
+                rim_by_load(&shape, outside[side], opposite, self.bound)
             }
             RimEstimator::Load | RimEstimator::Cells => None,
         };
-        let outermost = [inside[0], inside.get(1).copied().unwrap_or(inside[0])];
+        let outermost = [inside[0], inside[inside.len().min(2) - 1]];
         found
-            .or_else(|| self.end_by_gap(outermost, outwards, by))
+            .or_else(|| self.end_by_gap(outermost, [-1, 1][side], by))
             .unwrap_or(half_way[side])
     }
 
     /// The end outside the outermost node of a stretch, `inside` with the next one, by the gap or
     /// where the ice ceases to yield, if that is farther out.
     fn end_by_gap(&self, inside: [usize; 2], outwards: isize, by: RimEstimator) -> Option<f64> {
-        let full = inside.map(|k| self.pressure[k] >= self.bound);
-        let cells = by == RimEstimator::Cells;
-        if cells && full[0] {
-            return None;
-        }
-        let jumps = !cells && full[1];
+        let [outermost_full, next_full] = inside.map(|k| self.pressure[k] >= self.bound);
         let open = [1, 2].map(|k| {
             let k = inside[0].checked_add_signed(k * outwards)?;
             Some((*self.nodes.get(k)?, *self.gap.get(k)?))
         });
-        let at = |k: usize| (self.nodes[k], self.pressure[k]);
-        let by_gap = rim_by_gap(inside.map(at), open, (!jumps).then_some(self.bound));
-        let yields = (!cells).then(|| self.rim_of_yielding(inside[0], outwards));
+        let by_gap = |bound| rim_by_gap(inside.map(|k| self.at(k)), open, bound);
+        if by == RimEstimator::Cells {
+            return by_gap(Some(self.bound)).filter(|_| !outermost_full);
+        }
+        let by_gap = by_gap((!next_full).then_some(self.bound));
         let farther = |a: f64, b: f64| if outwards < 0 { a.min(b) } else { a.max(b) };
-        by_gap.into_iter().chain(yields.flatten()).reduce(farther)
+        let yields = self.rim_of_yielding(inside[0], outwards);
+        by_gap.into_iter().chain(yields).reduce(farther)
     }
 
     /// Where the ice ceases to yield outside `end`, the outermost node in contact; `None` where
@@ -375,14 +354,14 @@ mod tests {
             for (m, mirrored, whole) in [(0.5, 1e-4, 0.02), (0.75, 0.15, 0.15), (1.0, 0.25, 0.25)] {
                 let (nodes, values) = sampled(m, cells);
                 let of = |from: usize, symmetric: bool| {
-                    let ends = (f64::INFINITY, symmetric);
-                    chords(
-                        &nodes[from..],
-                        &values[from..],
-                        None,
-                        ends,
-                        RimEstimator::Load,
-                    )[0]
+                    let line = Line {
+                        nodes: &nodes[from..],
+                        pressure: values[from..].to_vec(),
+                        gap: Vec::new(),
+                        bound: f64::INFINITY,
+                        symmetric,
+                    };
+                    line.chords(RimEstimator::Load)[0]
                 };
                 let ([low, high], [_, half]) = (of(0, false), of(nodes.len() / 2, true));
                 for (found, end, part) in [

@@ -69,13 +69,15 @@ pub fn runner_loads(problem: &Problem, solution: &Solution) -> Result<Option<Run
         MatrixFree::new(&body).apply(&displacement, &mut forces);
         let on_mount = on_mount(elastic, field);
         for nodes in parts(&field.mesh, &on_mount) {
-            let part = Part {
-                nodes: &nodes,
-                mesh: &field.mesh,
-                forces: &forces,
-                von_mises: nodes.iter().fold(0.0, |m, &n| f64::max(m, mises[n])),
-            };
-            mounts.extend(part.unfolded(solution.symmetry));
+            let von_mises = nodes.iter().fold(0.0, |m, &n| f64::max(m, mises[n]));
+            let part: Vec<NodeForce> = nodes
+                .iter()
+                .map(|&n| {
+                    let force = [0, 1, 2].map(|axis| -forces[3 * n + axis]);
+                    [field.mesh.points[n], force]
+                })
+                .collect();
+            mounts.extend(unfolded(&part, von_mises, solution.symmetry));
         }
         mounts.sort_by(|a, b| {
             a.at[0]
@@ -145,66 +147,50 @@ fn root(above: &mut [usize], mut node: usize) -> usize {
     node
 }
 
-/// A part of the mount, on the side of the mirror planes that was solved.
-struct Part<'a> {
-    nodes: &'a [usize],
-    mesh: &'a HexMesh,
-    /// K u, three a node [N].
-    forces: &'a [f64],
-    von_mises: f64,
+/// Place of a node and force on the mount there [m], [N].
+type NodeForce = [[f64; 3]; 2];
+
+/// The forces on a part of the mount with its mirror images: one with it where it meets the plane,
+/// separate from it where it does not.
+fn unfolded(part: &[NodeForce], von_mises: f64, symmetry: [bool; 2]) -> Vec<MountForce> {
+    let meets =
+        [0, 1].map(|axis| symmetry[axis] && part.iter().any(|[place, _]| place[axis] == 0.0));
+    let separate = [0, 1].map(|axis| symmetry[axis] && !meets[axis]);
+    let image = |sign: [f64; 2]| {
+        let turned = images(meets).flat_map(|own| {
+            let [sx, sy] = [own[0] * sign[0], own[1] * sign[1]];
+            let turned = move |[x, y, z]: [f64; 3]| [sx * x, sy * y, z];
+            part.iter().map(move |node| node.map(turned))
+        });
+        mount_force(&turned.collect::<Vec<_>>(), von_mises)
+    };
+    images(separate).map(image).collect()
 }
 
-impl Part<'_> {
-    /// The part with its mirror images: one with it where it meets the plane, separate from it
-    /// where it does not.
-    fn unfolded(&self, symmetry: [bool; 2]) -> Vec<MountForce> {
-        let meets = [0, 1].map(|axis| {
-            let on_plane = |&n: &usize| self.mesh.points[n][axis] == 0.0;
-            symmetry[axis] && self.nodes.iter().any(on_plane)
-        });
-        let separate = [0, 1].map(|axis| symmetry[axis] && !meets[axis]);
-        let image = |sign: [f64; 2]| {
-            let turned = images(meets).map(|own| [own[0] * sign[0], own[1] * sign[1]]);
-            self.force(&turned.collect::<Vec<_>>())
-        };
-        images(separate).map(image).collect()
+/// The force on some nodes of the mount together.
+fn mount_force(nodes: &[NodeForce], von_mises: f64) -> MountForce {
+    let mut ends = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    for [place, _] in nodes {
+        for axis in 0..3 {
+            ends[0][axis] = ends[0][axis].min(place[axis]);
+            ends[1][axis] = ends[1][axis].max(place[axis]);
+        }
     }
-
-    /// What acts on the images of the part by these signs of x and y, together.
-    fn force(&self, images: &[[f64; 2]]) -> MountForce {
-        let turned = |[sx, sy]: [f64; 2], [x, y, z]: [f64; 3]| [sx * x, sy * y, z];
-        let places = images.iter().flat_map(|&sign| {
-            let points = self.nodes.iter().map(|&n| self.mesh.points[n]);
-            points.map(move |p| turned(sign, p))
-        });
-        let mut ends = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-        for place in places {
-            for axis in 0..3 {
-                ends[0][axis] = ends[0][axis].min(place[axis]);
-                ends[1][axis] = ends[1][axis].max(place[axis]);
-            }
+    let at = [0, 1, 2].map(|axis| 0.5 * (ends[0][axis] + ends[1][axis]));
+    let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
+    for [place, own] in nodes {
+        let ([fx, fy, fz], [x, y, z]) = (*own, [0, 1, 2].map(|axis| place[axis] - at[axis]));
+        let turn = [y * fz - z * fy, z * fx - x * fz, x * fy - y * fx];
+        for axis in 0..3 {
+            force[axis] += own[axis];
+            moment[axis] += turn[axis];
         }
-        let at = [0, 1, 2].map(|axis| 0.5 * (ends[0][axis] + ends[1][axis]));
-        let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
-        for &sign in images {
-            for &node in self.nodes {
-                let own = [0, 1, 2].map(|axis| -self.forces[3 * node + axis]);
-                let [fx, fy, fz] = turned(sign, own);
-                let place = turned(sign, self.mesh.points[node]);
-                let [x, y, z] = [0, 1, 2].map(|axis| place[axis] - at[axis]);
-                let turn = [y * fz - z * fy, z * fx - x * fz, x * fy - y * fx];
-                for (axis, (f, m)) in [fx, fy, fz].into_iter().zip(turn).enumerate() {
-                    force[axis] += f;
-                    moment[axis] += m;
-                }
-            }
-        }
-        MountForce {
-            at,
-            force,
-            moment,
-            von_mises: self.von_mises,
-        }
+    }
+    MountForce {
+        at,
+        force,
+        moment,
+        von_mises,
     }
 }
 

@@ -9,6 +9,8 @@
 //! Source: R. L. Taylor, P. J. Beresford and E. L. Wilson, A non-conforming element for stress
 //! analysis, Int. J. Numer. Meth. Engng 10 (1976), 1211-1219.
 
+use nalgebra::{Cholesky, Const, SMatrix, SVector};
+
 use crate::body::Material;
 use crate::element::hex8::{Corners, ElementMatrix, Jacobian, add_block, gauss_points, gradients};
 
@@ -19,14 +21,17 @@ pub fn mode_gradients(centre: &Jacobian, xi: [f64; 3], determinant: f64) -> [[f6
     std::array::from_fn(|m| centre.inverse[m].map(|g| -2.0 * xi[m] * scale * g))
 }
 
+/// Cholesky factor of the stiffness of the inner amplitudes.
+pub type InnerFactor = Cholesky<f64, Const<9>>;
+
 /// The element before its inner amplitudes are condensed out.
 pub struct Uncondensed {
     /// Stiffness of the corner displacements (24 x 24) [N/m].
     pub corners: ElementMatrix,
-    /// Coupling of inner amplitudes (rows, 9) to corner displacements (columns, 24) [N/m].
-    pub coupling: [[f64; 24]; 9],
-    /// Cholesky factor L (lower, 9 x 9) of the stiffness of the inner amplitudes.
-    pub inner_factor: [[f64; 9]; 9],
+    /// Coupling of inner amplitudes (rows) to corner displacements (columns) [N/m].
+    pub coupling: SMatrix<f64, 9, 24>,
+    /// Factor of the stiffness of the inner amplitudes.
+    pub inner_factor: InnerFactor,
 }
 
 impl Uncondensed {
@@ -58,27 +63,26 @@ impl Uncondensed {
         };
         Self {
             corners: std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))),
-            coupling: std::array::from_fn(|i| std::array::from_fn(|j| entry(24 + i, j))),
-            inner_factor: cholesky(std::array::from_fn(|i| {
-                std::array::from_fn(|j| entry(24 + i, 24 + j))
-            })),
+            coupling: SMatrix::from_fn(|i, j| entry(24 + i, j)),
+            inner_factor: factor_of(|i, j| entry(24 + i, 24 + j)),
         }
     }
 
     /// The inner amplitudes [m] that minimise the energy for corner displacements `u` [m].
     pub fn amplitudes(&self, u: &[f64; 24]) -> [f64; 9] {
-        let force: [f64; 9] =
-            std::array::from_fn(|i| -(0..24).map(|j| self.coupling[i][j] * u[j]).sum::<f64>());
-        back_substitute(
-            &self.inner_factor,
-            forward_substitute(&self.inner_factor, force),
-        )
+        let force = -(self.coupling * SVector::from(*u));
+        self.inner_factor.solve(&force).into()
     }
 }
 
-/// Cholesky factor of the stiffness of the inner amplitudes alone, as
-/// [`Uncondensed::inner_factor`].
-pub(crate) fn inner_factor(corners: &Corners, material: Material) -> [[f64; 9]; 9] {
+/// The factor of the stiffness with these entries; not finite where it is not definite, as in a
+/// cell that is turned inside out.
+fn factor_of(entry: impl Fn(usize, usize) -> f64) -> InnerFactor {
+    Cholesky::new_unchecked(SMatrix::from_fn(entry))
+}
+
+/// [`Uncondensed::inner_factor`] alone.
+pub(crate) fn inner_factor(corners: &Corners, material: Material) -> InnerFactor {
     let (lambda, mu) = (material.lame_lambda(), material.shear_modulus());
     let centre = Jacobian::at(corners, [0.0; 3]);
     let mut blocks = [[[[0.0; 3]; 3]; 3]; 3];
@@ -92,15 +96,7 @@ pub(crate) fn inner_factor(corners: &Corners, material: Material) -> [[f64; 9]; 
             }
         }
     }
-    cholesky(std::array::from_fn(|i| {
-        std::array::from_fn(|j| {
-            if j <= i {
-                blocks[i / 3][j / 3][i % 3][j % 3]
-            } else {
-                0.0
-            }
-        })
-    }))
+    factor_of(|i, j| blocks[i / 3][j / 3][i % 3][j % 3])
 }
 
 /// Condensed stiffness K_uu - K_ua K_aa^-1 K_au (24 x 24), symmetric [N/m].
@@ -111,19 +107,10 @@ pub fn stiffness(corners: &Corners, material: Material) -> ElementMatrix {
     let element = Uncondensed::new(corners, material);
     // W = L^-1 K_au, so that K_ua K_aa^-1 K_au = W^T W: symmetric to the last bit.
     let mut w = element.coupling;
-    for i in 0..9 {
-        for k in 0..i {
-            let (done, rest) = w.split_at_mut(i);
-            for (x, y) in rest[0].iter_mut().zip(&done[k]) {
-                *x -= element.inner_factor[i][k] * y;
-            }
-        }
-        for x in &mut w[i] {
-            *x /= element.inner_factor[i][i];
-        }
-    }
+    let lower = element.inner_factor.l_dirty();
+    lower.solve_lower_triangular_unchecked_mut(&mut w);
     let mut k = element.corners;
-    for row in &w {
+    for row in w.row_iter() {
         for i in 0..24 {
             for j in 0..24 {
                 k[i][j] -= row[i] * row[j];
@@ -131,53 +118,6 @@ pub fn stiffness(corners: &Corners, material: Material) -> ElementMatrix {
         }
     }
     k
-}
-
-/// Cholesky factor of a symmetric positive definite 9 x 9 matrix.
-pub(crate) fn cholesky(mut a: [[f64; 9]; 9]) -> [[f64; 9]; 9] {
-    for j in 0..9 {
-        for k in 0..j {
-            for i in j..9 {
-                a[i][j] -= a[i][k] * a[j][k];
-            }
-        }
-        let pivot = a[j][j].sqrt();
-        for i in j..9 {
-            a[i][j] /= pivot;
-        }
-        for row in &mut a[..j] {
-            row[j] = 0.0;
-        }
-    }
-    a
-}
-
-fn forward_substitute(l: &[[f64; 9]; 9], mut x: [f64; 9]) -> [f64; 9] {
-    for i in 0..9 {
-        for k in 0..i {
-            x[i] -= l[i][k] * x[k];
-        }
-        x[i] /= l[i][i];
-    }
-    x
-}
-
-fn back_substitute(l: &[[f64; 9]; 9], mut x: [f64; 9]) -> [f64; 9] {
-    for i in (0..9).rev() {
-        for k in i + 1..9 {
-            x[i] -= l[k][i] * x[k];
-        }
-        x[i] /= l[i][i];
-    }
-    x
-}
-
-/// Inverse of the matrix whose Cholesky factor is `l`.
-pub(crate) fn invert(l: &[[f64; 9]; 9]) -> [[f64; 9]; 9] {
-    std::array::from_fn(|j| {
-        let unit = std::array::from_fn(|i| f64::from(u8::from(i == j)));
-        back_substitute(l, forward_substitute(l, unit))
-    })
 }
 
 #[cfg(test)]

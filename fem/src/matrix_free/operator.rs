@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::body::Body;
 use crate::body::ElementKind;
-use crate::element::hex8_incompatible::{inner_factor, invert};
+use crate::element::hex8_incompatible::inner_factor;
 use crate::matrix_free::lanes::{InnerInverse, LanesMaterial, Mean, apply};
 use crate::matrix_free::lanes::{LANES, Lanes, Stored};
 use crate::sparse::graph::NodeCells;
@@ -279,10 +279,10 @@ fn inner_inverse(body: &Body, group: &[usize]) -> InnerInverse {
     for lane in 0..LANES {
         let cell = group.get(lane).copied().unwrap_or(group[0]);
         let factor = inner_factor(&body.corners(cell), body.sections()[cell].material);
-        let inverse = invert(&factor);
+        let inverse = factor.inverse();
         for i in 0..9 {
             for j in 0..=i {
-                packed[i * (i + 1) / 2 + j][lane] = inverse[i][j];
+                packed[i * (i + 1) / 2 + j][lane] = inverse[(i, j)];
             }
         }
     }

@@ -1,6 +1,6 @@
 //! A coarse space of beam motions for slender bodies.
 
-use faer::Mat;
+use faer::{Mat, MatRef};
 use rayon::prelude::*;
 
 use crate::error::Error;
@@ -106,6 +106,11 @@ impl BeamModes {
     /// Number of motions.
     pub fn count(&self) -> usize {
         self.inverse.nrows()
+    }
+
+    /// (Z^T K Z)^+.
+    pub fn inverse(&self) -> MatRef<'_, f64> {
+        self.inverse.as_ref()
     }
 
     /// `c` = (Z^T K Z)^+ `c`.

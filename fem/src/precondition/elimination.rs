@@ -132,13 +132,8 @@ impl WithSimd for Pass<'_, '_> {
             for step in 1..=last {
                 let coefficients = self.coefficients(step - 1);
                 let (before, rest) = self.values.split_at_mut(step);
-                forward(
-                    simd,
-                    coupling[step],
-                    coefficients,
-                    before[step - 1],
-                    rest[0],
-                );
+                let (before, here) = (&*before[step - 1], &mut *rest[0]);
+                eliminate::<S, false>(simd, coupling[step], coefficients, before, here);
             }
             return;
         }
@@ -148,66 +143,43 @@ impl WithSimd for Pass<'_, '_> {
         for step in (0..last).rev() {
             let coefficients = self.coefficients(step);
             let (here, after) = self.values.split_at_mut(step + 1);
-            backward(simd, coupling[step + 1], coefficients, after[0], here[step]);
+            let (after, here) = (&*after[0], &mut *here[step]);
+            eliminate::<S, true>(simd, coupling[step + 1], coefficients, after, here);
         }
     }
 }
 
-/// `here` -= (k + shift m) inverse `before`
+/// `here` -= (k + shift m) inverse `next`, and `BACKWARD` `here` = (`here` - (k + shift m) `next`)
+/// inverse.
 #[inline(always)]
-fn forward<S: Simd>(
+fn eliminate<S: Simd, const BACKWARD: bool>(
     simd: S,
     [k, m]: [f64; 2],
     [inverse, shift]: [&[f64]; 2],
-    before: &[f64],
+    next: &[f64],
     here: &mut [f64],
 ) {
     let n = here.len();
     let (inverse, inverse_rest) = S::as_simd_f64s(&inverse[..n]);
     let (shift, shift_rest) = S::as_simd_f64s(&shift[..n]);
-    let (before, before_rest) = S::as_simd_f64s(&before[..n]);
+    let (next, next_rest) = S::as_simd_f64s(&next[..n]);
     let (here, here_rest) = S::as_mut_simd_f64s(here);
     let (minus_k, minus_m) = (simd.splat_f64s(-k), simd.splat_f64s(-m));
-    for (((y, before), inverse), shift) in here.iter_mut().zip(before).zip(inverse).zip(shift) {
+    for (((y, next), inverse), shift) in here.iter_mut().zip(next).zip(inverse).zip(shift) {
         let off = simd.mul_add_e_f64s(*shift, minus_m, minus_k);
-        *y = simd.mul_add_e_f64s(off, simd.mul_f64s(*before, *inverse), *y);
+        *y = if BACKWARD {
+            simd.mul_f64s(simd.mul_add_e_f64s(off, *next, *y), *inverse)
+        } else {
+            simd.mul_add_e_f64s(off, simd.mul_f64s(*next, *inverse), *y)
+        };
     }
-    for (((y, before), inverse), shift) in here_rest
-        .iter_mut()
-        .zip(before_rest)
-        .zip(inverse_rest)
-        .zip(shift_rest)
-    {
-        *y -= (k + shift * m) * (before * inverse);
-    }
-}
-
-/// `here` = (`here` - (k + shift m) `after`) inverse
-#[inline(always)]
-fn backward<S: Simd>(
-    simd: S,
-    [k, m]: [f64; 2],
-    [inverse, shift]: [&[f64]; 2],
-    after: &[f64],
-    here: &mut [f64],
-) {
-    let n = here.len();
-    let (inverse, inverse_rest) = S::as_simd_f64s(&inverse[..n]);
-    let (shift, shift_rest) = S::as_simd_f64s(&shift[..n]);
-    let (after, after_rest) = S::as_simd_f64s(&after[..n]);
-    let (here, here_rest) = S::as_mut_simd_f64s(here);
-    let (minus_k, minus_m) = (simd.splat_f64s(-k), simd.splat_f64s(-m));
-    for (((y, after), inverse), shift) in here.iter_mut().zip(after).zip(inverse).zip(shift) {
-        let off = simd.mul_add_e_f64s(*shift, minus_m, minus_k);
-        *y = simd.mul_f64s(simd.mul_add_e_f64s(off, *after, *y), *inverse);
-    }
-    for (((y, after), inverse), shift) in here_rest
-        .iter_mut()
-        .zip(after_rest)
-        .zip(inverse_rest)
-        .zip(shift_rest)
-    {
-        *y = (*y - (k + shift * m) * after) * inverse;
+    let rest = next_rest.iter().zip(inverse_rest).zip(shift_rest);
+    for (y, ((next, inverse), shift)) in here_rest.iter_mut().zip(rest) {
+        *y = if BACKWARD {
+            (*y - (k + shift * m) * next) * inverse
+        } else {
+            *y - (k + shift * m) * (next * inverse)
+        };
     }
 }
 

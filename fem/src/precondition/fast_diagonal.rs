@@ -137,7 +137,7 @@ impl FastDiagonal {
                 },
             );
             // z, by blocks of columns of the result.
-            let target = &mut modal[component.start..component.start + mx * my * mz];
+            let target = &mut modal[self.component_range(c)];
             let source = columns(planes, [mx * my, nz]);
             by_column_blocks(target, mx * my, mz, |first, block| {
                 let width = block.ncols();
@@ -148,9 +148,8 @@ impl FastDiagonal {
 
     /// Multiplies a modal vector by 1 / Lambda.
     pub fn divide(&self, modal: &mut [f64]) {
-        for component in &self.components {
-            let range = component.start..component.start + component.inverse.len();
-            modal[range]
+        for (c, component) in self.components.iter().enumerate() {
+            modal[self.component_range(c)]
                 .par_chunks_mut(8192)
                 .zip(component.inverse.par_chunks(8192))
                 .for_each(|(m, inverse)| m.iter_mut().zip(inverse).for_each(|(m, i)| *m *= i));

@@ -371,7 +371,7 @@ mod tests {
         let ice = Material::new(9e9, 0.33).unwrap();
         let fixed =
             std::array::from_fn(|c| [[c == 0, true], [c == 1, true], [!fixed_high, fixed_high]]);
-        TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), fixed)
+        TensorOperator::new(&grid, ice, fixed)
     }
 
     #[test]

@@ -33,6 +33,14 @@ impl BlockMatrix {
         3 * self.graph.node_count()
     }
 
+    /// The blocks of a node's row with their nodes, ascending.
+    pub(crate) fn row(&self, node: usize) -> impl Iterator<Item = (&[[f64; 3]; 3], usize)> + Clone {
+        let range = self.graph.row_start[node]..self.graph.row_start[node + 1];
+        let neighbours = self.graph.neighbours[range.clone()].iter();
+        let blocks = self.blocks[range].iter();
+        blocks.zip(neighbours.map(|&other| other as usize))
+    }
+
     /// `y` = K `u`; both hold [`BlockMatrix::dofs`] numbers.
     ///
     /// # Panics
@@ -43,13 +51,9 @@ impl BlockMatrix {
             .enumerate()
             .for_each(|(task, y)| {
                 for (local, y) in y.chunks_exact_mut(3).enumerate() {
-                    let node = task * ROWS_A_TASK + local;
-                    let range = self.graph.row_start[node]..self.graph.row_start[node + 1];
                     let mut sum = [0.0; 3];
-                    let blocks = self.blocks[range.clone()].iter();
-                    for (block, &other) in blocks.zip(&self.graph.neighbours[range]) {
-                        let at = 3 * other as usize;
-                        let v = &u[at..at + 3];
+                    for (block, other) in self.row(task * ROWS_A_TASK + local) {
+                        let v = &u[3 * other..3 * other + 3];
                         for i in 0..3 {
                             sum[i] += block[i][0] * v[0] + block[i][1] * v[1] + block[i][2] * v[2];
                         }
@@ -61,19 +65,12 @@ impl BlockMatrix {
 
     /// The diagonal, [`BlockMatrix::dofs`] numbers.
     pub fn diagonal(&self) -> Vec<f64> {
-        let mut diagonal = vec![0.0; self.dofs()];
-        for (node, d) in diagonal.chunks_exact_mut(3).enumerate() {
-            let position = self.position(node, node as u32);
-            for i in 0..3 {
-                d[i] = self.blocks[position][i][i];
-            }
-        }
-        diagonal
-    }
-
-    fn position(&self, node: usize, neighbour: u32) -> usize {
-        let place = self.graph.row(node).binary_search(&neighbour);
-        self.graph.row_start[node] + place.expect("nodes of one cell are neighbours")
+        let own = |node: usize| {
+            let mut own = self.row(node).filter(move |(_, other)| *other == node);
+            let (block, _) = own.next().expect("a node is its own neighbour");
+            [0, 1, 2].map(|i| block[i][i])
+        };
+        (0..self.graph.node_count()).flat_map(own).collect()
     }
 
     /// The lower triangle over the free displacements of `map` as a faer matrix, diagonal included.
@@ -86,12 +83,10 @@ impl BlockMatrix {
         let entries = |column: usize| {
             let dof = map.free()[column] as usize;
             let (node, c) = (dof / 3, dof % 3);
-            let range = self.graph.row_start[node]..self.graph.row_start[node + 1];
-            range.flat_map(move |k| {
-                let other = self.graph.neighbours[k] as usize;
+            self.row(node).flat_map(move |(block, other)| {
                 (0..3).filter_map(move |i| {
                     let row = map.index(3 * other + i)?;
-                    (row >= column).then_some((row as u32, self.blocks[k][c][i]))
+                    (row >= column).then_some((row as u32, block[c][i]))
                 })
             })
         };

@@ -83,15 +83,6 @@ impl SparseStiffness {
         bytes(&self.matrix.graph)
     }
 
-    /// The blocks of a node's row with their nodes.
-    fn row(&self, node: usize) -> impl Iterator<Item = (&[[f64; 3]; 3], usize)> + Clone {
-        let graph = &self.matrix.graph;
-        let range = graph.row_start[node]..graph.row_start[node + 1];
-        let neighbours = graph.neighbours[range.clone()].iter();
-        let blocks = self.matrix.blocks[range].iter();
-        blocks.zip(neighbours.map(|&other| other as usize))
-    }
-
     /// `y` = K `u`, by component.
     ///
     /// # Panics
@@ -104,7 +95,7 @@ impl SparseStiffness {
         let [x, y, z] = [x, y, z].map(|part| part.par_chunks_mut(NODES_A_TASK));
         x.zip(y).zip(z).enumerate().for_each(|(task, ((x, y), z))| {
             for local in 0..x.len() {
-                let row = self.row(task * NODES_A_TASK + local);
+                let row = self.matrix.row(task * NODES_A_TASK + local);
                 let sum = |c: usize| {
                     let along =
                         |i: usize| row.clone().map(move |(k, n)| u[i * nodes + n] * k[c][i]);
@@ -122,7 +113,11 @@ impl SparseStiffness {
         (0..self.dofs()).flat_map(move |column| {
             let (c, node) = (column / nodes, column % nodes);
             // The matrix is symmetric, so a column's rows are read from the block row of its node.
-            let along = move |i: usize| self.row(node).map(move |(k, n)| (i * nodes + n, k[c][i]));
+            let along = move |i: usize| {
+                self.matrix
+                    .row(node)
+                    .map(move |(k, n)| (i * nodes + n, k[c][i]))
+            };
             let entries = (0..3).flat_map(along);
             entries
                 .filter(move |(row, _)| *row >= column)

@@ -3,7 +3,7 @@
 use kufe_mesh::TensorGrid;
 use rayon::prelude::*;
 
-use crate::body::ElementKind;
+use crate::body::{ElementKind, Material};
 use crate::tensor::axis::Axis;
 use crate::tensor::factors::FaceTerms;
 use crate::tensor::factors::{CellMass, Factors};
@@ -17,10 +17,8 @@ pub type FixedFaces = [[[bool; 2]; 3]; 3];
 pub struct LowerLayer {
     /// Number of cells along z that it fills, from below.
     pub cells: usize,
-    /// First Lame constant [Pa].
-    pub lambda: f64,
-    /// Shear modulus [Pa].
-    pub mu: f64,
+    /// What they are of.
+    pub material: Material,
 }
 
 /// Products of 1-D matrices that the stiffness is a sum of.
@@ -50,10 +48,8 @@ struct Products {
 pub struct TensorOperator {
     /// x, y and z.
     pub axes: [Axis; 3],
-    /// First Lame constant, of the upper layer where there are two [Pa].
-    pub lambda: f64,
-    /// Shear modulus, of the upper layer where there are two [Pa].
-    pub mu: f64,
+    /// The material, of the upper layer where there are two.
+    pub material: Material,
     /// Fixed faces; results are 0 there.
     pub fixed: FixedFaces,
     lower: Option<LowerLayer>,
@@ -63,12 +59,11 @@ pub struct TensorOperator {
 }
 
 impl TensorOperator {
-    /// The operator of a grid; `lambda` and `mu` are the Lame constants [Pa].
-    pub fn new(grid: &TensorGrid, lambda: f64, mu: f64, fixed: FixedFaces) -> Self {
+    /// The operator of a grid.
+    pub fn new(grid: &TensorGrid, material: Material, fixed: FixedFaces) -> Self {
         let mut operator = TensorOperator {
             axes: [Axis::new(&grid.x), Axis::new(&grid.y), Axis::new(&grid.z)],
-            lambda,
-            mu,
+            material,
             fixed,
             lower: None,
             kind: ElementKind::Hex8,
@@ -128,16 +123,17 @@ impl TensorOperator {
         };
         let [x, y, z] = &self.axes;
         let products = parts.iter().map(|&(share, mass)| {
-            let factors = |first: usize, nodes: &[f64], own: [f64; 2]| {
-                let moduli = share.map(|[of_lambda, of_mu]| of_lambda * own[0] + of_mu * own[1]);
+            let factors = |first: usize, nodes: &[f64], own: Material| {
+                let (lambda, mu) = (own.lame_lambda(), own.shear_modulus());
+                let moduli = share.map(|[of_lambda, of_mu]| of_lambda * lambda + of_mu * mu);
                 Factors::new([x, y, &Axis::new(nodes)], moduli, mass, first)
             };
             let from = self.lower.map_or(0, |layer| layer.cells);
             let below = self
                 .lower
                 .iter()
-                .map(|layer| factors(0, &z.nodes[..=layer.cells], [layer.lambda, layer.mu]));
-            let above = factors(from, &z.nodes[from..], [self.lambda, self.mu]);
+                .map(|layer| factors(0, &z.nodes[..=layer.cells], layer.material));
+            let above = factors(from, &z.nodes[from..], self.material);
             Products {
                 layers: below.chain([above]).collect(),
                 plane: match mass {
@@ -152,8 +148,9 @@ impl TensorOperator {
     /// Coefficients along the axes of the scalar operator that component `c` is preconditioned
     /// with: lambda + 2 mu along its own axis, mu along the others [Pa].
     pub(crate) fn scalar_coefficients(&self, c: usize) -> [f64; 3] {
-        let mut along = [self.mu; 3];
-        along[c] += self.lambda + self.mu;
+        let (lambda, mu) = (self.material.lame_lambda(), self.material.shear_modulus());
+        let mut along = [mu; 3];
+        along[c] += lambda + mu;
         along
     }
 
@@ -167,9 +164,10 @@ impl TensorOperator {
         let Some(layer) = self.lower else {
             return self.axes[2].clone();
         };
-        let shear = layer.mu / self.mu;
+        let (below, above) = (layer.material, self.material);
+        let shear = below.shear_modulus() / above.shear_modulus();
         let own = if c == 2 {
-            (layer.lambda + 2.0 * layer.mu) / (self.lambda + 2.0 * self.mu)
+            below.uniaxial_strain_modulus() / above.uniaxial_strain_modulus()
         } else {
             shear
         };
@@ -409,7 +407,7 @@ mod tests {
             let nodes = grid.node_count();
             let ice = Material::new(9e9, 0.33).unwrap();
             let free = [[[false; 2]; 3]; 3];
-            let plain = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), free);
+            let plain = TensorOperator::new(&grid, ice, free);
             for operator in [plain.clone(), plain.with_mean_dilatation()] {
                 let body = Body::uniform(grid.hex_mesh(), ice, operator.element_kind()).unwrap();
                 let u: Vec<f64> = (0..3 * nodes).map(|i| (1.3 * i as f64).sin()).collect();
@@ -441,8 +439,7 @@ mod tests {
         let concrete = Material::new(30.0e9, 0.2).unwrap();
         let layer = LowerLayer {
             cells: 2,
-            lambda: concrete.lame_lambda(),
-            mu: concrete.shear_modulus(),
+            material: concrete,
         };
         (grid, ice, concrete, layer)
     }
@@ -451,8 +448,7 @@ mod tests {
     fn two_layers_have_the_assembled_stiffness_of_their_hexahedra() {
         let (grid, ice, concrete, layer) = layered();
         let free = [[[false; 2]; 3]; 3];
-        let plain = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), free)
-            .on_layer(layer);
+        let plain = TensorOperator::new(&grid, ice, free).on_layer(layer);
         for operator in [plain.clone(), plain.with_mean_dilatation()] {
             let mesh = grid.hex_mesh();
             let of = |material| Section {
@@ -486,12 +482,11 @@ mod tests {
             z: axis(23),
         };
         let fixed = [[[true, false], [false, true], [true, false]]; 3];
-        let plain = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), fixed);
+        let plain = TensorOperator::new(&grid, ice, fixed);
         let lower = |cells: usize| {
             plain.clone().on_layer(LowerLayer {
                 cells,
-                lambda: concrete.lame_lambda(),
-                mu: concrete.shear_modulus(),
+                material: concrete,
             })
         };
         // Slabs of two threads begin at plane 12, those of five at planes 5, 10, 15 and 20.
@@ -527,14 +522,10 @@ mod tests {
                 y: axis(17),
                 z: axis(9),
             };
-            let operator =
-                TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), fixed).on_layer(
-                    LowerLayer {
-                        cells: 3,
-                        lambda: concrete.lame_lambda(),
-                        mu: concrete.shear_modulus(),
-                    },
-                );
+            let operator = TensorOperator::new(&grid, ice, fixed).on_layer(LowerLayer {
+                cells: 3,
+                material: concrete,
+            });
             let n = 3 * operator.node_count();
             let u: Vec<f64> = (0..n).map(|i| (0.9 * i as f64).sin()).collect();
             let with = |height: usize| {
@@ -559,12 +550,10 @@ mod tests {
         let stiff = Material::new(30.0e9, 0.33).unwrap();
         let layer = LowerLayer {
             cells: 2,
-            lambda: stiff.lame_lambda(),
-            mu: stiff.shear_modulus(),
+            material: stiff,
         };
         let fixed = [[[true; 2], [true; 2], [true, false]]; 3];
-        let operator = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), fixed)
-            .on_layer(layer);
+        let operator = TensorOperator::new(&grid, ice, fixed).on_layer(layer);
         let fast = FastDiagonal::new(&operator, None);
         let nodes = grid.node_count();
         for c in 0..3 {

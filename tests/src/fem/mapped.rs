@@ -31,12 +31,7 @@ impl MappedPreconditioner {
     /// operator is singular and is shifted by `shift` times its mass [1/m^2]; about 1 / length^2 of
     /// the body will do. Zero where every component is fixed.
     pub fn new(grid: &TensorGrid, material: Material, fixed: FixedFaces, shift: f64) -> Self {
-        let mut operator = TensorOperator::new(
-            grid,
-            material.lame_lambda(),
-            material.shear_modulus(),
-            fixed,
-        );
+        let mut operator = TensorOperator::new(grid, material, fixed);
         let axis = &mut operator.axes[0];
         for (k, m) in axis.stiffness.iter_mut().zip(&axis.mass) {
             for d in 0..3 {

@@ -168,7 +168,7 @@ fn products_of_the_assembled_ice_are_those_of_its_tensor_operator() {
     let ice = Material::new(ICE_E, ICE_NU).unwrap();
     let free = [[[false; 2]; 3]; 3];
     let grid = &stored.volume.as_ref().unwrap().grid;
-    let operator = TensorOperator::new(grid, ice.lame_lambda(), ice.shear_modulus(), free);
+    let operator = TensorOperator::new(grid, ice, free);
     let n = 3 * grid.node_count();
     let u: Vec<f64> = (0..n).map(|i| (0.37 * i as f64).sin()).collect();
     let (mut expected, mut found) = (vec![0.0; n], vec![f64::NAN; n]);

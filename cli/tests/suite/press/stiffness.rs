@@ -71,7 +71,7 @@ fn scipy_reads_the_stiffness_symmetric_definite_where_held_and_with_six_rigid_mo
     let grid = solve(&problem, &options).unwrap().volume.unwrap().grid;
     let ice = Material::new(9.0e9, 0.33).unwrap();
     let free = [[[false; 2]; 3]; 3];
-    let operator = TensorOperator::new(&grid, ice.lame_lambda(), ice.shear_modulus(), free);
+    let operator = TensorOperator::new(&grid, ice, free);
     let u: Vec<f64> = (0..3 * grid.node_count())
         .map(|i| (0.37 * i as f64).sin())
         .collect();
