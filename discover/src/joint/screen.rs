@@ -4,12 +4,14 @@
 //! That kind adds `t^2 - d^2` to its evidence (twice a log likelihood ratio), with t the size there
 //! in its standard errors and d the difference of the two sizes in those of their difference.
 //! Members whose evidence is below the best by more than the square of the needed t are excluded.
-//! If no kind selects anything alone, p-values of the same effect are combined.
+//! If no kind selects anything alone, p-values of the same effect are combined. Each is corrected
+//! for all candidates of its kind of data, so that the combination is corrected for all, too.
 
 use crate::error::Error;
 use crate::finding::Rival;
-use crate::joint::combine::{combined_p_value, disagreement, gain};
+use crate::joint::combine::{disagreement, gain};
 use crate::joint::kinds::{Joint, JointFit, Origin};
+use crate::null::combined_p_value;
 use crate::procedure::evidence::{Account, Randomised, Selection};
 use crate::procedure::shared_effects::Amount;
 

@@ -1,11 +1,11 @@
 //! Interface of the search to data of any kind.
 
+use kufe_sled::effects::Info;
+
 use crate::error::Error;
-use crate::finding::NextRuns;
-use crate::finding::Picture;
 use crate::finding::{
-    Baseline, Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, ModelKind, Remaining,
-    Rival, Step, Tolerated, Withheld,
+    Baseline, Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, ModelKind, NextRuns,
+    Picture, Remaining, Rival, Step, Tolerated, Withheld,
 };
 use crate::procedure::candidate::Candidate;
 use crate::procedure::misfit_decrease::Decrease;
@@ -118,6 +118,29 @@ pub struct Dependence {
 }
 
 impl Account {
+    /// An error of the installation: within its tolerance, or as a remark; `None` if its interval
+    /// contains 0.
+    ///
+    /// `size`, its standard `error` and the standard deviation `sd` of the tolerance; `quantile`:
+    /// standard errors of an interval.
+    pub fn tolerated(
+        &mut self,
+        what: String,
+        unit: &str,
+        [size, error, sd]: [f64; 3],
+        quantile: f64,
+    ) -> Option<Tolerated> {
+        let half = quantile * error;
+        let is_outside = size.abs() - half > quantile * sd;
+        if is_outside {
+            self.remarks.push(format!(
+                "{what}: {size:.2e} {unit} +- {half:.1e}, outside its tolerance of {sd} (a standard deviation): it was corrected for and not named"
+            ));
+        }
+        let unit = unit.to_owned();
+        (!is_outside && size.abs() > half).then_some(Tolerated { what, size, unit })
+    }
+
     /// Removes a selected effect for a reason: [`SUPERFLUOUS`] or the insufficient size.
     pub fn remove_step(&mut self, step: usize, why: &str) {
         let gone = self.steps.remove(step);
@@ -226,6 +249,28 @@ pub struct Selection<A> {
 }
 
 impl<A> Selection<A> {
+    /// A selection without rivals, tests and remarks; its class is itself.
+    pub fn new(
+        candidate: Candidate<A>,
+        size: f64,
+        error: f64,
+        (place, channel): (&str, (&'static str, &'static str)),
+    ) -> Self {
+        Self {
+            class: vec![candidate.effect.clone()],
+            candidate,
+            size,
+            error,
+            rivals: Vec::new(),
+            p_value: 1.0,
+            randomised: Randomised::default(),
+            place: place.to_owned(),
+            channel,
+            remark: None,
+            parameters: Vec::new(),
+        }
+    }
+
     /// The same selection with another action.
     pub fn acting<B>(&self, act: B) -> Selection<B> {
         Selection {
@@ -331,6 +376,17 @@ pub struct Meaning {
     pub summary: String,
     /// Measurement that would distinguish it from its rivals.
     pub decides: String,
+}
+
+impl Meaning {
+    /// That of an effect of a catalogue.
+    pub fn of(info: &Info) -> Self {
+        Self {
+            name: info.name.to_owned(),
+            summary: info.summary.to_owned(),
+            decides: info.decides.to_owned(),
+        }
+    }
 }
 
 /// Sentences of one kind of data.

@@ -20,6 +20,7 @@ use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::null::combined_p_value;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{ExtendedFit, Randomised, Selection};
 
@@ -229,14 +230,6 @@ impl Campaign<'_> {
         set_own(&mut self.held_out, &self.given, &contacts.places);
         self.given.contacts = Some(contacts);
     }
-}
-
-/// Combined p-value of two independent ones: `p q (1 - ln(p q))`.
-///
-/// Source: R. A. Fisher, Statistical Methods for Research Workers, 4th ed. (1932), section 21.1.
-fn combined_p_value(p: f64, q: f64) -> f64 {
-    let product = (p * q).max(f64::MIN_POSITIVE);
-    product * (1.0 - product.ln())
 }
 
 /// Parameters of a place: mean and standard deviation of the force over all runs of its track, the
