@@ -4,8 +4,8 @@ use kufe_sled::effects::Info;
 
 use crate::error::Error;
 use crate::finding::{
-    Baseline, Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, ModelKind, NextRuns,
-    Picture, Remaining, Rival, Step, Tolerated, Withheld,
+    Baseline, Detectable, Fitted, HeldOut, Interval, ModelKind, Report, Rival, Step, Tolerated,
+    Withheld,
 };
 use crate::procedure::candidate::Candidate;
 use crate::procedure::misfit_decrease::Decrease;
@@ -329,39 +329,21 @@ pub struct Choice<F> {
     pub withheld: Vec<Withheld>,
 }
 
-/// The remaining results of a report.
+/// The remaining results of a search.
 #[derive(Default)]
 pub struct Description {
-    pub data: String,
-    /// Misfit on the training data.
-    pub training: Vec<ChannelGap>,
+    /// The report without verdict, steps and comparison.
+    pub report: Report,
     /// Parameters of each step.
     pub parameters: Vec<Vec<Fitted>>,
     /// The formula of each step that is a law, as the next model has it.
     pub laws: Vec<Option<String>>,
-    /// Installation errors within their tolerances.
-    pub within_tolerance: Vec<Tolerated>,
-    pub base: Vec<Fitted>,
-    /// Base parameters outside their plausible range.
-    pub implausible: Vec<Fitted>,
-    pub bins: Vec<Bin>,
-    pub bins_after: Vec<Bin>,
-    pub by_run: Vec<ByRun>,
-    /// Pictures of the page.
-    pub pictures: Vec<Picture>,
-    /// Whether the residual is clean.
-    pub clean: bool,
-    /// Remaining repeatable misfit, by channel.
-    pub remaining: Vec<Remaining>,
     /// Whether places are significant without a named effect.
     pub located: bool,
-    pub untestable: Vec<(String, String)>,
     /// Meaning of the effects that may be named.
     pub effects: Vec<Meaning>,
     /// Sentences of this kind of data.
     pub words: Words,
-    /// Runs that would split a class, the best first.
-    pub next_runs: Vec<NextRuns>,
     /// The next model, as its file's text.
     pub next_model: String,
     /// The next case, if pressures are searched together with other data.

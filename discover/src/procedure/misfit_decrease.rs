@@ -73,6 +73,18 @@ impl Decrease {
         })
     }
 
+    /// The same together with the decrease in data of another kind.
+    pub fn with_other_data(self, other: Self) -> Self {
+        Self {
+            by: self.by + other.by,
+            error: self.error.hypot(other.error),
+            weighed: None,
+            contact_evidence: self.contact_evidence.or(other.contact_evidence),
+            by_channel: [self.by_channel, other.by_channel].concat(),
+            repeats: self.repeats + other.repeats,
+        }
+    }
+
     /// The same with the repeatable part of the whole comparison: the larger of the repeatable
     /// misfits and of the decrease from the first model to the second one here, of which `before`
     /// precedes this step. A decrease on held-out data is repeatable whether runs are alike or not.

@@ -33,14 +33,20 @@ pub fn next_experiment(verdict: Verdict, account: &Account, described: &Descript
         }
         Verdict::Located => {
             let bin = |b: &Bin| format!("{} {} to {}", b.column, number4(b.from), number4(b.to));
-            let places: Vec<String> = described.bins_after.iter().take(3).map(bin).collect();
+            let places: Vec<String> = described
+                .report
+                .bins_after
+                .iter()
+                .take(3)
+                .map(bin)
+                .collect();
             format!(
                 "two runs that pass {} with a tenth less speed, and two with a tenth more mass",
                 places.join(", ")
             )
         }
         Verdict::Inadequate => {
-            let places = described.remaining.iter().filter(|r| !r.is_small);
+            let places = described.report.remaining.iter().filter(|r| !r.is_small);
             let places: Vec<&str> = places.flat_map(|r| &r.places).map(String::as_str).collect();
             format!(
                 "two more runs that take these places on another line or at another speed, and a check of the sensors at rest before and after: {}",
@@ -74,7 +80,7 @@ pub fn next_experiment(verdict: Verdict, account: &Account, described: &Descript
                 .map(|e| format!("{}: {}", e.name, e.decides))
                 .collect();
             what.dedup();
-            let planned = planned(&described.next_runs).into_iter();
+            let planned = planned(&described.report.next_runs).into_iter();
             planned.chain(what).collect::<Vec<_>>().join("; ")
         }
     }

@@ -22,7 +22,7 @@ use crate::evidence::experiments::known::ModelEffects;
 use crate::evidence::experiments::pictures::pictures;
 use crate::evidence::experiments::rows::{Row, read, set_films};
 use crate::evidence::experiments::screen::screen_table;
-use crate::finding::{ChannelGap, held_out};
+use crate::finding::{ChannelGap, Report, held_out};
 use crate::input::table::Table;
 use crate::null::clusters::members;
 use crate::options::{OUTSIDE_CATALOGUE, Options};
@@ -274,15 +274,18 @@ impl Evidence for Experiments<'_> {
         let sessions = members(rows.iter().map(|row| row.session.as_str())).len();
         let laws = last.chosen.iter().map(|c| formula(&setting.candidates[*c]));
         Ok(Description {
-            data: "friction experiments".to_owned(),
-            training: vec![self.gap(base.rms, last.rms)],
+            report: Report {
+                data: "friction experiments".to_owned(),
+                training: vec![self.gap(base.rms, last.rms)],
+                base: self.base_parameters(last, quantile),
+                bins: bins(setting, rows, base),
+                bins_after: bins(setting, rows, last),
+                pictures: pictures(setting, rows, base, last),
+                clean: self.is_clean(last),
+                untestable: self.untestable.clone(),
+                ..Report::default()
+            },
             parameters: amounts.map(|a| vec![a.fitted(quantile)]).collect(),
-            base: self.base_parameters(last, quantile),
-            bins: bins(setting, rows, base),
-            bins_after: bins(setting, rows, last),
-            pictures: pictures(setting, rows, base, last),
-            clean: self.is_clean(last),
-            untestable: self.untestable.clone(),
             effects: effects.collect(),
             words: Words {
                 nothing: format!(

@@ -31,7 +31,7 @@ use crate::evidence::maps::screen::{Steps, detectable, screen_maps};
 use crate::evidence::maps::selection::{place, select};
 use crate::evidence::maps::simulate::{Misfit, Simulations};
 use crate::evidence::maps::sized::SizedEffects;
-use crate::finding::{ChannelGap, Fitted, Interval, Step, Tolerated, fitted, held_out};
+use crate::finding::{ChannelGap, Fitted, Interval, Report, Step, Tolerated, fitted, held_out};
 use crate::options::Options;
 use crate::procedure::closed::{ClosedGap, change};
 use crate::procedure::evidence::{
@@ -345,15 +345,18 @@ impl Evidence for Maps<'_> {
     ) -> Result<Description, Error> {
         let (start, rows) = (&self.start, &self.training.rows);
         Ok(Description {
-            data: "pressure measurements".to_owned(),
-            training: vec![self.gap(&start.misfit, &last.misfit, rows)],
+            report: Report {
+                data: "pressure measurements".to_owned(),
+                training: vec![self.gap(&start.misfit, &last.misfit, rows)],
+                within_tolerance: self.within_tolerance(last, account)?,
+                bins: bins(&self.training, &start.active)?,
+                bins_after: bins(&self.training, &last.active)?,
+                pictures: pictures([&self.training, &self.held_out], &last.active)?,
+                clean: self.is_clean(&last.misfit),
+                untestable: untestable(&self.measured.rows),
+                ..Report::default()
+            },
             parameters: self.parameters(last),
-            within_tolerance: self.within_tolerance(last, account)?,
-            bins: bins(&self.training, &start.active)?,
-            bins_after: bins(&self.training, &last.active)?,
-            pictures: pictures([&self.training, &self.held_out], &last.active)?,
-            clean: self.is_clean(&last.misfit),
-            untestable: untestable(&self.measured.rows),
             effects: CATALOGUE.iter().map(|e| Meaning::of(e.info())).collect(),
             words: Words {
                 next_after_nothing:
