@@ -56,7 +56,7 @@ pub fn described(
             }
         }
         names.push(report.data);
-        let words = one.words.next_after_nothing;
+        let words = one.next_after_nothing;
         next.extend((!words.is_empty()).then_some(words));
         let together = &mut all.report;
         together.untestable.extend(untestable);
@@ -79,7 +79,7 @@ pub fn described(
         }
     }
     all.report.data = names.join(", ");
-    all.words.next_after_nothing = next.join("; ");
+    all.next_after_nothing = next.join("; ");
     for step in &account.steps {
         if !step.evidence.is_empty() && !is_written(&all, &step.effect) {
             account.remarks.push(format!(

@@ -151,60 +151,50 @@ impl Account {
                 gone.effect, gone.p_value
             ),
         };
-        if self.steps.is_empty() {
-            self.unexplained.get_or_insert(message.clone());
-        }
-        self.remarks.push(message);
+        self.explain_removal(vec![message]);
     }
 
     /// Removes every selected effect, given their closed shares on the held-out data.
     pub fn remove_all(&mut self, closed: &[Interval]) {
         let gone = std::mem::take(&mut self.steps);
-        let message: Vec<String> = gone
-            .iter()
-            .zip(closed)
-            .map(|(step, closed)| {
-                format!(
-                    "{} is significant on the training data (p = {:.1e}), but with it more remains of what can be explained on the held-out data (by {:.0} %): not named",
-                    step.effect,
-                    step.p_value,
-                    -100.0 * closed.value
-                )
-            })
-            .collect();
-        self.set_unexplained(message);
+        let message = |(step, closed): (&Step, &Interval)| {
+            format!(
+                "{} is significant on the training data (p = {:.1e}), but with it more remains of what can be explained on the held-out data (by {:.0} %): not named",
+                step.effect,
+                step.p_value,
+                -100.0 * closed.value
+            )
+        };
+        self.explain_removal(gone.iter().zip(closed).map(message).collect());
     }
 
     /// Removes every step because the model with them is worse than the given one, for this reason.
     pub fn withhold(&mut self, reason: &str) {
         let gone = std::mem::take(&mut self.steps);
         let names: Vec<&str> = gone.iter().map(|step| step.effect.as_str()).collect();
-        let withheld = format!(
+        self.explain_removal(vec![format!(
             "{} fits the training runs (p = {:.1e}), but the model with it is worse than the model as given on runs it was not fitted to ({reason}): not named",
             names.join(" with "),
             gone.first().map_or(1.0, |step| step.p_value)
-        );
-        self.set_unexplained(vec![withheld]);
+        )]);
     }
 
     /// Removes a step that is significant at more places than can be listed.
     pub fn remove_nonlocal(&mut self, step: usize, places: usize) {
         let gone = self.steps.remove(step);
-        let message = format!(
+        self.explain_removal(vec![format!(
             "{} was significant at {places} places ({}) and is so at others: it is not a local effect and is not named",
             gone.effect, gone.place
-        );
-        match self.steps.is_empty() {
-            true => self.set_unexplained(vec![message]),
-            false => self.remarks.push(message),
-        }
+        )]);
     }
 
-    /// Records that no effect remains named, for these reasons.
-    pub fn set_unexplained(&mut self, message: Vec<String>) {
-        self.depends.clear();
-        self.unexplained.get_or_insert(message.join("; "));
-        self.remarks.extend(message);
+    /// Reports why effects were removed. If none remains, the misfit is unexplained.
+    pub fn explain_removal(&mut self, reasons: Vec<String>) {
+        if self.steps.is_empty() {
+            self.depends.clear();
+            self.unexplained.get_or_insert(reasons.join("; "));
+        }
+        self.remarks.extend(reasons);
     }
 }
 
@@ -342,8 +332,10 @@ pub struct Description {
     pub located: bool,
     /// Meaning of the effects that may be named.
     pub effects: Vec<Meaning>,
-    /// Sentences of this kind of data.
-    pub words: Words,
+    /// The verdict without a finding; empty: a general sentence.
+    pub nothing: String,
+    /// What to measure next without a finding.
+    pub next_after_nothing: String,
     /// The next model, as its file's text.
     pub next_model: String,
     /// The next case, if pressures are searched together with other data.
@@ -369,15 +361,6 @@ impl Meaning {
             decides: info.decides.to_owned(),
         }
     }
-}
-
-/// Sentences of one kind of data.
-#[derive(Clone, Debug, Default)]
-pub struct Words {
-    /// The verdict without a finding; empty: a general sentence.
-    pub nothing: String,
-    /// What to measure next without a finding.
-    pub next_after_nothing: String,
 }
 
 #[cfg(test)]

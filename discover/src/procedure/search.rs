@@ -148,7 +148,7 @@ pub fn search_evidence<E: Evidence>(
         version: env!("CARGO_PKG_VERSION").to_owned(),
         ..described.report
     };
-    let sentence = sentence(&report, &account, &described.words);
+    let sentence = sentence(&report, &account, &described.nothing);
     let depends = account.depends.into_iter().map(|one| one.assumption);
     Ok(Found {
         report: Report {

@@ -3,10 +3,10 @@
 use kufe::plot::{number4, quantity};
 
 use crate::finding::{Fitted, Interval, Remaining, Report, Step, Verdict};
-use crate::procedure::evidence::{Account, Words};
+use crate::procedure::evidence::Account;
 
-/// One sentence for the top of the report.
-pub fn sentence(report: &Report, account: &Account, words: &Words) -> String {
+/// One sentence for the top of the report; `nothing` is that of these data without a finding.
+pub fn sentence(report: &Report, account: &Account, nothing: &str) -> String {
     let steps = &account.steps;
     let size = |p: &Fitted| {
         let [value, low, high] = [p.value, p.low, p.high].map(number4);
@@ -45,7 +45,7 @@ pub fn sentence(report: &Report, account: &Account, words: &Words) -> String {
         }
         Verdict::Located => "The residual is not clean at the places listed, and no effect of the catalogue fits.".to_owned(),
         Verdict::Inadequate => "The model does not explain what repeats from run to run, and no effect of the catalogue does.".to_owned(),
-        Verdict::None if !words.nothing.is_empty() => words.nothing.clone(),
+        Verdict::None if !nothing.is_empty() => nothing.to_owned(),
         Verdict::None => "Nothing to be found: no effect exceeds chance and the noise of the inputs significantly.".to_owned(),
         Verdict::NotIdentifiable => format!("Something differs that these data cannot name: {next}."),
     }

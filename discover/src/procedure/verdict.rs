@@ -23,7 +23,6 @@ pub fn verdict(account: &Account, located: bool, adequate: bool) -> Verdict {
 
 /// What to measure next.
 pub fn next_experiment(verdict: Verdict, account: &Account, described: &Description) -> String {
-    let words = &described.words;
     match verdict {
         Verdict::NotIdentifiable => account.unexplained.clone().unwrap_or_default(),
         Verdict::DependsOn => {
@@ -53,7 +52,7 @@ pub fn next_experiment(verdict: Verdict, account: &Account, described: &Descript
                 places.join("; ")
             )
         }
-        Verdict::None => words.next_after_nothing.clone(),
+        Verdict::None => described.next_after_nothing.clone(),
         Verdict::Law => {
             let of_laws = account.steps.iter().filter(|s| s.law.is_some());
             let known = of_laws.clone().flat_map(|s| s.class.iter());

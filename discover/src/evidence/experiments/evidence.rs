@@ -29,7 +29,7 @@ use crate::options::{OUTSIDE_CATALOGUE, Options};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{
     Account, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, SUPERFLUOUS, Screen,
-    Selection, Words,
+    Selection,
 };
 use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::search::{Found, search_evidence};
@@ -287,19 +287,17 @@ impl Evidence for Experiments<'_> {
             },
             parameters: amounts.map(|a| vec![a.fitted(quantile)]).collect(),
             effects: effects.collect(),
-            words: Words {
-                nothing: format!(
-                    "Nothing to be found with {} points: the base fit has {}, and no effect is significant.",
-                    self.rows(),
-                    self.of_base(base)
-                ),
-                next_after_nothing: format!(
-                    "each specimen measured again in {} more sessions at two pressures, which would halve the smallest sizes that can be found; the {} rows have {} degrees of freedom",
-                    3 * sessions,
-                    self.rows(),
-                    base.freedom()
-                ),
-            },
+            nothing: format!(
+                "Nothing to be found with {} points: the base fit has {}, and no effect is significant.",
+                self.rows(),
+                self.of_base(base)
+            ),
+            next_after_nothing: format!(
+                "each specimen measured again in {} more sessions at two pressures, which would halve the smallest sizes that can be found; the {} rows have {} degrees of freedom",
+                3 * sessions,
+                self.rows(),
+                base.freedom()
+            ),
             next_model: self.next_model(last, account).to_toml(),
             laws: laws.collect(),
             ..Description::default()

@@ -36,7 +36,7 @@ use crate::options::Options;
 use crate::procedure::closed::{ClosedGap, change};
 use crate::procedure::evidence::{
     Account, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, SUPERFLUOUS, Screen,
-    Selection, Words,
+    Selection,
 };
 use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::search::{Found, search_evidence};
@@ -358,12 +358,9 @@ impl Evidence for Maps<'_> {
             },
             parameters: self.parameters(last),
             effects: CATALOGUE.iter().map(|e| Meaning::of(e.info())).collect(),
-            words: Words {
-                next_after_nothing:
-                    "maps at several loads, on straight and curved track, reveal smaller effects"
-                        .to_owned(),
-                ..Words::default()
-            },
+            next_after_nothing:
+                "maps at several loads, on straight and curved track, reveal smaller effects"
+                    .to_owned(),
             next_model: next_case(&self.measured.text, &last.active)
                 .map_err(|error| Error::file(self.model, error))?,
             ..Description::default()

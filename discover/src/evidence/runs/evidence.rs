@@ -27,7 +27,7 @@ use crate::finding::{HeldOut, Report};
 use crate::options::Options;
 use crate::procedure::evidence::{
     Account, Choice, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, Screen,
-    SelectedFit, Selection, Words,
+    SelectedFit, Selection,
 };
 use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::search::{Found, search_evidence};
@@ -369,15 +369,13 @@ impl Evidence for Campaign<'_> {
             },
             laws: self.laws(last, account.steps.len()),
             effects: CATALOGUE.iter().map(|e| Meaning::of(e.info())).collect(),
-            words: Words {
-                nothing: self
-                    .too_few()
-                    .filter(|_| self.least_p() > rules.alpha)
-                    .map_or(String::new(), |few| {
-                        format!("Too few runs to find what acts within them: {few}.")
-                    }),
-                next_after_nothing: self.runs_to_halve(),
-            },
+            nothing: self
+                .too_few()
+                .filter(|_| self.least_p() > rules.alpha)
+                .map_or(String::new(), |few| {
+                    format!("Too few runs to find what acts within them: {few}.")
+                }),
+            next_after_nothing: self.runs_to_halve(),
             next_model: next_model(self.model, &last.settled, last.already()).to_toml(),
             next_case: None,
         })
