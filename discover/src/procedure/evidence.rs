@@ -146,10 +146,7 @@ impl Account {
         let gone = self.steps.remove(step);
         let message = match self.steps.is_empty() {
             false => format!("{} {why} given the others and was removed", gone.effect),
-            true => format!(
-                "{} is significant on the training data (p = {:.1e}), but its size is within its standard error: it is not named",
-                gone.effect, gone.p_value
-            ),
+            true => not_named(&gone, "its size is within its standard error"),
         };
         self.explain_removal(vec![message]);
     }
@@ -158,11 +155,12 @@ impl Account {
     pub fn remove_all(&mut self, closed: &[Interval]) {
         let gone = std::mem::take(&mut self.steps);
         let message = |(step, closed): (&Step, &Interval)| {
-            format!(
-                "{} is significant on the training data (p = {:.1e}), but with it more remains of what can be explained on the held-out data (by {:.0} %): not named",
-                step.effect,
-                step.p_value,
-                -100.0 * closed.value
+            let by = -100.0 * closed.value;
+            not_named(
+                step,
+                &format!(
+                    "with it more remains of what can be explained on the held-out data (by {by:.0} %)"
+                ),
             )
         };
         self.explain_removal(gone.iter().zip(closed).map(message).collect());
@@ -196,6 +194,14 @@ impl Account {
         }
         self.remarks.extend(reasons);
     }
+}
+
+/// Why a significant effect is not named.
+pub fn not_named(step: &Step, reason: &str) -> String {
+    format!(
+        "{} is significant on the training data (p = {:.1e}), but {reason}: not named",
+        step.effect, step.p_value
+    )
 }
 
 /// Results of one screen of all candidates.

@@ -1,7 +1,7 @@
 //! Verification on held-out data: each effect, and the whole model, must lower the misfit.
 
 use crate::error::Error;
-use crate::procedure::evidence::{Account, Evidence};
+use crate::procedure::evidence::{Account, Evidence, not_named};
 use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::rules::SearchRules;
 
@@ -74,12 +74,9 @@ pub fn verify<E: Evidence>(
             break;
         };
         let gone = account.steps.remove(weakest.step);
-        reasons.push(format!(
-            "{} is significant on the training data (p = {:.1e}), but the model with it does not lower the misfit on the held-out data enough ({}): not named",
-            gone.effect,
-            gone.p_value,
-            weakest.decrease.in_words(&gone.channel)
-        ));
+        let decrease = weakest.decrease.in_words(&gone.channel);
+        let reason = "the model with it does not lower the misfit on the held-out data enough";
+        reasons.push(not_named(&gone, &format!("{reason} ({decrease})")));
         last = match account.steps.is_empty() {
             true => base.clone(),
             false => evidence.settle(weakest.without, account)?,

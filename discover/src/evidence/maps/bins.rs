@@ -1,6 +1,7 @@
 //! Bins of the residuals by load and curvature, along and across the runner, and by pressure.
 
 use crate::error::Error;
+use crate::evidence::maps::sample::place;
 use crate::evidence::maps::simulate::Simulations;
 use crate::evidence::maps::sized::SizedEffects;
 use crate::finding::{Bin, bin, significant};
@@ -24,8 +25,7 @@ pub fn bins(simulations: &Simulations, active: &SizedEffects) -> Result<Vec<Bin>
         let least = 0.05 * map.pressure.iter().copied().fold(0.0, f64::max);
         for (k, (m, s)) in measured.pressure.iter().zip(&map.pressure).enumerate() {
             if m.max(*s) >= least {
-                let x = map.x0 + (k % map.nx) as f64 * map.dx;
-                let y = map.y0 + (k / map.nx) as f64 * map.dy;
+                let [x, y] = place(map, k);
                 values.push(([row.fz, row.problem.track_curvature, x, y, *s], m - s));
             }
         }
