@@ -60,57 +60,47 @@ fn driven(setting: &Setting, rows: &[Row], last: &Fit, k: usize) -> Option<Pictu
     })
 }
 
-/// Measured friction with the base law.
+/// Measured friction with the base law: over the film's, or over pressure.
 fn law(setting: &Setting, rows: &[Row], first: &Fit) -> Picture {
-    let mu = rows.iter().map(|r| 1e3 * r.mu).collect();
-    if setting.base == Base::Film {
-        let film: Vec<f64> = rows.iter().map(|r| 1e3 * r.film).collect();
-        let most = film.iter().copied().fold(0.0, f64::max);
-        let (x, y) = (vec![0.0, most], vec![0.0, first.step[0] * most]);
-        return Picture {
-            title: "Measured friction and the melt film".to_owned(),
-            caption: String::new(),
-            plot: scatter(
-                rows,
-                [
-                    "friction over that of the film",
-                    "mu of the film [1e-3]",
-                    "mu [1e-3]",
-                ],
+    let (title, [label, x_name], x, curve) = match setting.base {
+        Base::Film => {
+            let film: Vec<f64> = rows.iter().map(|r| 1e3 * r.film).collect();
+            let most = film.iter().copied().fold(0.0, f64::max);
+            let (x, y) = (vec![0.0, most], vec![0.0, first.step[0] * most]);
+            (
+                "Measured friction and the melt film",
+                ["friction over that of the film", "mu of the film [1e-3]"],
                 film,
-                mu,
                 ("film times zeta, refitted", x, y),
-            ),
-        };
-    }
-    let pressure: Vec<f64> = rows.iter().map(|r| 1e-6 * r.pressure).collect();
-    let low = pressure.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = pressure.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    // Extends the curve a little beyond the points.
-    let margin = (0.06 * (high - low)).max(1e-9 * high.abs()).max(1e-12);
-    let (low, high) = (low - margin, high + margin);
-    let (x, y) = (0..=60)
-        .map(|k| {
-            let p = low + (high - low) * f64::from(k) / 60.0;
-            let mut row = rows[0].clone();
-            row.pressure = 1e6 * p;
-            (p, 1e3 * first.predict(setting, &row).0)
-        })
-        .unzip();
+            )
+        }
+        _ => {
+            let pressure: Vec<f64> = rows.iter().map(|r| 1e-6 * r.pressure).collect();
+            let low = pressure.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = pressure.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            // Extends the curve a little beyond the points.
+            let margin = (0.06 * (high - low)).max(1e-9 * high.abs()).max(1e-12);
+            let (low, high) = (low - margin, high + margin);
+            let point = |k| {
+                let p = low + (high - low) * f64::from(k) / 60.0;
+                let mut row = rows[0].clone();
+                row.pressure = 1e6 * p;
+                (p, 1e3 * first.predict(setting, &row).0)
+            };
+            let (x, y) = (0..=60).map(point).unzip();
+            (
+                "Measured friction and the base law",
+                ["friction over pressure", "largest pressure [MPa]"],
+                pressure,
+                ("base law, refitted", x, y),
+            )
+        }
+    };
+    let mu = rows.iter().map(|r| 1e3 * r.mu).collect();
     Picture {
-        title: "Measured friction and the base law".to_owned(),
+        title: title.to_owned(),
         caption: String::new(),
-        plot: scatter(
-            rows,
-            [
-                "friction over pressure",
-                "largest pressure [MPa]",
-                "mu [1e-3]",
-            ],
-            pressure,
-            mu,
-            ("base law, refitted", x, y),
-        ),
+        plot: scatter(rows, [label, x_name, "mu [1e-3]"], x, mu, curve),
     }
 }
 

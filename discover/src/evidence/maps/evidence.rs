@@ -104,20 +104,20 @@ impl<'a> Maps<'a> {
             && best.size().abs() >= rules.search.agree * error
     }
 
-    /// A named effect is doubtful if most of the misfit above the noise remains.
+    /// Named effects are doubtful if most of the misfit above the noise remains.
     fn doubt(&self, last: &Misfit, steps: &[Step]) -> Option<String> {
         let [most, share] = self.options.rules.maps.doubtful;
         let excess = |misfit: &Misfit| misfit.in_contact - misfit.count;
         let remaining = excess(last) / excess(&self.start.misfit).max(1e-9);
-        let doubtful = last.in_contact > most * last.count && remaining > share;
+        if steps.is_empty() || last.in_contact <= most * last.count || remaining <= share {
+            return None;
+        }
         let names: Vec<&str> = steps.iter().map(|s| s.effect.as_str()).collect();
-        (doubtful && !names.is_empty()).then(|| {
-            format!(
-                "{} would lower the misfit, but {:.0} % of the excess over the noise remains: not named",
-                names.join(" and "),
-                100.0 * remaining
-            )
-        })
+        Some(format!(
+            "{} would lower the misfit, but {:.0} % of the excess over the noise remains: not named",
+            names.join(" and "),
+            100.0 * remaining
+        ))
     }
 
     /// Removes effects without which chi2 rises by less than a selected effect must lower it.
