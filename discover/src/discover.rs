@@ -27,40 +27,34 @@ pub fn discover(
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Found, Error> {
+    let refused = |reason: String| Err(Error::file(data, reason));
     if data.is_dir() {
-        let present = FILES.iter().filter(|name| data.join(name).is_file());
-        let present: Vec<String> = present
-            .map(|name| data.join(name).display().to_string())
-            .collect();
-        return Err(Error::File {
-            file: data.display().to_string(),
-            reason: match present.is_empty() {
-                true => format!("a folder; expected a file like {}", FILES.join(", ")),
-                false => format!(
-                    "a folder; expected a file, such as {}",
-                    present.join(" or ")
-                ),
-            },
+        let files = FILES.iter().map(|name| data.join(name));
+        let present = files.filter(|file| file.is_file());
+        let present: Vec<String> = present.map(|file| file.display().to_string()).collect();
+        return refused(match present.is_empty() {
+            true => format!("a folder; expected a file like {}", FILES.join(", ")),
+            false => format!(
+                "a folder; expected a file, such as {}",
+                present.join(" or ")
+            ),
         });
     }
     if data.extension().is_some_and(|ending| ending == "toml") {
-        if let Some(model) = model {
-            return Err(Error::File {
-                file: data.display().to_string(),
-                reason: format!(
-                    "a campaign names its own model; {} is given as well",
-                    model.display()
-                ),
-            });
-        }
-        return joint::search(data, options, progress);
+        return match model {
+            None => joint::search(data, options, progress),
+            Some(model) => refused(format!(
+                "a campaign names its own model; {} is given as well",
+                model.display()
+            )),
+        };
     }
-    let model = model.ok_or_else(|| Error::File {
-        file: data.display().to_string(),
-        reason:
+    let Some(model) = model else {
+        return refused(
             "a table without a model; expected a model as well, or a campaign.toml that names both"
                 .to_owned(),
-    })?;
+        );
+    };
     let table = Table::read(data)?;
     let has = |name: &str| table.place(name).is_some();
     if has("run") && has("file") {
@@ -76,11 +70,8 @@ pub fn discover(
     if has("case") {
         return maps::search(data, model, options, progress);
     }
-    Err(Error::File {
-        file: data.display().to_string(),
-        reason: format!(
-            "columns {}; expected those of runs.csv (run, file, ...), experiments.csv (specimen, p_max_pa, mu, ...) or pressures.csv (case, fz_n, ...)",
-            table.header.join(", ")
-        ),
-    })
+    refused(format!(
+        "columns {}; expected those of runs.csv (run, file, ...), experiments.csv (specimen, p_max_pa, mu, ...) or pressures.csv (case, fz_n, ...)",
+        table.header.join(", ")
+    ))
 }

@@ -1,5 +1,8 @@
 //! Errors of reading data and of searches.
 
+use std::fmt::Display;
+use std::path::Path;
+
 /// Why a search fails.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -80,4 +83,14 @@ pub enum Error {
     /// From the contact solver or its case.
     #[error(transparent)]
     Contact(#[from] kufe_contact::Error),
+}
+
+impl Error {
+    /// A file that cannot be read or has invalid content.
+    pub(crate) fn file(file: &Path, reason: impl Display) -> Self {
+        Self::File {
+            file: file.display().to_string(),
+            reason: reason.to_string(),
+        }
+    }
 }

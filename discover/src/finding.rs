@@ -1,4 +1,6 @@
-//! Result types of a search ([`kufe::results::finding`]), and the selection of bins in them.
+//! Result types of a search ([`kufe::results::finding`]), and how they are made from residuals.
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 pub use kufe::results::finding::*;
 
@@ -6,6 +8,62 @@ pub use kufe::results::finding::*;
 pub(crate) const BIN_SHOWN: f64 = 0.05;
 /// Most bins that are reported.
 pub(crate) const BINS_SHOWN: usize = 40;
+
+/// A parameter with an interval of this half width.
+pub(crate) fn fitted(name: &str, unit: &str, value: f64, half: f64) -> Fitted {
+    Fitted {
+        name: name.to_owned(),
+        value,
+        low: value - half,
+        high: value + half,
+        unit: unit.to_owned(),
+    }
+}
+
+/// The misfit of one channel on held-out data with these names.
+pub(crate) fn held_out<'a>(
+    what: &str,
+    names: impl Iterator<Item = &'a String>,
+    gap: ChannelGap,
+) -> HeldOut {
+    let runs: Vec<String> = names.cloned().collect();
+    HeldOut {
+        what: what.to_owned(),
+        gap_before: gap.before,
+        gap_after: gap.after,
+        unit: gap.unit.clone(),
+        channels: Vec::from_iter((!runs.is_empty()).then_some(gap)),
+        runs,
+    }
+}
+
+/// A bin of the values of a column between two ends, with the mean of its residuals.
+///
+/// `as_one` neighbouring residuals count as one value. The p-value is that of Student's t with
+/// `freedom` degrees of freedom.
+pub(crate) fn bin(
+    (channel, unit): (&str, &str),
+    column: &str,
+    [from, to]: [f64; 2],
+    residuals: &[f64],
+    (as_one, freedom): (f64, f64),
+) -> Option<Bin> {
+    let n = residuals.len() as f64;
+    let mean = residuals.iter().sum::<f64>() / n;
+    let variance = residuals.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    let error = (variance * as_one / n).sqrt();
+    let law = StudentsT::new(0.0, 1.0, freedom).ok()?;
+    Some(Bin {
+        channel: channel.to_owned(),
+        column: column.to_owned(),
+        from,
+        to,
+        mean,
+        error,
+        unit: unit.to_owned(),
+        p_value: 2.0 * law.sf((mean / error.max(1e-300)).abs()),
+    })
+}
 
 /// Bins that are significant among all of them (Bonferroni), strongest first.
 pub(crate) fn significant(mut bins: Vec<Bin>) -> Vec<Bin> {

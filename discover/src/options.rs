@@ -70,16 +70,13 @@ impl Options {
         known.extend(own.iter().map(|active| active.name.as_str()));
         known.sort_unstable();
         known.dedup();
-        match self
-            .only
-            .iter()
-            .find(|name| !known.contains(&name.as_str()))
-        {
+        let mut requested = self.only.iter();
+        match requested.find(|name| !known.contains(&name.as_str())) {
+            None => Ok(()),
             Some(name) => Err(Error::UnknownEffect {
                 name: name.clone(),
                 known: known.join(", "),
             }),
-            None => Ok(()),
         }
     }
 }

@@ -13,13 +13,12 @@ use crate::error::Error;
 /// [`Error::File`] if the file is not an EXR image with a place in metres, is too large, does not
 /// have the channel, or contains values that are not pressures.
 pub fn read_map(path: &Path) -> Result<Map, Error> {
-    let file = path.display().to_string();
     let image = ExrImage::load(path).map_err(|error| match error {
-        MeshError::Io { source, .. } => file_error(&file, &source),
-        MeshError::File { source, .. } => file_error(&file, &source),
-        other => file_error(&file, &other),
+        MeshError::Io { source, .. } => Error::file(path, source),
+        MeshError::File { source, .. } => Error::file(path, source),
+        other => Error::file(path, other),
     })?;
-    map(&image, &file)
+    map(&image, path)
 }
 
 /// Reads a map as [`read_map`] does; `file` names it in errors.
@@ -27,24 +26,18 @@ pub fn read_map(path: &Path) -> Result<Map, Error> {
 /// # Errors
 /// As [`read_map`].
 pub fn read_map_bytes(bytes: &[u8], file: &str) -> Result<Map, Error> {
-    let image = ExrImage::read(bytes).map_err(|error| file_error(file, &error))?;
+    let file = Path::new(file);
+    let image = ExrImage::read(bytes).map_err(|error| Error::file(file, error))?;
     map(&image, file)
 }
 
-fn file_error(file: &str, what: &dyn std::fmt::Display) -> Error {
-    Error::File {
-        file: file.to_owned(),
-        reason: what.to_string(),
-    }
-}
-
-fn map(image: &ExrImage, file: &str) -> Result<Map, Error> {
+fn map(image: &ExrImage, file: &Path) -> Result<Map, Error> {
     let pressure = image
         .channel("p")
-        .map_err(|error| file_error(file, &error))?;
+        .map_err(|error| Error::file(file, error))?;
     if let Some(bad) = pressure.iter().position(|p| !p.is_finite()) {
         let what = format!("pixel {bad} of channel p is infinite; expected a pressure in Pa");
-        return Err(file_error(file, &what));
+        return Err(Error::file(file, what));
     }
     Ok(Map {
         nx: image.size[0],

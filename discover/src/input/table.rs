@@ -21,37 +21,29 @@ impl Table {
     /// # Errors
     /// [`Error::File`] if it cannot be read or is ragged.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let file = path.display().to_string();
-        let file_error = |reason: String| Error::File {
-            file: file.clone(),
-            reason,
-        };
-        let text = kufe_files::text_of_regular(path, MOST_BYTES);
-        let text = text.map_err(|error| file_error(error.to_string()))?;
+        let refused = |reason: &dyn std::fmt::Display| Error::file(path, reason);
+        let text = kufe_files::text_of_regular(path, MOST_BYTES).map_err(|e| refused(&e))?;
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .from_reader(text.as_bytes());
-        let header: Vec<String> = reader
-            .headers()
-            .map_err(|error| file_error(error.to_string()))?
-            .iter()
-            .map(str::to_owned)
-            .collect();
+        let owned = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect();
+        let header: Vec<String> = owned(reader.headers().map_err(|e| refused(&e))?);
         if let Some(twice) = (0..header.len()).find(|k| header[..*k].contains(&header[*k])) {
-            return Err(file_error(format!(
-                "column `{}` is given twice; expected once",
-                header[twice]
-            )));
+            let what = format!("column `{}` is given twice; expected once", header[twice]);
+            return Err(refused(&what));
         }
-        let mut rows = Vec::new();
-        for record in reader.records() {
-            let record = record.map_err(|error| file_error(error.to_string()))?;
-            rows.push(record.iter().map(str::to_owned).collect());
-        }
+        let rows = reader.records().map(|record| Ok(owned(&record?)));
+        let rows: Vec<Vec<String>> = rows
+            .collect::<Result<_, csv::Error>>()
+            .map_err(|e| refused(&e))?;
         if rows.is_empty() {
-            return Err(file_error("no rows; expected at least one".to_owned()));
+            return Err(refused(&"no rows; expected at least one"));
         }
-        Ok(Self { file, header, rows })
+        Ok(Self {
+            file: path.display().to_string(),
+            header,
+            rows,
+        })
     }
 
     /// Index of a column.
@@ -64,11 +56,8 @@ impl Table {
     /// # Errors
     /// [`Error::MissingColumn`].
     pub fn texts(&self, column: &str) -> Result<Vec<String>, Error> {
-        let at = self.place(column).ok_or_else(|| Error::MissingColumn {
-            file: self.file.clone(),
-            column: column.to_owned(),
-            found: self.header.join(", "),
-        })?;
+        let at = self.place(column);
+        let at = at.ok_or_else(|| self.missing(column, ""))?;
         Ok(self.rows.iter().map(|row| row[at].clone()).collect())
     }
 
@@ -93,14 +82,29 @@ impl Table {
             .collect()
     }
 
-    /// A column of numbers that may be absent.
+    /// The same of a column that may be absent: it then has this value in all rows.
     ///
     /// # Errors
     /// [`Error::Cell`].
-    pub fn optional(&self, column: &str, low: f64, high: f64) -> Result<Option<Vec<f64>>, Error> {
+    pub fn numbers_or(
+        &self,
+        column: &str,
+        low: f64,
+        high: f64,
+        absent: f64,
+    ) -> Result<Vec<f64>, Error> {
         match self.place(column) {
-            None => Ok(None),
-            Some(_) => self.numbers(column, low, high).map(Some),
+            None => Ok(vec![absent; self.rows.len()]),
+            Some(_) => self.numbers(column, low, high),
+        }
+    }
+
+    /// The error of a missing column, which is needed for this reason.
+    pub fn missing(&self, column: &str, reason: &str) -> Error {
+        Error::MissingColumn {
+            file: self.file.clone(),
+            column: column.to_owned(),
+            found: self.header.join(", ") + reason,
         }
     }
 }

@@ -1,15 +1,8 @@
-//! Combination of sizes and p-values of one effect by several kinds of data.
+//! Combination of the sizes of one effect by several kinds of data.
 //!
 //! ```text
 //! size = sum_k size_k / e_k^2  /  sum_k 1 / e_k^2        error = (sum_k 1 / e_k^2)^(-1/2)
-//! p = P(chi2 with 4 degrees > -2 ln p_1 - 2 ln p_2)
 //! ```
-//!
-//! The second is Fisher's (Statistical Methods for Research Workers, 1932, section 21.1). Each p is
-//! corrected for all candidates of its kind of data, so that the combination is corrected for all
-//! effects, too.
-
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::procedure::shared_effects::Amount;
 
@@ -46,15 +39,10 @@ pub fn gain(amounts: &[Amount]) -> f64 {
     common.t().powi(2)
 }
 
-/// Combined p-value of two independent ones.
-pub fn combined_p_value(a: f64, b: f64) -> f64 {
-    let sum = -2.0 * (a.max(1e-300).ln() + b.max(1e-300).ln());
-    ChiSquared::new(4.0).map_or(1.0, |law| law.sf(sum))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::null::combined_p_value;
 
     fn amount(value: f64, error: f64) -> Amount {
         Amount {

@@ -5,7 +5,8 @@
 //! comparison on held-out data.
 
 use crate::error::Error;
-use crate::joint::description::{PartResults, described};
+use crate::joint::description::described;
+use crate::joint::indexed::Part;
 use crate::joint::kinds::{Joint, JointFit, Origin, PartFit};
 use crate::procedure::evidence::{
     Account, Description, Evidence, ExtendedFit, HeldOutResults, Screen, Selection,
@@ -20,9 +21,7 @@ impl Evidence for Joint<'_> {
     fn fit_base(&mut self, account: &mut Account) -> Result<JointFit, Error> {
         let mut parts = Vec::new();
         for k in 0..self.kinds.len() {
-            let mut own = Account::default();
-            let free = self.kinds[k].part.fit_base(&mut own)?;
-            self.add_remarks(k, own, account);
+            let (free, _) = self.of_kind(k, &[], account, |part, own| part.fit_base(own))?;
             parts.push(PartFit {
                 free,
                 written: free,
@@ -38,18 +37,16 @@ impl Evidence for Joint<'_> {
     fn screen(&mut self, fit: &JointFit, account: &mut Account) -> Result<Screen<Origin>, Error> {
         let mut selections = Vec::new();
         let mut detectable = Vec::new();
-        for k in 0..self.kinds.len() {
-            let free = fit.parts[k].free;
-            if self.kinds[k].silent == Some(free) {
+        for (k, PartFit { free, steps, .. }) in fit.parts.iter().enumerate() {
+            if self.kinds[k].silent == Some(*free) {
                 continue;
             }
-            let mut own = self.own(fit, k, account);
-            let screen = self.kinds[k].part.screen(&free, &mut own)?;
-            self.add_remarks(k, own, account);
+            let screen = |part: &mut Part, own: &mut Account| part.screen(free, own);
+            let (screen, _) = self.of_kind(k, steps, account, screen)?;
             detectable.extend(screen.detectable);
             match screen.selection {
                 Some(selection) => selections.push((k, selection)),
-                None => self.kinds[k].silent = Some(free),
+                None => self.kinds[k].silent = Some(*free),
             }
         }
         // The most significant first; ties go to the first kind.
@@ -72,24 +69,22 @@ impl Evidence for Joint<'_> {
         selection: &Selection<Origin>,
         step: usize,
     ) -> Result<ExtendedFit<JointFit>, Error> {
-        let origin = selection.candidate.act;
+        let Origin {
+            kind: first,
+            selection: place,
+        } = selection.candidate.act;
         let amount = Amount::of(&selection.candidate, selection.size, selection.error);
         let common = self.is_common(&amount.effect);
         let mut next = fit.clone();
-        let part = &mut next.parts[origin.kind];
-        let known = part.steps.iter().position(|s| *s == step);
-        let own = known.unwrap_or(part.steps.len());
-        let added = self.kinds[origin.kind].part.add(
-            &fit.parts[origin.kind].free,
-            &selection.acting(origin.selection),
-            own,
-        )?;
+        let part = &mut next.parts[first];
+        let own = part.own_step(step);
+        let own_step = own.unwrap_or(part.steps.len());
+        let kind = &mut self.kinds[first].part;
+        let added = kind.add(&part.free, &selection.acting(place), own_step)?;
         part.free = added.fit;
-        if known.is_none() {
-            part.steps.push(step);
-        }
+        part.steps.extend(own.is_none().then_some(step));
         for (k, part) in next.parts.iter_mut().enumerate() {
-            if k == origin.kind || !common || part.steps.contains(&step) {
+            if k == first || !common || part.steps.contains(&step) {
                 continue;
             }
             let kind = &mut self.kinds[k].part;
@@ -106,61 +101,48 @@ impl Evidence for Joint<'_> {
         })
     }
 
-    fn settle(&mut self, fit: JointFit, account: &mut Account) -> Result<JointFit, Error> {
-        let mut next = fit.clone();
+    fn settle(&mut self, mut fit: JointFit, account: &mut Account) -> Result<JointFit, Error> {
         for k in 0..self.kinds.len() {
-            let mut own = self.own(&fit, k, account);
-            let part = &mut next.parts[k];
-            part.free = self.kinds[k].part.settle(part.free, &mut own)?;
-            part.written = part.free;
-            let own_step = |step: &usize| {
-                own.steps
-                    .iter()
-                    .find(|s| s.effect == account.steps[*step].effect)
-            };
-            part.steps.retain(|step| own_step(step).is_some());
-            for step in &part.steps {
-                if let Some(own) = own
-                    .steps
-                    .iter()
-                    .find(|s| s.effect == account.steps[*step].effect)
-                {
-                    let known = &mut account.steps[*step];
+            let part = &mut fit.parts[k];
+            let free = part.free;
+            let settle = |kind: &mut Part, own: &mut Account| kind.settle(free, own);
+            let (settled, own) = self.of_kind(k, &part.steps, account, settle)?;
+            (part.free, part.written) = (settled, settled);
+            part.steps.retain(|step| {
+                let known = &mut account.steps[*step];
+                let own = own.iter().find(|s| s.effect == known.effect);
+                if let Some(own) = own {
                     (known.gap_before, known.gap_after) = (own.gap_before, own.gap_after);
                 }
-            }
-            self.add_remarks(k, own, account);
+                own.is_some()
+            });
         }
         // A step that no kind contains is removed.
         for step in (0..account.steps.len()).rev() {
-            if !next.parts.iter().any(|part| part.steps.contains(&step)) {
+            if !fit.parts.iter().any(|part| part.steps.contains(&step)) {
                 account.steps.remove(step);
-                next.remove_step(step);
+                fit.remove_step(step);
             }
         }
-        next.estimates.clear();
-        for step in 0..account.steps.len() {
-            let effect = account.steps[step].effect.clone();
-            let estimates = self.estimates(&next, step, &effect)?;
-            if !estimates.together.is_empty() {
-                for (k, part) in next.parts.iter_mut().enumerate() {
-                    if let Some(own) = part.steps.iter().position(|s| *s == step) {
-                        let kind = &mut self.kinds[k].part;
-                        part.written =
-                            kind.with_fixed_sizes(&part.written, own, &estimates.together)?;
-                    }
+        fit.estimates.clear();
+        for (step, known) in account.steps.iter().enumerate() {
+            let estimates = self.estimates(&fit, step, &known.effect);
+            let sizes = &estimates.together;
+            for (kind, part) in self.kinds.iter_mut().zip(&mut fit.parts) {
+                if let Some(own) = part.own_step(step).filter(|_| !sizes.is_empty()) {
+                    part.written = kind.part.with_fixed_sizes(&part.written, own, sizes)?;
                 }
             }
-            next.estimates.push(estimates);
+            fit.estimates.push(estimates);
         }
-        Ok(next)
+        Ok(fit)
     }
 
     fn without(&mut self, fit: &JointFit, step: usize) -> Result<JointFit, Error> {
         let mut next = fit.clone();
-        for (k, part) in next.parts.iter_mut().enumerate() {
-            if let Some(own) = part.steps.iter().position(|s| *s == step) {
-                part.free = self.kinds[k].part.without(&part.free, own)?;
+        for (kind, part) in self.kinds.iter_mut().zip(&mut next.parts) {
+            if let Some(own) = part.own_step(step) {
+                part.free = kind.part.without(&part.free, own)?;
                 part.written = part.free;
             }
         }
@@ -177,20 +159,12 @@ impl Evidence for Joint<'_> {
         let of = |part: &PartFit| if both { part.written } else { part.free };
         let mut sum: Option<Decrease> = None;
         for (kind, (from, to)) in self.kinds.iter().zip(from.parts.iter().zip(&to.parts)) {
-            let Some(one) = kind.part.misfit_decrease(&of(from), &of(to))? else {
-                continue;
-            };
-            sum = Some(match sum {
-                None => one,
-                Some(sum) => Decrease {
-                    by: sum.by + one.by,
-                    error: sum.error.hypot(one.error),
-                    weighed: None,
-                    contact_evidence: sum.contact_evidence.or(one.contact_evidence),
-                    by_channel: [sum.by_channel, one.by_channel].concat(),
-                    repeats: sum.repeats + one.repeats,
-                },
-            });
+            if let Some(one) = kind.part.misfit_decrease(&of(from), &of(to))? {
+                sum = Some(match sum {
+                    None => one,
+                    Some(sum) => sum.with_other_data(one),
+                });
+            }
         }
         Ok(sum)
     }
@@ -202,22 +176,18 @@ impl Evidence for Joint<'_> {
         account: &mut Account,
     ) -> Result<HeldOutResults, Error> {
         let mut closed = vec![None; account.steps.len()];
-        for k in 0..self.kinds.len() {
-            let mut own = self.own(last, k, account);
-            let (from, to) = (base.parts[k].written, last.parts[k].written);
-            let opened = self.kinds[k].part.open(&from, &to, &mut own)?;
-            self.add_remarks(k, own, account);
-            for (step, of_step) in last.parts[k].steps.iter().zip(opened.closed) {
+        for (k, (base, last)) in base.parts.iter().zip(&last.parts).enumerate() {
+            let open =
+                |part: &mut Part, own: &mut Account| part.open(&base.written, &last.written, own);
+            let (opened, _) = self.of_kind(k, &last.steps, account, open)?;
+            for (step, of_step) in last.steps.iter().zip(opened.closed) {
                 closed[*step].get_or_insert(of_step);
             }
             self.kinds[k].held_out = opened.held_out;
         }
         // The kind that the first step belongs to comes first; every kind's channels follow.
-        let head = last
-            .parts
-            .iter()
-            .position(|p| p.steps.contains(&0))
-            .unwrap_or(0);
+        let mut parts = last.parts.iter();
+        let head = parts.position(|p| p.steps.contains(&0)).unwrap_or(0);
         let mut held_out = self.kinds[head].held_out.clone();
         let others = self.kinds.iter().enumerate().filter(|(k, _)| *k != head);
         let others = others.flat_map(|(_, kind)| kind.held_out.channels.clone());
@@ -235,16 +205,14 @@ impl Evidence for Joint<'_> {
         account: &mut Account,
     ) -> Result<Description, Error> {
         let mut parts = Vec::new();
-        for k in 0..self.kinds.len() {
-            let mut own = self.own(last, k, account);
-            let (from, to) = (base.parts[k].free, last.parts[k].written);
-            let description = self.kinds[k].part.describe(&from, &to, &mut own)?;
-            let steps = last.parts[k].steps.clone();
-            for (step, of_part) in steps.iter().zip(&own.steps) {
-                account.steps[*step].contacts.clone_from(&of_part.contacts);
+        for (k, (base, last)) in base.parts.iter().zip(&last.parts).enumerate() {
+            let describe =
+                |part: &mut Part, own: &mut Account| part.describe(&base.free, &last.written, own);
+            let (description, own) = self.of_kind(k, &last.steps, account, describe)?;
+            for (step, of_part) in last.steps.iter().zip(own) {
+                account.steps[*step].contacts = of_part.contacts;
             }
-            self.add_remarks(k, own, account);
-            parts.push(PartResults { description, steps });
+            parts.push((description, last));
         }
         Ok(described(self, &last.estimates, parts, account))
     }

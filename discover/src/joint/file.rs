@@ -31,14 +31,11 @@ impl CampaignFile {
     /// [`Error::File`] for an invalid file, without data, without a model, or naming a file twice
     /// or one that does not exist.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let file_error = |reason: String| Error::File {
-            file: path.display().to_string(),
-            reason,
-        };
-        let text = kufe_files::text_of_regular(path, MOST_BYTES)
-            .map_err(|error| file_error(error.to_string()))?;
-        let mut campaign: Self = toml::from_str(&text)
-            .map_err(|error| file_error(error.to_string().trim().to_owned()))?;
+        let refused = |reason: &str| Error::file(path, reason.trim());
+        let text = kufe_files::text_of_regular(path, MOST_BYTES);
+        let text = text.map_err(|error| refused(&error.to_string()))?;
+        let mut campaign: Self =
+            toml::from_str(&text).map_err(|error| refused(&error.to_string()))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut seen: Vec<(&str, PathBuf)> = Vec::new();
         for (key, file) in [
@@ -49,38 +46,31 @@ impl CampaignFile {
         ] {
             let Some(file) = file else { continue };
             *file = folder.join(&*file);
+            let shown = file.display();
             if !file.is_file() {
-                return Err(file_error(format!(
-                    "{key}: {} is not an existing file; paths are relative to the campaign's folder",
-                    file.display()
+                return Err(refused(&format!(
+                    "{key}: {shown} is not an existing file; paths are relative to the campaign's folder"
                 )));
             }
             if let Some((other, _)) = seen.iter().find(|(_, f)| f == file) {
-                return Err(file_error(format!(
-                    "{key} = {}: the same file as {other}",
-                    file.display()
-                )));
+                let reason = format!("{key} = {shown}: the same file as {other}");
+                return Err(refused(&reason));
             }
             seen.push((key, file.clone()));
         }
-        if seen.iter().all(|(key, _)| *key == "model") {
-            return Err(file_error(
-                "no data; expected one or more of runs, experiments, pressures".to_owned(),
-            ));
+        let of_model = campaign.runs.is_some() || campaign.experiments.is_some();
+        match (&campaign.model, of_model, &campaign.pressures) {
+            (_, false, None) => Err(refused(
+                "no data; expected one or more of runs, experiments, pressures",
+            )),
+            (None, true, _) => Err(refused(
+                "model is missing; expected the model.toml that runs and experiments are compared with",
+            )),
+            (Some(_), false, _) => Err(refused(
+                "model is given without runs or experiments; pressures are compared with their own case",
+            )),
+            _ => Ok(campaign),
         }
-        if campaign.model.is_none() && (campaign.runs.is_some() || campaign.experiments.is_some()) {
-            return Err(file_error(
-                "model is missing; expected the model.toml that runs and experiments are compared with"
-                    .to_owned(),
-            ));
-        }
-        if campaign.model.is_some() && campaign.runs.is_none() && campaign.experiments.is_none() {
-            return Err(file_error(
-                "model is given without runs or experiments; pressures are compared with their own case"
-                    .to_owned(),
-            ));
-        }
-        Ok(campaign)
     }
 
     /// Every file that the campaign names.
@@ -104,13 +94,13 @@ pub fn case_of(pressures: &Path) -> Result<PathBuf, Error> {
     cases.dedup();
     match cases.as_slice() {
         [case] => Ok(pressures.parent().unwrap_or(Path::new("")).join(case)),
-        several => Err(Error::File {
-            file: table.file,
-            reason: format!(
+        several => Err(Error::file(
+            pressures,
+            format!(
                 "column case: found {}; expected one case in all rows of a campaign, the one to improve",
                 several.join(", ")
             ),
-        }),
+        )),
     }
 }
 

@@ -26,9 +26,17 @@ impl<E: Evidence> Indexed<E> {
         }
     }
 
-    fn store(&mut self, fit: E::Fit) -> usize {
-        self.fits.push(fit);
-        self.fits.len() - 1
+    /// The index of a fit, once stored.
+    fn stored(&mut self, fit: Result<E::Fit, Error>) -> Result<usize, Error> {
+        self.fits.push(fit?);
+        Ok(self.fits.len() - 1)
+    }
+
+    /// The same selection with its index as action, once stored.
+    fn selected(&mut self, selection: Selection<E::Act>) -> Selection<usize> {
+        let indexed = selection.acting(self.selections.len());
+        self.selections.push(selection);
+        indexed
     }
 }
 
@@ -37,20 +45,14 @@ impl<E: Evidence> Evidence for Indexed<E> {
     type Fit = usize;
 
     fn fit_base(&mut self, account: &mut Account) -> Result<usize, Error> {
-        let fit = self.evidence.fit_base(account)?;
-        Ok(self.store(fit))
+        let fit = self.evidence.fit_base(account);
+        self.stored(fit)
     }
 
     fn screen(&mut self, fit: &usize, account: &mut Account) -> Result<Screen<usize>, Error> {
         let screen = self.evidence.screen(&self.fits[*fit], account)?;
-        let place = self.selections.len();
-        let selection = screen
-            .selection
-            .as_ref()
-            .map(|selection| selection.acting(place));
-        self.selections.extend(screen.selection);
         Ok(Screen {
-            selection,
+            selection: screen.selection.map(|selection| self.selected(selection)),
             detectable: screen.detectable,
         })
     }
@@ -64,7 +66,7 @@ impl<E: Evidence> Evidence for Indexed<E> {
         let own = &self.selections[selection.candidate.act];
         let own = self.evidence.add(&self.fits[*fit], own, step)?;
         Ok(ExtendedFit {
-            fit: self.store(own.fit),
+            fit: self.stored(Ok(own.fit))?,
             written: own.written,
             gap: own.gap,
             place: own.place,
@@ -72,18 +74,18 @@ impl<E: Evidence> Evidence for Indexed<E> {
     }
 
     fn settle(&mut self, fit: usize, account: &mut Account) -> Result<usize, Error> {
-        let settled = self.evidence.settle(self.fits[fit].clone(), account)?;
-        Ok(self.store(settled))
+        let settled = self.evidence.settle(self.fits[fit].clone(), account);
+        self.stored(settled)
     }
 
     fn without(&mut self, fit: &usize, step: usize) -> Result<usize, Error> {
-        let without = self.evidence.without(&self.fits[*fit], step)?;
-        Ok(self.store(without))
+        let without = self.evidence.without(&self.fits[*fit], step);
+        self.stored(without)
     }
 
     fn misfit_decrease(&self, from: &usize, to: &usize) -> Result<Option<Decrease>, Error> {
-        self.evidence
-            .misfit_decrease(&self.fits[*from], &self.fits[*to])
+        let [from, to] = [from, to].map(|fit| &self.fits[*fit]);
+        self.evidence.misfit_decrease(from, to)
     }
 
     fn open(
@@ -92,8 +94,8 @@ impl<E: Evidence> Evidence for Indexed<E> {
         last: &usize,
         account: &mut Account,
     ) -> Result<HeldOutResults, Error> {
-        self.evidence
-            .open(&self.fits[*base], &self.fits[*last], account)
+        let [base, last] = [base, last].map(|fit| &self.fits[*fit]);
+        self.evidence.open(base, last, account)
     }
 
     fn describe(
@@ -102,8 +104,8 @@ impl<E: Evidence> Evidence for Indexed<E> {
         last: &usize,
         account: &mut Account,
     ) -> Result<Description, Error> {
-        self.evidence
-            .describe(&self.fits[*base], &self.fits[*last], account)
+        let [base, last] = [base, last].map(|fit| &self.fits[*fit]);
+        self.evidence.describe(base, last, account)
     }
 }
 
@@ -122,9 +124,7 @@ impl<E: SharesEffects> SharesEffects for Indexed<E> {
 
     fn select(&mut self, fit: &usize, amount: &Amount) -> Option<Selection<usize>> {
         let selection = self.evidence.select(&self.fits[*fit], amount)?;
-        let stored = selection.acting(self.selections.len());
-        self.selections.push(selection);
-        Some(stored)
+        Some(self.selected(selection))
     }
 
     fn amounts(&self, fit: &usize, step: usize) -> Vec<Amount> {
@@ -135,11 +135,10 @@ impl<E: SharesEffects> SharesEffects for Indexed<E> {
         &mut self,
         fit: &usize,
         step: usize,
-        amounts: &[Amount],
+        sizes: &[Amount],
     ) -> Result<usize, Error> {
-        let fixed = self
-            .evidence
-            .with_fixed_sizes(&self.fits[*fit], step, amounts)?;
-        Ok(self.store(fixed))
+        let fit = &self.fits[*fit];
+        let fixed = self.evidence.with_fixed_sizes(fit, step, sizes);
+        self.stored(fixed)
     }
 }

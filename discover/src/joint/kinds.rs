@@ -1,7 +1,7 @@
 //! The kinds of data of a campaign, their fits, and their estimates of one effect.
 
 use crate::error::Error;
-use crate::finding::{Fitted, HeldOut};
+use crate::finding::{HeldOut, Step};
 use crate::joint::combine::{disagreement, together};
 use crate::joint::indexed::Part;
 use crate::options::Options;
@@ -81,18 +81,21 @@ impl<'a> Joint<'a> {
         }
     }
 
-    /// A kind's account: the steps that it takes part in.
-    pub fn own(&self, fit: &JointFit, kind: usize, account: &Account) -> Account {
-        let steps = &fit.parts[kind].steps;
-        Account {
+    /// A result of one kind of data, with the steps as it reports them. Its account has the steps
+    /// that it takes part in; its remarks are added to the campaign's.
+    pub fn of_kind<T>(
+        &mut self,
+        kind: usize,
+        steps: &[usize],
+        account: &mut Account,
+        result: impl FnOnce(&mut Part<'a>, &mut Account) -> Result<T, Error>,
+    ) -> Result<(T, Vec<Step>), Error> {
+        let mut own = Account {
             steps: steps.iter().map(|s| account.steps[*s].clone()).collect(),
             ..Account::default()
-        }
-    }
-
-    /// Adds a kind's remarks to the account.
-    pub fn add_remarks(&self, kind: usize, own: Account, account: &mut Account) {
-        let name = self.kinds[kind].name;
+        };
+        let Kind { name, part, .. } = &mut self.kinds[kind];
+        let result = result(part, &mut own)?;
         let of = |text: String| format!("{name}: {text}");
         account.remarks.extend(own.remarks.into_iter().map(of));
         let depends = own.depends.into_iter().map(|one| Dependence {
@@ -106,6 +109,7 @@ impl<'a> Joint<'a> {
             account.remarks.push(remark);
             account.unexplained.get_or_insert(of(why));
         }
+        Ok((result, own.steps))
     }
 
     /// Whether an effect is the same in all kinds of data.
@@ -113,83 +117,61 @@ impl<'a> Joint<'a> {
         self.kinds.iter().all(|k| k.part.is_common(effect))
     }
 
-    /// A kind's estimates of an effect with its fit; `None` for an unknown effect.
-    pub fn estimates_of(
-        &mut self,
-        kind: usize,
-        fit: usize,
-        amount: &Amount,
-    ) -> Result<Option<(usize, Vec<Amount>)>, Error> {
-        const EXTRA_STEP: usize = usize::MAX;
-        if !self.is_common(&amount.effect) {
-            return Ok(None);
-        }
-        let part = &mut self.kinds[kind].part;
-        let Some(selection) = part.select(&fit, amount) else {
-            return Ok(None);
-        };
-        let added = part.add(&fit, &selection, EXTRA_STEP)?;
-        Ok(Some((added.fit, part.amounts(&added.fit, EXTRA_STEP))))
-    }
-
     /// Every kind's estimates of a step's effect, and its combined size.
-    pub fn estimates(
-        &mut self,
-        fit: &JointFit,
-        step: usize,
-        effect: &str,
-    ) -> Result<StepEstimates, Error> {
-        let mut estimates = StepEstimates::default();
-        for (k, part) in fit.parts.iter().enumerate() {
-            if let Some(own) = part.steps.iter().position(|s| *s == step) {
-                let amounts = self.kinds[k].part.amounts(&part.free, own);
-                estimates.by_kind.push((k, amounts));
-            }
-        }
-        if estimates.by_kind.len() < 2 || !self.is_common(effect) {
-            return Ok(estimates);
+    pub fn estimates(&self, fit: &JointFit, step: usize, effect: &str) -> StepEstimates {
+        let of_kind = |(k, part): (usize, &PartFit)| {
+            let own = part.own_step(step)?;
+            Some((k, self.kinds[k].part.amounts(&part.free, own)))
+        };
+        let by_kind: Vec<(usize, Vec<Amount>)> =
+            fit.parts.iter().enumerate().filter_map(of_kind).collect();
+        let mut estimates = StepEstimates {
+            by_kind,
+            ..StepEstimates::default()
+        };
+        let by_kind = &estimates.by_kind;
+        if by_kind.len() < 2 || !self.is_common(effect) {
+            return estimates;
         }
         let mut all: Vec<Vec<Amount>> = Vec::new();
-        for amount in estimates.by_kind.iter().flat_map(|(_, amounts)| amounts) {
+        for amount in by_kind.iter().flat_map(|(_, amounts)| amounts) {
             match all.iter_mut().find(|same| same[0].is_same(amount)) {
                 Some(same) => same.push(amount.clone()),
                 None => all.push(vec![amount.clone()]),
             }
         }
-        let worst = all
-            .iter()
-            .map(|same| disagreement(same))
-            .fold(0.0, f64::max);
+        let differences = all.iter().map(|same| disagreement(same));
+        let worst = differences.fold(0.0, f64::max);
         if worst <= self.options.rules.search.agree {
             estimates.together = all.iter().filter_map(|same| together(same)).collect();
-        } else {
-            let sizes = estimates.by_kind.iter().flat_map(|(k, amounts)| {
-                let name = self.kinds[*k].name;
-                amounts.iter().map(move |a| {
-                    format!(
-                        "{name}: {} = {:.4e} +- {:.1e} {}",
-                        a.key, a.value, a.error, a.unit
-                    )
-                })
-            });
-            let sizes: Vec<String> = sizes.collect();
-            estimates.disagreement = Some(format!(
-                "{effect}: the kinds of data disagree by {worst:.1} standard errors ({}); each keeps its own size, and the next model has that of {}",
-                sizes.join("; "),
-                self.kinds[estimates.by_kind[0].0].name
-            ));
+            return estimates;
         }
-        Ok(estimates)
-    }
-
-    /// The parameters of a step if its kinds agree.
-    pub fn combined(&self, estimates: &StepEstimates) -> Vec<Fitted> {
-        let quantile = self.options.rules.search.interval;
-        estimates
-            .together
+        let name = |k: &usize| self.kinds[*k].name;
+        let sizes = by_kind
             .iter()
-            .map(|a| a.fitted(quantile))
-            .collect()
+            .flat_map(|(k, amounts)| amounts.iter().map(move |a| (k, a)))
+            .map(|(k, a)| {
+                let (value, error) = (a.value, a.error);
+                format!(
+                    "{}: {} = {value:.4e} +- {error:.1e} {}",
+                    name(k),
+                    a.key,
+                    a.unit
+                )
+            });
+        estimates.disagreement = Some(format!(
+            "{effect}: the kinds of data disagree by {worst:.1} standard errors ({}); each keeps its own size, and the next model has that of {}",
+            sizes.collect::<Vec<_>>().join("; "),
+            name(&by_kind[0].0)
+        ));
+        estimates
+    }
+}
+
+impl PartFit {
+    /// Its own number of a step of the campaign.
+    pub fn own_step(&self, step: usize) -> Option<usize> {
+        self.steps.iter().position(|s| *s == step)
     }
 }
 
@@ -201,9 +183,6 @@ impl JointFit {
             for s in &mut part.steps {
                 *s -= usize::from(*s > step);
             }
-        }
-        if step < self.estimates.len() {
-            self.estimates.remove(step);
         }
     }
 }

@@ -1,13 +1,13 @@
 //! Search of a campaign's data.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use kufe_sled::Model;
 
 use crate::error::Error;
 use crate::evidence::experiments::evidence::Experiments;
 use crate::evidence::maps::evidence::Maps;
-use crate::evidence::maps::measured::file::Measured;
+use crate::evidence::maps::measured::rows::Measured;
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::{experiments, maps, runs};
 use crate::joint::file::{CampaignFile, case_of};
@@ -28,41 +28,40 @@ pub fn search(
     let files = CampaignFile::read(path)?;
     let model = files.model.as_deref().map(Model::load).transpose()?;
     match (&files.runs, &files.experiments, &files.pressures, &model) {
-        (Some(index), None, None, Some(model)) => {
-            progress("reading runs");
-            let data = runs::read(index, model, options)?;
-            return runs::search(&data, model, options, progress);
-        }
         (None, Some(rows), None, Some(model)) => {
             return experiments::search(rows, model, options, progress);
         }
-        (None, None, Some(pressures), None) => {
+        (None, None, Some(pressures), _) => {
             return maps::search(pressures, &case_of(pressures)?, options, progress);
         }
         _ => {}
     }
     options.check_names(model.as_ref())?;
-    let data = match (&files.runs, &model) {
-        (Some(index), Some(model)) => {
-            progress("reading runs");
-            Some(runs::read(index, model, options)?)
-        }
-        _ => None,
+    let model = model.as_ref();
+    let read = |index: &PathBuf| {
+        progress("reading runs");
+        model.map(|model| runs::read(index, model, options))
     };
+    let data = files.runs.as_ref().and_then(read).transpose()?;
+    if let (Some(data), Some(model), None, None) =
+        (&data, model, &files.experiments, &files.pressures)
+    {
+        return runs::search(data, model, options, progress);
+    }
     let measured = match &files.pressures {
+        None => None,
         Some(pressures) => {
             let case = case_of(pressures)?;
             let rows = Measured::read(pressures, &case, &options.rules.maps)?;
             Some((case, rows))
         }
-        None => None,
     };
     let mut parts: Vec<(&'static str, Part)> = Vec::new();
-    if let (Some(data), Some(model)) = (&data, &model) {
+    if let (Some(data), Some(model)) = (&data, model) {
         let campaign = Campaign::new(data, model, options)?;
         parts.push(("runs", Box::new(Indexed::new(campaign))));
     }
-    if let (Some(rows), Some(model)) = (&files.experiments, &model) {
+    if let (Some(rows), Some(model)) = (&files.experiments, model) {
         let experiments = Experiments::read(rows, model, options)?;
         parts.push(("experiments", Box::new(Indexed::new(experiments))));
     }

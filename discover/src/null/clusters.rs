@@ -17,9 +17,9 @@
 use std::collections::{BTreeMap, HashMap};
 
 use nalgebra::DMatrix;
-use rayon::prelude::*;
 
-use crate::null::random::{below, normal, stream};
+use crate::null::random::{below, stream};
+use crate::null::sign_flips::{MaxT, weighted_sums};
 
 /// Members of each group, groups in the order of their names.
 pub fn members<'a>(names: impl Iterator<Item = &'a str>) -> BTreeMap<&'a str, Vec<usize>> {
@@ -71,37 +71,17 @@ pub fn by_sessions(
         }
     };
     let webb = [-1.5_f64, -1.0, -0.5, 0.5, 1.0, 1.5].map(|w| w.signum() * w.abs().sqrt());
-    let mut maxima: Vec<f64> = (0..draws)
-        .into_par_iter()
-        .map(|k| {
-            let mut rng = stream(seed, 0xC105, k as u64);
-            let mut total = vec![0.0; sums.nrows()];
-            let mut squares = variance.clone();
-            for session in sums.column_iter() {
-                let weight = webb[below(&mut rng, webb.len())];
-                for (c, score) in session.iter().enumerate() {
-                    let moved = weight * score;
-                    total[c] += moved;
-                    squares[c] += moved * moved;
-                }
-            }
-            for effect in common.column_iter() {
-                let size = normal(&mut rng);
-                for (total, moved) in total.iter_mut().zip(effect.iter()) {
-                    *total += size * moved;
-                }
-            }
-            let each = total.iter().zip(&squares);
-            each.map(|(sum, squares)| t(*sum, *squares))
-                .fold(0.0, f64::max)
-        })
-        .collect();
-    maxima.sort_by(f64::total_cmp);
+    let null = MaxT::drawn(draws, |k| {
+        let rng = &mut stream(seed, 0xC105, k);
+        let (total, squares) =
+            weighted_sums(&sums, common, rng, |rng| webb[below(rng, webb.len())]);
+        let each = total.iter().zip(squares.iter().zip(&variance));
+        each.map(|(sum, (squares, variance))| t(*sum, squares + variance))
+            .fold(0.0, f64::max)
+    });
     let p_value = |c: usize| {
         let row = sums.row(c);
-        let observed = t(row.sum() + shared[c], row.norm_squared() + variance[c]);
-        let above = maxima.len() - maxima.partition_point(|m| *m < observed - 1e-12);
-        (above + 1) as f64 / (maxima.len() + 1) as f64
+        null.p_value(t(row.sum() + shared[c], row.norm_squared() + variance[c]))
     };
     Some((0..u.nrows()).map(p_value).collect())
 }
@@ -109,6 +89,7 @@ pub fn by_sessions(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::null::random::normal;
     use crate::null::sign_flips::{MaxT, statistics};
 
     const RUNS: usize = 4;

@@ -1,6 +1,7 @@
 //! Permutation tests of session-level quantities.
 
 use crate::null::random::{shuffle, stream};
+use crate::null::sign_flips::MaxT;
 
 /// Tests `levels` (one per session) against covariates by permutation of the sessions.
 ///
@@ -23,39 +24,27 @@ pub fn by_session_permutation(
     let y = centred(levels);
     let xs: Vec<Vec<f64>> = covariates.iter().map(|x| centred(x)).collect();
     let correlation = |order: &[usize], x: &[f64]| -> f64 {
-        order
-            .iter()
-            .zip(x)
-            .map(|(o, x)| y[*o] * x)
-            .sum::<f64>()
-            .abs()
+        let pairs = order.iter().zip(x);
+        pairs.map(|(o, x)| y[*o] * x).sum::<f64>().abs()
     };
     let identity: Vec<usize> = (0..n).collect();
-    let observed: Vec<f64> = xs.iter().map(|x| correlation(&identity, x)).collect();
     let largest = |order: &[usize]| xs.iter().fold(0.0_f64, |m, x| m.max(correlation(order, x)));
-    let maxima: Vec<f64> = if n <= 7 {
-        let mut all = Vec::new();
+    let null = if n <= 7 {
+        let mut maxima = Vec::new();
         visit_orders(&mut identity.clone(), 0, &mut |order| {
-            all.push(largest(order))
+            maxima.extend((order != identity).then(|| largest(order)))
         });
-        all
+        maxima.sort_by(f64::total_cmp);
+        MaxT { maxima }
     } else {
-        (0..permutations)
-            .map(|k| {
-                let mut order = identity.clone();
-                shuffle(&mut stream(seed, 0x5E55, k as u64), &mut order);
-                largest(&order)
-            })
-            .chain([largest(&identity)])
-            .collect()
-    };
-    observed
-        .iter()
-        .map(|r| {
-            let above = maxima.iter().filter(|m| **m >= r - 1e-12).count();
-            (*r, above as f64 / maxima.len() as f64)
+        MaxT::drawn(permutations, |k| {
+            let mut order = identity.clone();
+            shuffle(&mut stream(seed, 0x5E55, k), &mut order);
+            largest(&order)
         })
-        .collect()
+    };
+    let observed = xs.iter().map(|x| correlation(&identity, x));
+    observed.map(|r| (r, null.p_value(r))).collect()
 }
 
 fn visit_orders(order: &mut [usize], from: usize, visit: &mut impl FnMut(&[usize])) {

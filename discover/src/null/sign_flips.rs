@@ -1,6 +1,7 @@
 //! Sign-flip tests with a correction for multiple candidates.
 
 use nalgebra::DMatrix;
+use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::null::random::{normal, sign, stream};
@@ -14,6 +15,14 @@ pub struct MaxT {
 }
 
 impl MaxT {
+    /// From the largest |T| of each of so many randomisations.
+    pub(crate) fn drawn(count: usize, largest: impl Fn(u64) -> f64 + Sync + Send) -> Self {
+        let draws = (0..count as u64).into_par_iter();
+        let mut maxima: Vec<f64> = draws.map(largest).collect();
+        maxima.sort_by(f64::total_cmp);
+        Self { maxima }
+    }
+
     /// Flips the sign of whole runs: under the null a run's scores are symmetric, whatever the
     /// correlation within it. Westfall and Young's single-step max-T over the rows of `u`
     /// (candidates by runs).
@@ -34,32 +43,11 @@ impl MaxT {
         flips: usize,
         seed: u64,
     ) -> Self {
-        let (count, runs) = u.shape();
-        let mut maxima: Vec<f64> = (0..flips)
-            .into_par_iter()
-            .map(|k| {
-                let mut rng = stream(seed, 0xF11B, k as u64);
-                let signs: Vec<f64> = (0..runs).map(|_| sign(&mut rng)).collect();
-                let mut sums = vec![0.0; count];
-                for (i, s) in signs.iter().enumerate() {
-                    for (sum, value) in sums.iter_mut().zip(u.column(i).iter()) {
-                        *sum += s * value;
-                    }
-                }
-                for effect in common.column_iter() {
-                    let size = normal(&mut rng);
-                    for (sum, value) in sums.iter_mut().zip(effect.iter()) {
-                        *sum += size * value;
-                    }
-                }
-                sums.iter()
-                    .zip(norms)
-                    .filter(|(_, norm)| **norm > 0.0)
-                    .fold(0.0_f64, |m, (sum, norm)| m.max((sum / norm).abs()))
-            })
-            .collect();
-        maxima.sort_by(f64::total_cmp);
-        Self { maxima }
+        Self::drawn(flips, |k| {
+            let (sums, _) = weighted_sums(u, common, &mut stream(seed, 0xF11B, k), sign);
+            let judged = sums.iter().zip(norms).filter(|(_, norm)| **norm > 0.0);
+            judged.fold(0.0_f64, |m, (sum, norm)| m.max((sum / norm).abs()))
+        })
     }
 
     /// Probability under the null of a largest |T| at least this big; never 0.
@@ -73,6 +61,34 @@ impl MaxT {
         let at = ((1.0 - alpha) * self.maxima.len() as f64).floor() as usize;
         self.maxima[at.min(self.maxima.len() - 1)]
     }
+}
+
+/// Sum of each row of `u` with a random weight of each column, and the sum of the squares.
+///
+/// The sums contain random effects common to all columns; `common` is their derivative by a
+/// standard deviation of each.
+pub(crate) fn weighted_sums(
+    u: &DMatrix<f64>,
+    common: &DMatrix<f64>,
+    rng: &mut ChaCha8Rng,
+    weight: impl Fn(&mut ChaCha8Rng) -> f64,
+) -> (Vec<f64>, Vec<f64>) {
+    let (mut sums, mut squares) = (vec![0.0; u.nrows()], vec![0.0; u.nrows()]);
+    for scores in u.column_iter() {
+        let weight = weight(rng);
+        for (c, score) in scores.iter().enumerate() {
+            let weighted = weight * score;
+            sums[c] += weighted;
+            squares[c] += weighted * weighted;
+        }
+    }
+    for effect in common.column_iter() {
+        let size = normal(rng);
+        for (sum, derivative) in sums.iter_mut().zip(effect.iter()) {
+            *sum += size * derivative;
+        }
+    }
+    (sums, squares)
 }
 
 /// |T| of each row.

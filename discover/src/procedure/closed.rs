@@ -51,6 +51,11 @@ impl ClosedGap<'_> {
     }
 }
 
+/// Change of residuals from one model to another.
+pub fn change(from: &[f64], to: &[f64]) -> Vec<f64> {
+    from.iter().zip(to).map(|(a, b)| a - b).collect()
+}
+
 fn norm(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }

@@ -1,11 +1,11 @@
 //! Interface of the search to data of any kind.
 
+use kufe_sled::effects::Info;
+
 use crate::error::Error;
-use crate::finding::NextRuns;
-use crate::finding::Picture;
 use crate::finding::{
-    Baseline, Bin, ByRun, ChannelGap, Detectable, Fitted, HeldOut, Interval, ModelKind, Remaining,
-    Rival, Step, Tolerated, Withheld,
+    Baseline, Detectable, Fitted, HeldOut, Interval, ModelKind, Report, Rival, Step, Tolerated,
+    Withheld,
 };
 use crate::procedure::candidate::Candidate;
 use crate::procedure::misfit_decrease::Decrease;
@@ -118,71 +118,90 @@ pub struct Dependence {
 }
 
 impl Account {
+    /// An error of the installation: within its tolerance, or as a remark; `None` if its interval
+    /// contains 0.
+    ///
+    /// `size`, its standard `error` and the standard deviation `sd` of the tolerance; `quantile`:
+    /// standard errors of an interval.
+    pub fn tolerated(
+        &mut self,
+        what: String,
+        unit: &str,
+        [size, error, sd]: [f64; 3],
+        quantile: f64,
+    ) -> Option<Tolerated> {
+        let half = quantile * error;
+        let is_outside = size.abs() - half > quantile * sd;
+        if is_outside {
+            self.remarks.push(format!(
+                "{what}: {size:.2e} {unit} +- {half:.1e}, outside its tolerance of {sd} (a standard deviation): it was corrected for and not named"
+            ));
+        }
+        let unit = unit.to_owned();
+        (!is_outside && size.abs() > half).then_some(Tolerated { what, size, unit })
+    }
+
     /// Removes a selected effect for a reason: [`SUPERFLUOUS`] or the insufficient size.
     pub fn remove_step(&mut self, step: usize, why: &str) {
         let gone = self.steps.remove(step);
         let message = match self.steps.is_empty() {
             false => format!("{} {why} given the others and was removed", gone.effect),
-            true => format!(
-                "{} is significant on the training data (p = {:.1e}), but its size is within its standard error: it is not named",
-                gone.effect, gone.p_value
-            ),
+            true => not_named(&gone, "its size is within its standard error"),
         };
-        if self.steps.is_empty() {
-            self.unexplained.get_or_insert(message.clone());
-        }
-        self.remarks.push(message);
+        self.explain_removal(vec![message]);
     }
 
     /// Removes every selected effect, given their closed shares on the held-out data.
     pub fn remove_all(&mut self, closed: &[Interval]) {
         let gone = std::mem::take(&mut self.steps);
-        let message: Vec<String> = gone
-            .iter()
-            .zip(closed)
-            .map(|(step, closed)| {
-                format!(
-                    "{} is significant on the training data (p = {:.1e}), but with it more remains of what can be explained on the held-out data (by {:.0} %): not named",
-                    step.effect,
-                    step.p_value,
-                    -100.0 * closed.value
-                )
-            })
-            .collect();
-        self.set_unexplained(message);
+        let message = |(step, closed): (&Step, &Interval)| {
+            let by = -100.0 * closed.value;
+            not_named(
+                step,
+                &format!(
+                    "with it more remains of what can be explained on the held-out data (by {by:.0} %)"
+                ),
+            )
+        };
+        self.explain_removal(gone.iter().zip(closed).map(message).collect());
     }
 
     /// Removes every step because the model with them is worse than the given one, for this reason.
     pub fn withhold(&mut self, reason: &str) {
         let gone = std::mem::take(&mut self.steps);
         let names: Vec<&str> = gone.iter().map(|step| step.effect.as_str()).collect();
-        let withheld = format!(
+        self.explain_removal(vec![format!(
             "{} fits the training runs (p = {:.1e}), but the model with it is worse than the model as given on runs it was not fitted to ({reason}): not named",
             names.join(" with "),
             gone.first().map_or(1.0, |step| step.p_value)
-        );
-        self.set_unexplained(vec![withheld]);
+        )]);
     }
 
     /// Removes a step that is significant at more places than can be listed.
     pub fn remove_nonlocal(&mut self, step: usize, places: usize) {
         let gone = self.steps.remove(step);
-        let message = format!(
+        self.explain_removal(vec![format!(
             "{} was significant at {places} places ({}) and is so at others: it is not a local effect and is not named",
             gone.effect, gone.place
-        );
-        match self.steps.is_empty() {
-            true => self.set_unexplained(vec![message]),
-            false => self.remarks.push(message),
-        }
+        )]);
     }
 
-    /// Records that no effect remains named, for these reasons.
-    pub fn set_unexplained(&mut self, message: Vec<String>) {
-        self.depends.clear();
-        self.unexplained.get_or_insert(message.join("; "));
-        self.remarks.extend(message);
+    /// Reports why effects were removed. If none remains, the misfit is unexplained.
+    pub fn explain_removal(&mut self, reasons: Vec<String>) {
+        if self.steps.is_empty() {
+            self.depends.clear();
+            self.unexplained.get_or_insert(reasons.join("; "));
+        }
+        self.remarks.extend(reasons);
     }
+}
+
+/// Why a significant effect is not named.
+pub fn not_named(step: &Step, reason: &str) -> String {
+    format!(
+        "{} is significant on the training data (p = {:.1e}), but {reason}: not named",
+        step.effect, step.p_value
+    )
 }
 
 /// Results of one screen of all candidates.
@@ -226,6 +245,28 @@ pub struct Selection<A> {
 }
 
 impl<A> Selection<A> {
+    /// A selection without rivals, tests and remarks; its class is itself.
+    pub fn new(
+        candidate: Candidate<A>,
+        size: f64,
+        error: f64,
+        (place, channel): (&str, (&'static str, &'static str)),
+    ) -> Self {
+        Self {
+            class: vec![candidate.effect.clone()],
+            candidate,
+            size,
+            error,
+            rivals: Vec::new(),
+            p_value: 1.0,
+            randomised: Randomised::default(),
+            place: place.to_owned(),
+            channel,
+            remark: None,
+            parameters: Vec::new(),
+        }
+    }
+
     /// The same selection with another action.
     pub fn acting<B>(&self, act: B) -> Selection<B> {
         Selection {
@@ -284,39 +325,23 @@ pub struct Choice<F> {
     pub withheld: Vec<Withheld>,
 }
 
-/// The remaining results of a report.
+/// The remaining results of a search.
 #[derive(Default)]
 pub struct Description {
-    pub data: String,
-    /// Misfit on the training data.
-    pub training: Vec<ChannelGap>,
+    /// The report without verdict, steps and comparison.
+    pub report: Report,
     /// Parameters of each step.
     pub parameters: Vec<Vec<Fitted>>,
     /// The formula of each step that is a law, as the next model has it.
     pub laws: Vec<Option<String>>,
-    /// Installation errors within their tolerances.
-    pub within_tolerance: Vec<Tolerated>,
-    pub base: Vec<Fitted>,
-    /// Base parameters outside their plausible range.
-    pub implausible: Vec<Fitted>,
-    pub bins: Vec<Bin>,
-    pub bins_after: Vec<Bin>,
-    pub by_run: Vec<ByRun>,
-    /// Pictures of the page.
-    pub pictures: Vec<Picture>,
-    /// Whether the residual is clean.
-    pub clean: bool,
-    /// Remaining repeatable misfit, by channel.
-    pub remaining: Vec<Remaining>,
     /// Whether places are significant without a named effect.
     pub located: bool,
-    pub untestable: Vec<(String, String)>,
     /// Meaning of the effects that may be named.
     pub effects: Vec<Meaning>,
-    /// Sentences of this kind of data.
-    pub words: Words,
-    /// Runs that would split a class, the best first.
-    pub next_runs: Vec<NextRuns>,
+    /// The verdict without a finding; empty: a general sentence.
+    pub nothing: String,
+    /// What to measure next without a finding.
+    pub next_after_nothing: String,
     /// The next model, as its file's text.
     pub next_model: String,
     /// The next case, if pressures are searched together with other data.
@@ -333,13 +358,15 @@ pub struct Meaning {
     pub decides: String,
 }
 
-/// Sentences of one kind of data.
-#[derive(Clone, Debug, Default)]
-pub struct Words {
-    /// The verdict without a finding; empty: a general sentence.
-    pub nothing: String,
-    /// What to measure next without a finding.
-    pub next_after_nothing: String,
+impl Meaning {
+    /// That of an effect of a catalogue.
+    pub fn of(info: &Info) -> Self {
+        Self {
+            name: info.name.to_owned(),
+            summary: info.summary.to_owned(),
+            decides: info.decides.to_owned(),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,5 @@
 //! Selection of held-out data: a deterministic rule, applied before noise and signs are examined.
 
-use std::collections::BTreeMap;
-
 use serde::{Deserialize, Serialize};
 
 /// Amount of held-out data, by kind and layout.
@@ -45,16 +43,9 @@ pub struct Split {
 }
 
 impl Split {
-    fn of(held_out: &[bool]) -> Self {
-        let pick = |wanted: bool| {
-            (0..held_out.len())
-                .filter(|i| held_out[*i] == wanted)
-                .collect()
-        };
-        Self {
-            training: pick(false),
-            held_out: pick(true),
-        }
+    fn of(count: usize, is_held_out: impl Fn(usize) -> bool) -> Self {
+        let (held_out, training) = (0..count).partition(|i| is_held_out(*i));
+        Self { training, held_out }
     }
 }
 
@@ -64,29 +55,6 @@ pub struct Place<'a> {
     pub session: &'a str,
     pub track: &'a str,
     pub driver: &'a str,
-}
-
-/// Number of runs and of held-out runs by name.
-#[derive(Default)]
-struct Shares<'a>(BTreeMap<&'a str, [usize; 2]>);
-
-impl<'a> Shares<'a> {
-    fn count(&mut self, name: &'a str, held_out: bool) {
-        let [all, locked] = self.0.entry(name).or_default();
-        *all += 1;
-        *locked += usize::from(held_out);
-    }
-
-    /// Holds out one more.
-    fn lock(&mut self, name: &'a str) {
-        self.0.entry(name).or_default()[1] += 1;
-    }
-
-    /// The share that is held out.
-    fn of(&self, name: &str) -> f64 {
-        let [all, locked] = self.0.get(name).copied().unwrap_or_default();
-        locked as f64 / f64::max(all as f64, 1.0)
-    }
 }
 
 impl LockRules {
@@ -104,92 +72,70 @@ impl LockRules {
         let mut held_out = vec![false; runs.len()];
         let tracks = names(runs.iter().map(|r| r.track));
         let count = |track: &str| runs.iter().filter(|r| r.track == track).count();
-        if tracks.len() >= self.fewest
-            && let Some(least) = tracks.iter().min_by_key(|track| count(track))
-            && 4 * count(least) <= runs.len()
-        {
-            hold_out(&mut held_out, runs, |run| run.track == *least);
-        }
+        let rarest = tracks.iter().min_by_key(|track| count(track));
+        let rarest =
+            rarest.filter(|track| tracks.len() >= self.fewest && 4 * count(track) <= runs.len());
         let sessions = names(runs.iter().map(|r| r.session));
         let whole = sessions.get(sessions.len() / 2);
         let whole = whole.filter(|_| sessions.len() >= self.fewest_sessions);
-        if let Some(whole) = whole {
-            hold_out(&mut held_out, runs, |run| run.session == *whole);
+        for (run, held_out) in runs.iter().zip(&mut held_out) {
+            *held_out = Some(&run.track) == rarest || Some(&run.session) == whole;
         }
         // Runs of each session that may be held out, from its last on.
-        let mut own: Vec<Vec<usize>> = vec![Vec::new(); sessions.len()];
-        for (i, run) in runs.iter().enumerate().rev() {
-            if let Some(k) = sessions.iter().position(|session| *session == run.session) {
-                own[k].push(i);
-            }
-        }
+        let of_session = |session: &&str| -> Vec<usize> {
+            let own = (0..runs.len()).rev();
+            own.filter(|i| runs[*i].session == *session).collect()
+        };
+        let own: Vec<Vec<usize>> = sessions.iter().map(of_session).collect();
         let gives = |k: &usize| own[*k].len() >= self.fewest && Some(&sessions[*k]) != whole;
         let mut spare: Vec<usize> = own.iter().map(|own| own.len() / 2).collect();
-        let mut locked = [Shares::default(), Shares::default()];
-        for (run, held_out) in runs.iter().zip(&held_out) {
-            locked[0].count(run.track, *held_out);
-            locked[1].count(run.driver, *held_out);
-        }
         let seconds = (1..own.len()).step_by(2).filter(gives).count();
         let already = held_out.iter().filter(|held_out| **held_out).count();
         let to_spare = runs.len().saturating_sub(self.fewest_to_learn);
         let fewest = to_spare.min(runs.len() / self.every.max(1));
         for _ in 0..seconds.max(fewest.saturating_sub(already)) {
+            let share = |is_like: &dyn Fn(&Place) -> bool| {
+                let like = (0..runs.len()).filter(|i| is_like(&runs[*i]));
+                let locked = like.clone().filter(|i| held_out[*i]).count();
+                locked as f64 / like.count() as f64
+            };
+            let order = |(k, before, i): (usize, usize, usize)| {
+                let (track, driver) = (runs[i].track, runs[i].driver);
+                let by_track = share(&|run| run.track == track);
+                let by_driver = share(&|run| run.driver == driver);
+                (by_track + by_driver, (before, k % 2 == 0, k), i)
+            };
             let sessions = (0..own.len()).filter(gives).filter(|k| spare[*k] > 0);
             let all =
                 sessions.flat_map(|k| own[k].iter().enumerate().map(move |(n, i)| (k, n, *i)));
-            let able = all.filter(|(.., i)| !held_out[*i]);
-            let order = |(k, before, i): &(usize, usize, usize)| {
-                let share = locked[0].of(runs[*i].track) + locked[1].of(runs[*i].driver);
-                (share, (*before, k % 2 == 0, *k))
-            };
-            let next = able.min_by(|a, b| {
-                let [a, b] = [order(a), order(b)];
-                a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
-            });
-            let Some((k, _, i)) = next else { break };
+            let able = all.filter(|(.., i)| !held_out[*i]).map(order);
+            let next = able.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            let Some((_, (.., k), i)) = next else { break };
             held_out[i] = true;
             spare[k] -= 1;
-            locked[0].lock(runs[i].track);
-            locked[1].lock(runs[i].driver);
         }
         if runs.len() >= 5 && !held_out.contains(&true) {
             held_out[runs.len() - 1] = true;
         }
-        Split::of(&held_out)
+        Split::of(runs.len(), |i| held_out[i])
     }
 
     /// Every fourth segment of one run.
     pub fn segments(&self, count: usize) -> Split {
-        Split::of(&every(self.every, count))
+        let every = self.every.max(1);
+        Split::of(count, |i| i % every == every - 1)
     }
 
     /// Every fifth row, if there are enough.
     pub fn rows(&self, count: usize) -> Split {
-        match count >= self.fewest_rows {
-            true => Split::of(&every(self.rows_every, count)),
-            false => Split::of(&vec![false; count]),
-        }
+        let every = self.rows_every.max(1);
+        let enough = count >= self.fewest_rows;
+        Split::of(count, |i| enough && i % every == every - 1)
     }
 
     /// The last map, if there are at least three.
     pub fn maps(&self, count: usize) -> Split {
-        let held_out: Vec<bool> = (0..count)
-            .map(|i| count >= self.fewest && i + 1 == count)
-            .collect();
-        Split::of(&held_out)
-    }
-}
-
-fn every(step: usize, count: usize) -> Vec<bool> {
-    let step = step.max(1);
-    (0..count).map(|i| i % step == step - 1).collect()
-}
-
-/// Holds out the runs that satisfy `wanted`.
-fn hold_out(held_out: &mut [bool], runs: &[Place], wanted: impl Fn(&Place) -> bool) {
-    for (held_out, run) in held_out.iter_mut().zip(runs) {
-        *held_out |= wanted(run);
+        Split::of(count, |i| count >= self.fewest && i + 1 == count)
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::procedure::rules::SearchRules;
 
 /// Decrease of the misfit from one model to another.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Decrease {
     /// Decrease of the sum of squares over all channels, each in units of its variance.
     pub by: f64,
@@ -30,10 +30,8 @@ impl Decrease {
         (n > 0.0).then(|| Self {
             by,
             error: (squares * n / (n - 1.0).max(1.0)).sqrt(),
-            weighed: None,
-            contact_evidence: None,
-            by_channel: Vec::new(),
             repeats,
+            ..Self::default()
         })
     }
 
@@ -52,25 +50,34 @@ impl Decrease {
         falls: &[[f64; C]],
         learned: &[[f64; C]],
     ) -> Option<Self> {
-        let of_channel = |(c, name): (usize, &'static str)| {
-            let own: Vec<f64> = falls.iter().map(|fall| fall[c]).collect();
-            Self::over(&own, 0.0).map(|own| (name, [own.by, own.error]))
-        };
-        let weights = weights(learned);
-        let [whole, weighed] = [[1.0; C], weights].map(|weights| -> Vec<f64> {
+        let over = |weights: [f64; C]| {
             let one = |fall: &[f64; C]| fall.iter().zip(&weights).map(|(f, w)| f * w).sum();
-            falls.iter().map(one).collect()
-        });
-        let weighed = Self::over(&weighed, 0.0)?;
+            Self::over(&falls.iter().map(one).collect::<Vec<f64>>(), 0.0)
+        };
+        let weighed = over(weights(learned))?;
+        let of_channel = |(c, name): (usize, &'static str)| {
+            let own = over(std::array::from_fn(|k| f64::from(k == c)))?;
+            Some((name, [own.by, own.error]))
+        };
         Some(Self {
             weighed: Some([weighed.by, weighed.error]),
-            by_channel: names
-                .into_iter()
-                .enumerate()
+            by_channel: (names.into_iter().enumerate())
                 .filter_map(of_channel)
                 .collect(),
-            ..Self::over(&whole, 0.0)?
+            ..over([1.0; C])?
         })
+    }
+
+    /// The same together with the decrease in data of another kind.
+    pub fn with_other_data(self, other: Self) -> Self {
+        Self {
+            by: self.by + other.by,
+            error: self.error.hypot(other.error),
+            weighed: None,
+            contact_evidence: self.contact_evidence.or(other.contact_evidence),
+            by_channel: [self.by_channel, other.by_channel].concat(),
+            repeats: self.repeats + other.repeats,
+        }
     }
 
     /// The same with the repeatable part of the whole comparison: the larger of the repeatable

@@ -1,7 +1,7 @@
 //! The search: fit, screen, select, add, refit, screen again; at the end, once, the held-out data.
 
 use crate::error::Error;
-use crate::finding::{Interval, Report, Step};
+use crate::finding::{Report, Step};
 use crate::options::Options;
 use crate::procedure::evidence::{Account, Evidence, Selection};
 use crate::procedure::sentence::{adequacy, sentence};
@@ -45,13 +45,9 @@ pub fn search_evidence<E: Evidence>(
             break;
         };
         let effect = &selection.candidate.effect;
+        let count = account.steps.len();
         let known = account.steps.iter().position(|s| s.effect == *effect);
-        let full = known.is_none() && account.steps.len() == rules.most_effects;
-        if number == most_screens || full {
-            let message = format!(
-                "after {} effects {effect} is still significant",
-                account.steps.len()
-            );
+        if number == most_screens || known.is_none() && count == rules.most_effects {
             match known.filter(|step| places[*step] > rules.most_effects) {
                 // An effect that is significant at many places is not local; without it a global
                 // effect may be significant.
@@ -59,42 +55,44 @@ pub fn search_evidence<E: Evidence>(
                     fit = evidence.without(&fit, step)?;
                     account.remove_nonlocal(step, places[step]);
                 }
-                None => account.remarks.push(message),
+                None => {
+                    let message = format!("after {count} effects {effect} is still significant");
+                    account.remarks.push(message);
+                }
             }
             break;
         }
         progress(&format!("adding {}", selection.candidate.label()));
-        let at = known.unwrap_or(account.steps.len());
-        let mut added = evidence.add(&fit, &selection, at)?;
-        let mut selection = selection;
-        if known.is_none() {
-            (selection, added) = evidence.exchange(&fit, (selection, added), at, &account)?;
-        }
-        places.resize(account.steps.len().max(at + 1), 0);
+        let at = known.unwrap_or(count);
+        let added = evidence.add(&fit, &selection, at)?;
+        let (selection, added) = match known {
+            None => evidence.exchange(&fit, (selection, added), at, &account)?,
+            Some(_) => (selection, added),
+        };
+        places.resize(count.max(at + 1), 0);
         places[at] += usize::from(added.place.is_some());
+        let remark = selection.remark.clone();
         match known {
             // Another place or amplitude of an effect belongs to the same step.
             Some(known) => {
-                let place = added.place.unwrap_or_default();
                 let step = &mut account.steps[known];
-                if !place.is_empty() {
+                if let Some(place) = added.place.filter(|place| !place.is_empty()) {
                     step.place = format!("{}; {place}", step.place);
                 }
                 step.gap_after = added.gap[1];
-                account.remarks.extend(selection.remark);
+                account.remarks.extend(remark);
             }
             None => {
-                let remark = selection.remark.clone();
                 account.steps.push(step(selection, added.place, added.gap));
                 account.remarks.extend(remark.filter(|_| added.written));
             }
         }
         fit = added.fit;
         if !added.written {
-            let effect = &account.steps[at].effect;
-            let message =
-                format!("{effect}: the model has no such column, so that nothing was switched on");
-            account.remarks.push(message);
+            account.remarks.push(format!(
+                "{}: the model has no such column, so that nothing was switched on",
+                account.steps[at].effect
+            ));
             break;
         }
     }
@@ -122,68 +120,43 @@ pub fn search_evidence<E: Evidence>(
     for (step, closed) in account.steps.iter_mut().zip(opened.closed) {
         step.explainable_gap_closed = closed;
     }
-    for (step, parameters) in account.steps.iter_mut().zip(described.parameters.clone()) {
-        step.parameters.extend(parameters);
+    for (step, parameters) in account.steps.iter_mut().zip(&described.parameters) {
+        step.parameters.extend(parameters.iter().cloned());
+    }
+    for (step, law) in account.steps.iter_mut().zip(&described.laws) {
+        step.law.clone_from(law);
     }
     for step in &mut account.steps {
         let known = described.effects.iter().find(|e| e.name == step.effect);
         step.summary = known.map_or(String::new(), |e| e.summary.clone());
     }
-    for (step, law) in account.steps.iter_mut().zip(described.laws.clone()) {
-        step.law = law;
-    }
-    let adequate = described.remaining.iter().all(|channel| channel.is_small);
+    let mut remaining = described.report.remaining.iter();
+    let adequate = remaining.all(|channel| channel.is_small);
     let verdict = verdict(&account, described.located, adequate);
     let next_experiment = next_experiment(verdict, &account, &described);
-    let sentence = sentence(
-        verdict,
-        &account,
-        &opened.held_out,
-        &next_experiment,
-        &described.words,
-        &chosen.baselines,
-        adequate,
-    );
-    let explained = adequacy(&account.steps, &described.remaining);
-    let Account {
-        steps,
-        mut remarks,
-        depends,
-        ..
-    } = account;
-    remarks.extend(depends.into_iter().map(|one| one.assumption));
     let report = Report {
         verdict,
-        sentence,
-        explained,
+        explained: adequacy(&account.steps, &described.report.remaining),
         adequate,
-        remaining: described.remaining,
-        within_tolerance: described.within_tolerance,
-        steps,
         held_out: opened.held_out,
         written: chosen.written,
         baselines: chosen.baselines,
         withheld: chosen.withheld,
-        implausible: described.implausible,
         minimum_detectable: detectable,
         next_experiment,
-        next_runs: described.next_runs,
-        base: described.base,
-        bins: described.bins,
-        bins_after: described.bins_after,
-        by_run: described.by_run,
-        clean: described.clean,
-        pictures: described.pictures,
-        training: described.training,
-        untestable: described.untestable,
-        remarks,
-        gaps: Vec::new(),
-        data: described.data,
         seed: options.seed,
         version: env!("CARGO_PKG_VERSION").to_owned(),
+        ..described.report
     };
+    let sentence = sentence(&report, &account, &described.nothing);
+    let depends = account.depends.into_iter().map(|one| one.assumption);
     Ok(Found {
-        report,
+        report: Report {
+            sentence,
+            steps: account.steps,
+            remarks: account.remarks.into_iter().chain(depends).collect(),
+            ..report
+        },
         next_model: described.next_model,
         next_case: described.next_case,
     })
@@ -199,10 +172,8 @@ fn step<A>(
     Step {
         effect: selection.candidate.effect,
         class: selection.class,
-        summary: String::new(),
         channel: channel.to_owned(),
         place: place.unwrap_or(selection.place),
-        law: None,
         p_value: selection.p_value,
         p_runs: selection.randomised.runs,
         p_sessions: selection.randomised.sessions,
@@ -210,17 +181,15 @@ fn step<A>(
         gap_before,
         gap_after,
         unit: unit.to_owned(),
-        explainable_gap_closed: Interval::default(),
         rivals: selection.rivals,
-        contacts: Vec::new(),
-        evidence: Vec::new(),
+        ..Step::default()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::finding::Verdict;
+    use crate::finding::{Interval, Verdict};
     use crate::procedure::candidate::Candidate;
     use crate::procedure::evidence::{
         Description, ExtendedFit, HeldOutResults, Randomised, Screen,

@@ -2,98 +2,82 @@
 
 use kufe::plot::{number4, quantity};
 
-use crate::finding::{Baseline, HeldOut, Interval, Remaining, Step, Verdict};
-use crate::procedure::evidence::{Account, Words};
+use crate::finding::{Fitted, Interval, Remaining, Report, Step, Verdict};
+use crate::procedure::evidence::Account;
 
-/// One sentence for the top of the report.
-pub fn sentence(
-    verdict: Verdict,
-    account: &Account,
-    held_out: &HeldOut,
-    next: &str,
-    words: &Words,
-    baselines: &[Baseline],
-    adequate: bool,
-) -> String {
+/// One sentence for the top of the report; `nothing` is that of these data without a finding.
+pub fn sentence(report: &Report, account: &Account, nothing: &str) -> String {
     let steps = &account.steps;
-    let depends: Vec<&str> = (account.depends.iter())
-        .map(|one| one.assumption.as_str())
-        .collect();
-    let names: Vec<String> = steps
-        .iter()
-        .map(|step| {
-            let sizes: Vec<String> = step
-                .parameters
-                .iter()
-                .map(|p| {
-                    format!(
-                        "{} = {} {} ({} to {})",
-                        p.name,
-                        number4(p.value),
-                        p.unit,
-                        number4(p.low),
-                        number4(p.high)
-                    )
-                })
-                .collect();
-            let class = if step.class.len() > 1 {
-                format!(", or one of {}", step.class[1..].join(", "))
-            } else {
-                String::new()
-            };
-            let law = match &step.law {
-                Some(law) if step.summary.is_empty() => format!(", {law}"),
-                Some(_) => format!(", {}", step.summary),
-                None => String::new(),
-            };
-            format!("{} [{}{law}]{class}", step.effect, sizes.join("; "))
-        })
-        .collect();
-    let gap = gap(steps, held_out, baselines);
-    let more = match adequate {
+    let size = |p: &Fitted| {
+        let [value, low, high] = [p.value, p.low, p.high].map(number4);
+        format!("{} = {value} {} ({low} to {high})", p.name, p.unit)
+    };
+    let name = |step: &Step| {
+        let sizes: Vec<String> = step.parameters.iter().map(size).collect();
+        let class = match step.class.len() {
+            0 | 1 => String::new(),
+            _ => format!(", or one of {}", step.class[1..].join(", ")),
+        };
+        let law = match &step.law {
+            Some(law) if step.summary.is_empty() => format!(", {law}"),
+            Some(_) => format!(", {}", step.summary),
+            None => String::new(),
+        };
+        format!("{} [{}{law}]{class}", step.effect, sizes.join("; "))
+    };
+    let names: Vec<String> = steps.iter().map(name).collect();
+    let names = names.join(", then ");
+    let gap = gap(steps, report);
+    let more = match report.adequate {
         true => "",
         false => ", and more is missing",
     };
-    match verdict {
-        Verdict::Law => format!("Outside the catalogue: {}{more}.{gap}", names.join(", then ")),
-        Verdict::Named => format!("Missing from the model: {}{more}.{gap}", names.join(", then ")),
+    let next = &report.next_experiment;
+    match report.verdict {
+        Verdict::Law => format!("Outside the catalogue: {names}{more}.{gap}"),
+        Verdict::Named => format!("Missing from the model: {names}{more}.{gap}"),
         Verdict::OneOf => format!(
-            "Missing from the model: {}{more}. These data cannot distinguish the members of a class; this would: {next}.{gap}",
-            names.join(", then ")
+            "Missing from the model: {names}{more}. These data cannot distinguish the members of a class; this would: {next}.{gap}"
         ),
-        Verdict::DependsOn => format!("{}; {}.{gap}", names.join(", then "), depends.join("; ")),
+        Verdict::DependsOn => {
+            let depends = account.depends.iter().map(|one| one.assumption.as_str());
+            format!("{names}; {}.{gap}", depends.collect::<Vec<_>>().join("; "))
+        }
         Verdict::Located => "The residual is not clean at the places listed, and no effect of the catalogue fits.".to_owned(),
         Verdict::Inadequate => "The model does not explain what repeats from run to run, and no effect of the catalogue does.".to_owned(),
-        Verdict::None if !words.nothing.is_empty() => words.nothing.clone(),
+        Verdict::None if !nothing.is_empty() => nothing.to_owned(),
         Verdict::None => "Nothing to be found: no effect exceeds chance and the noise of the inputs significantly.".to_owned(),
         Verdict::NotIdentifiable => format!("Something differs that these data cannot name: {next}."),
     }
 }
 
 /// The misfit on held-out data by each of the compared models.
-fn gap(steps: &[Step], held_out: &HeldOut, baselines: &[Baseline]) -> String {
+fn gap(steps: &[Step], report: &Report) -> String {
+    let held_out = &report.held_out;
     let data = match held_out.runs.len() {
         0 => return String::new(),
         1 => format!("one {}", held_out.what),
         count => format!("{count} {}s", held_out.what),
     };
     let of_step = steps.first().and_then(|step| {
-        let one = baselines.iter().find(|b| b.quantity == step.channel)?;
+        let mut baselines = report.baselines.iter();
+        let one = baselines.find(|b| b.quantity == step.channel)?;
         Some((one, one.refitted?, one.with_effect?))
     });
     match of_step {
-        Some((one, refitted, with_effect)) => format!(
-            " On held-out {data} the misfit ({}) is {} as given, {} with the base refitted and {} with the effect.",
-            one.quantity,
-            quantity(one.as_given, &one.unit),
-            quantity(refitted, &one.unit),
-            quantity(with_effect, &one.unit)
-        ),
-        None => format!(
-            " On held-out {data} the misfit went from {} to {}.",
-            quantity(held_out.gap_before, &held_out.unit),
-            quantity(held_out.gap_after, &held_out.unit)
-        ),
+        Some((one, refitted, with_effect)) => {
+            let [given, refitted, with_effect] =
+                [one.as_given, refitted, with_effect].map(|rms| quantity(rms, &one.unit));
+            format!(
+                " On held-out {data} the misfit ({}) is {given} as given, {refitted} with the base refitted and {with_effect} with the effect.",
+                one.quantity
+            )
+        }
+        None => {
+            let [before, after] = [held_out.gap_before, held_out.gap_after];
+            let [before, after] = [before, after].map(|rms| quantity(rms, &held_out.unit));
+            format!(" On held-out {data} the misfit went from {before} to {after}.")
+        }
     }
 }
 

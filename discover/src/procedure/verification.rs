@@ -1,7 +1,7 @@
 //! Verification on held-out data: each effect, and the whole model, must lower the misfit.
 
 use crate::error::Error;
-use crate::procedure::evidence::{Account, Evidence};
+use crate::procedure::evidence::{Account, Evidence, not_named};
 use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::rules::SearchRules;
 
@@ -27,12 +27,11 @@ impl<F> Weakest<F> {
 pub fn verify<E: Evidence>(
     evidence: &mut E,
     base: &E::Fit,
-    last: E::Fit,
+    mut last: E::Fit,
     account: &mut Account,
     rules: &SearchRules,
 ) -> Result<E::Fit, Error> {
-    let mut last = last;
-    let mut tried = Vec::new();
+    let mut reasons = Vec::new();
     let mut all: Option<Decrease> = None;
     while !account.steps.is_empty() {
         let Some(whole) = evidence.misfit_decrease(base, &last)? else {
@@ -41,23 +40,22 @@ pub fn verify<E: Evidence>(
         let all = all.get_or_insert_with(|| whole.clone());
         let is_only = account.steps.len() == 1;
         let mut weakest: Option<Weakest<E::Fit>> = None;
-        for step in 0..account.steps.len() {
-            let (without, decrease, before) = if is_only {
-                // Without its only step a model is the base.
-                (base.clone(), whole.clone(), 0.0)
-            } else {
-                let without = evidence.without(&last, step)?;
-                let Some(decrease) = evidence.misfit_decrease(&without, &last)? else {
+        for (step, known) in account.steps.iter().enumerate() {
+            // Without its only step a model is the base.
+            let (mut without, mut decrease, mut before) = (base.clone(), whole.clone(), 0.0);
+            if !is_only {
+                without = evidence.without(&last, step)?;
+                let Some(by_step) = evidence.misfit_decrease(&without, &last)? else {
                     continue;
                 };
+                decrease = by_step;
                 // In units of this model's residual: a large effect is far above the final noise.
-                let before = evidence.misfit_decrease(&without, base)?;
-                (without, decrease, before.map_or(0.0, |to| -to.by))
-            };
+                let to_base = evidence.misfit_decrease(&without, base)?;
+                before = to_base.map_or(0.0, |to| -to.by);
+            }
             let decrease = decrease.of_all(all, before);
-            let is_accepted = decrease.is_accepted_in(&account.steps[step].channel, rules);
             let one = Weakest {
-                is_accepted,
+                is_accepted: decrease.is_accepted_in(&known.channel, rules),
                 step,
                 decrease,
                 without,
@@ -69,38 +67,23 @@ pub fn verify<E: Evidence>(
                 weakest = Some(one);
             }
         }
-        let Some(Weakest {
-            is_accepted,
-            step,
-            decrease,
-            without,
-        }) = weakest
-        else {
+        let is_removed = |weakest: &Weakest<E::Fit>| {
+            !weakest.is_accepted || !is_only && !whole.is_accepted(rules)
+        };
+        let Some(weakest) = weakest.filter(is_removed) else {
             break;
         };
-        if is_accepted && (is_only || whole.is_accepted(rules)) {
-            break;
-        }
-        tried.push(remove(account, step, &decrease));
+        let gone = account.steps.remove(weakest.step);
+        let decrease = weakest.decrease.in_words(&gone.channel);
+        let reason = "the model with it does not lower the misfit on the held-out data enough";
+        reasons.push(not_named(&gone, &format!("{reason} ({decrease})")));
         last = match account.steps.is_empty() {
             true => base.clone(),
-            false => evidence.settle(without, account)?,
+            false => evidence.settle(weakest.without, account)?,
         };
     }
-    match account.steps.is_empty() && !tried.is_empty() {
-        true => account.set_unexplained(tried),
-        false => account.remarks.extend(tried),
+    if !reasons.is_empty() {
+        account.explain_removal(reasons);
     }
     Ok(last)
-}
-
-/// Removes a step from the account and reports why.
-fn remove(account: &mut Account, step: usize, decrease: &Decrease) -> String {
-    let gone = account.steps.remove(step);
-    format!(
-        "{} is significant on the training data (p = {:.1e}), but the model with it does not lower the misfit on the held-out data enough ({}): not named",
-        gone.effect,
-        gone.p_value,
-        decrease.in_words(&gone.channel)
-    )
 }

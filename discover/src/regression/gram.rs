@@ -61,17 +61,31 @@ impl Gram {
         let g = full.view((levels, levels), (rest, rest)) - cross.tr_mul(&(&inverse * cross));
         let to_own = windows.columns(0, levels);
         let reduced = to_own * &inverse;
-        let free = windows.columns(levels, rest) - &reduced * cross;
-        let window_norms = norms
-            .iter()
-            .enumerate()
-            .map(|(w, norm)| (norm - reduced.row(w).dot(&to_own.row(w))).max(0.0))
-            .collect();
+        let of_window = |(w, norm): (usize, &f64)| norm - reduced.row(w).dot(&to_own.row(w));
+        let window_norms = norms.iter().enumerate().map(of_window);
         Self {
             g,
-            windows: free,
-            window_norms,
+            windows: windows.columns(levels, rest) - &reduced * cross,
+            window_norms: window_norms.map(|norm| norm.max(0.0)).collect(),
         }
+    }
+
+    /// Products of some columns of the base with the candidates, windows last; the first `base`
+    /// columns are the base's.
+    pub(crate) fn with_candidates(&self, columns: &[usize], base: usize) -> DMatrix<f64> {
+        let regular = self.g.ncols() - base - 1;
+        let windows = self.windows.nrows();
+        let mut products = DMatrix::zeros(columns.len(), regular + windows);
+        for (k, column) in columns.iter().enumerate() {
+            let mut row = products.row_mut(k);
+            let own = self.g.row(*column);
+            row.columns_mut(0, regular)
+                .copy_from(&own.columns(base, regular));
+            let own = self.windows.column(*column);
+            row.columns_mut(regular, windows)
+                .copy_from(&own.transpose());
+        }
+        products
     }
 }
 

@@ -3,34 +3,17 @@
 use nalgebra::DMatrix;
 
 /// The inverse of a symmetric non-negative matrix, without its null directions.
-pub fn ridge_inverse(mut matrix: DMatrix<f64>) -> DMatrix<f64> {
-    let n = matrix.nrows();
-    let scale: Vec<f64> = (0..n)
-        .map(|i| {
-            if matrix[(i, i)] > 0.0 {
-                1.0 / matrix[(i, i)].sqrt()
-            } else {
-                0.0
-            }
-        })
-        .collect();
-    for i in 0..n {
-        for j in 0..n {
-            matrix[(i, j)] *= scale[i] * scale[j];
-        }
-    }
-    let eigen = matrix.symmetric_eigen();
-    let mut inverse = DMatrix::zeros(n, n);
+pub fn ridge_inverse(matrix: DMatrix<f64>) -> DMatrix<f64> {
+    let root = |x: f64| if x > 0.0 { 1.0 / x.sqrt() } else { 0.0 };
+    let scale = matrix.diagonal().map(root);
+    let scales = &scale * scale.transpose();
+    let eigen = matrix.component_mul(&scales).symmetric_eigen();
+    let mut inverse = DMatrix::zeros(matrix.nrows(), matrix.nrows());
     for (k, value) in eigen.eigenvalues.iter().enumerate() {
         if *value > 1e-10 {
             let vector = eigen.eigenvectors.column(k);
             inverse += vector * vector.transpose() / *value;
         }
     }
-    for i in 0..n {
-        for j in 0..n {
-            inverse[(i, j)] *= scale[i] * scale[j];
-        }
-    }
-    inverse
+    inverse.component_mul(&scales)
 }

@@ -41,48 +41,36 @@ impl Scores {
         let base = prior.count();
         let m = grams[0].g.ncols();
         let regular = m - base - 1;
-        let windows = grams[0].windows.nrows();
-        let count = regular + windows;
+        let count = regular + grams[0].windows.nrows();
+        // Products of the base with itself and the residual, and with the candidates.
         let mut total = DMatrix::zeros(base, m);
-        let mut to_windows = DMatrix::zeros(base, windows);
+        let mut crossed = DMatrix::zeros(base, count);
+        let all: Vec<usize> = (0..base).collect();
         for gram in grams {
             total += gram.g.rows(0, base);
-            to_windows += gram.windows.columns(0, base).transpose();
+            crossed += gram.with_candidates(&all, base);
         }
         let inverse = prior.inverse(total.columns(0, base).into_owned());
         let by_residual: DVector<f64> = &inverse * (total.column(m - 1) + prior.scores(&prior.at));
-        let fitted = &prior.at + &by_residual;
-        let mut betas = DMatrix::zeros(base, count);
-        betas
-            .columns_mut(0, regular)
-            .copy_from(&(&inverse * total.columns(base, regular)));
-        betas
-            .columns_mut(regular, windows)
-            .copy_from(&(&inverse * &to_windows));
-
+        let betas = &inverse * crossed;
         let random: Vec<usize> = (0..base).filter(|k| prior.precision[*k] > 0.0).collect();
         let common = DMatrix::from_fn(count, random.len(), |c, k| {
             prior.precision[random[k]].sqrt() * betas[(random[k], c)]
         });
-        let weighted = -prior.scores(&fitted);
+        let weighted = -prior.scores(&(&prior.at + &by_residual));
         let shared = (0..count).map(|c| betas.column(c).dot(&weighted)).collect();
-        let runs = grams.len();
-        let mut u = DMatrix::zeros(count, runs);
-        let mut information = DMatrix::zeros(count, runs);
+        let mut u = DMatrix::zeros(count, grams.len());
+        let mut information = u.clone();
         let mut raw = vec![0.0; count];
         for (i, gram) in grams.iter().enumerate() {
             let acting = acting(&gram.g, base);
             let rows = gram.g.select_rows(&acting);
             let jj = rows.select_columns(&acting);
-            let (betas, by_residual) =
-                (betas.select_rows(&acting), by_residual.select_rows(&acting));
-            // J'r' of this run.
-            let jr_left = rows.column(m - 1) - &jj * &by_residual;
-            let mut jc = DMatrix::zeros(acting.len(), count);
-            jc.columns_mut(0, regular)
-                .copy_from(&rows.columns(base, regular));
-            jc.columns_mut(regular, windows)
-                .copy_from(&gram.windows.select_columns(&acting).transpose());
+            let betas = betas.select_rows(&acting);
+            let by_residual = by_residual.select_rows(&acting);
+            // J'r of this run with the base refitted.
+            let jr = rows.column(m - 1) - &jj * &by_residual;
+            let jc = gram.with_candidates(&acting, base);
             let jb = jj * &betas;
             for c in 0..count {
                 let (cr, cc) = match c.checked_sub(regular) {
@@ -90,7 +78,7 @@ impl Scores {
                     Some(w) => (gram.windows[(w, m - 1)], gram.window_norms[w]),
                 };
                 let (beta, jc) = (betas.column(c), jc.column(c));
-                u[(c, i)] = cr - jc.dot(&by_residual) - beta.dot(&jr_left);
+                u[(c, i)] = cr - jc.dot(&by_residual) - beta.dot(&jr);
                 information[(c, i)] = cc - 2.0 * beta.dot(&jc) + beta.dot(&jb.column(c));
                 raw[c] += cc;
             }

@@ -33,17 +33,21 @@ impl Base {
         })
     }
 
-    /// Names and units of the coefficients.
-    pub fn names(self) -> &'static [(&'static str, &'static str)] {
+    /// Name and unit of each coefficient, and its value in the model for 1 in the fit.
+    pub fn coefficients(self) -> &'static [(&'static str, &'static str, f64)] {
         match self {
-            Base::Fixed => &[("mu", "")],
-            Base::Pressure => &[("b", "1e-3/MPa2"), ("c", "1e-3/MPa"), ("d", "1e-3")],
-            Base::Film => &[("zeta", "")],
+            Base::Fixed => &[("mu", "", 1.0)],
+            Base::Pressure => &[
+                ("b", "1e-3/MPa2", 1e3),
+                ("c", "1e-3/MPa", -1e3),
+                ("d", "1e-3", 1e3),
+            ],
+            Base::Film => &[("zeta", "", 1.0)],
         }
     }
 
     pub fn len(self) -> usize {
-        self.names().len()
+        self.coefficients().len()
     }
 
     /// Columns of the design matrix: p^2, p, 1 with p in MPa; 1; or the friction of the film.
@@ -53,15 +57,6 @@ impl Base {
             Base::Fixed => vec![1.0],
             Base::Pressure => vec![p * p, p, 1.0],
             Base::Film => vec![row.film],
-        }
-    }
-
-    /// Coefficient `k` in the model's units.
-    pub fn stated(self, k: usize, value: f64) -> f64 {
-        match (self, k) {
-            (Base::Pressure, 1) => -1e3 * value,
-            (Base::Pressure, _) => 1e3 * value,
-            _ => value,
         }
     }
 

@@ -1,10 +1,8 @@
 //! Bins of the residuals by pressure and by every further column.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
-
 use crate::evidence::experiments::fit::{Fit, Setting};
-use crate::evidence::experiments::rows::Row;
-use crate::finding::{Bin, significant};
+use crate::evidence::experiments::rows::{Row, further_columns};
+use crate::finding::{Bin, bin, significant};
 
 /// Bins of a column.
 const BINS: usize = 3;
@@ -12,18 +10,12 @@ const BINS: usize = 3;
 const BIN_ROWS: usize = 3;
 
 /// Significant bins of the residual of mu, strongest first; p-values are Bonferroni-corrected.
-pub fn bins(setting: &Setting, rows: &[Row], fit: &Fit, chosen: &[usize]) -> Vec<Bin> {
-    let rest: Vec<f64> = rows
-        .iter()
-        .map(|row| row.mu - fit.predict(setting, row, chosen).1)
-        .collect();
-    let mut columns: Vec<(&str, Vec<f64>)> =
-        vec![("p_max_pa", rows.iter().map(|r| r.pressure).collect())];
-    if let Some(first) = rows.first() {
-        for name in first.columns.keys() {
-            columns.push((name, rows.iter().map(|r| r.columns[name]).collect()));
-        }
-    }
+pub fn bins(setting: &Setting, rows: &[Row], fit: &Fit) -> Vec<Bin> {
+    let residual = |row: &Row| row.mu - fit.predict(setting, row).1;
+    let rest: Vec<f64> = rows.iter().map(residual).collect();
+    let pressure = rows.iter().map(|r| r.pressure).collect();
+    let mut columns = vec![("p_max_pa", pressure)];
+    columns.extend(further_columns(rows));
     let mut found = Vec::new();
     for (name, values) in &columns {
         let mut order: Vec<usize> = (0..values.len()).collect();
@@ -34,22 +26,10 @@ pub fn bins(setting: &Setting, rows: &[Row], fit: &Fit, chosen: &[usize]) -> Vec
             if n < BIN_ROWS {
                 continue;
             }
-            let mean = own.iter().map(|i| rest[*i]).sum::<f64>() / n as f64;
-            let squares = own.iter().map(|i| (rest[*i] - mean).powi(2)).sum::<f64>();
-            let error = (squares / (n as f64 - 1.0) / n as f64).sqrt();
-            let Ok(law) = StudentsT::new(0.0, 1.0, n as f64 - 1.0) else {
-                continue;
-            };
-            found.push(Bin {
-                channel: "mu".to_owned(),
-                column: (*name).to_owned(),
-                from: values[own[0]],
-                to: values[own[n - 1]],
-                mean,
-                error,
-                unit: String::new(),
-                p_value: 2.0 * law.sf((mean / error.max(1e-300)).abs()),
-            });
+            let residuals: Vec<f64> = own.iter().map(|i| rest[*i]).collect();
+            let ends = [values[own[0]], values[own[n - 1]]];
+            let freedom = n as f64 - 1.0;
+            found.extend(bin(("mu", ""), name, ends, &residuals, (1.0, freedom)));
         }
     }
     significant(found)

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use kufe_sled::effects::{CATALOGUE, Column, Custom, Effect, Effects, Experiments, Kind};
+use kufe_sled::effects::{CATALOGUE, Custom, Effect, Effects, Experiments, Kind};
 use rayon::prelude::*;
 
 use crate::evidence::experiments::base::Base;
-use crate::evidence::experiments::rows::{ORDER, Row};
+use crate::evidence::experiments::rows::{ORDER, Row, further_columns};
 use crate::input::table::Table;
 use crate::null::clusters::members;
 use crate::procedure::candidate::Candidate;
@@ -46,48 +46,51 @@ pub type CandidateList = (Vec<Candidate<FrictionChange>>, Vec<(String, String)>)
 pub fn list(rows: &[Row], table: &Table, model: &Effects, base: Base) -> CandidateList {
     let mut candidates = Vec::new();
     let mut untestable = Vec::new();
+    let is_stated = |column: &str| table.place(column).is_some();
     let varies = |column: &str| {
-        table
-            .place(column)
-            .is_some_and(|at| table.rows.iter().any(|row| row[at] != table.rows[0][at]))
+        let at = table.place(column);
+        at.is_some_and(|at| table.rows.iter().any(|row| row[at] != table.rows[0][at]))
+    };
+    let needs = |columns: &[&str]| {
+        let columns = columns.join(", ");
+        format!("needs {columns}, which is absent or does not vary")
     };
     let on = |name: &str| {
-        model
-            .active
-            .iter()
-            .any(|a| a.effect_name() == name && a.is_on())
+        let mut active = model.active.iter();
+        active.any(|a| a.effect_name() == name && a.is_on())
     };
     for effect in CATALOGUE.iter().filter(|e| e.on_friction.is_some()) {
         let info = effect.info();
         if on(info.name) {
             continue;
         }
-        let needed = match info.needs_in_experiments() {
-            Ok(needed) => needed.iter().map(|c| Column::name(*c)),
-            Err(why) => {
-                untestable.push((info.name.to_owned(), why.to_owned()));
-                continue;
+        let needed: Result<Vec<&str>, _> = info
+            .needs_in_experiments()
+            .map(|needed| needed.iter().map(|c| c.name()).collect());
+        let reason = match needed {
+            Err(why) => Some(why.to_owned()),
+            Ok(needed) if info.experiments == Experiments::OverFilm => {
+                let is_testable =
+                    needed.iter().all(|c| is_stated(c)) && needed.iter().any(|c| varies(c));
+                match base {
+                    Base::Film => (!is_testable).then(|| needs(&needed)),
+                    _ => Some(
+                        "needs friction.longitudinal.film = true: it changes the melt film"
+                            .to_owned(),
+                    ),
+                }
+            }
+            Ok(mut needed) => {
+                needed.retain(|c| !varies(c));
+                (!needed.is_empty()).then(|| needs(&needed))
             }
         };
-        if info.experiments == Experiments::OverFilm {
-            let needed: Vec<&str> = needed.collect();
-            if base != Base::Film {
-                let why = "needs friction.longitudinal.film = true: it changes the melt film";
-                untestable.push((info.name.to_owned(), why.to_owned()));
-            } else if needed.iter().all(|c| table.place(c).is_some())
-                && needed.iter().any(|c| varies(c))
-            {
+        match reason {
+            Some(reason) => untestable.push((info.name.to_owned(), reason)),
+            None if info.experiments == Experiments::OverFilm => {
                 candidates.extend(of_film(effect, rows));
-            } else {
-                untestable.push((info.name.to_owned(), needs(&needed)));
             }
-            continue;
-        }
-        let missing: Vec<&str> = needed.filter(|c| !varies(c)).collect();
-        if !missing.is_empty() {
-            untestable.push((info.name.to_owned(), needs(&missing)));
-        } else if let Some(candidate) = of_catalogue(effect) {
-            candidates.push(candidate);
+            None => candidates.extend(of_catalogue(effect)),
         }
     }
     for active in &model.active {
@@ -98,65 +101,38 @@ pub fn list(rows: &[Row], table: &Table, model: &Effects, base: Base) -> Candida
             continue;
         }
         let names = custom.names();
-        let missing: Vec<&str> = names
-            .iter()
-            .map(String::as_str)
-            .filter(|name| !table.header.iter().any(|h| h == name))
-            .collect();
-        if missing.is_empty() && names.iter().any(|name| varies(name)) {
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        if names.iter().all(|name| is_stated(name)) && names.iter().any(|name| varies(name)) {
             candidates.push(own(&active.name, custom, rows));
         } else {
-            let all: Vec<&str> = names.iter().map(String::as_str).collect();
-            untestable.push((active.name.clone(), needs(&all)));
+            untestable.push((active.name.clone(), needs(&names)));
         }
     }
-    for (name, values) in further(rows) {
-        let powers: &[Power] = match name {
-            ORDER => &[Power::Linear],
-            _ => &[Power::Linear, Power::Quadratic],
-        };
-        for power in powers {
-            let column = of_column(name, &values, *power);
-            candidates.extend(column.filter(|c| !on(&c.effect)));
-        }
+    for (name, values) in further_columns(rows) {
+        let mut laws = of_column(name, &values);
+        laws.truncate(if name == ORDER { 1 } else { 2 });
+        candidates.extend(laws.into_iter().filter(|c| !on(&c.effect)));
     }
     mark_sessions(rows, &mut candidates);
     (candidates, untestable)
 }
 
-fn needs(columns: &[&str]) -> String {
-    format!(
-        "needs {}, which is absent or does not vary",
-        columns.join(", ")
-    )
-}
-
 fn of_catalogue(effect: &'static Effect) -> Option<Candidate<FrictionChange>> {
     let info = effect.info();
     let index = info.parameters.iter().position(|p| p.is_amplitude())?;
-    let p = info.parameters[index];
+    let p = &info.parameters[index];
     let needed = info.needs_in_experiments().unwrap_or_default();
-    let columns = needed.iter().map(|c| c.name().to_owned()).collect();
-    let defaults: Vec<f64> = info.parameters.iter().map(|p| p.default).collect();
-    Some(Candidate {
-        effect: info.name.to_owned(),
-        key: p.name.to_owned(),
-        unit: p.unit.to_owned(),
-        low: p.low,
-        high: p.high,
-        typical: p.typical,
-        decides: info.decides.to_owned(),
-        act: FrictionChange {
-            of: Arc::new(move |row, mu, size| {
-                let mut values = defaults.clone();
-                values[index] = size * p.typical;
-                effect.coefficient(&values, mu, &row.conditions) - mu
-            }),
-            table: Some(toml::Table::new()),
-            columns,
-            by_session: false,
-        },
-    })
+    let act = FrictionChange {
+        of: Arc::new(move |row, mu, size| {
+            let mut values = info.off();
+            values[index] = size * p.typical;
+            effect.coefficient(&values, mu, &row.conditions) - mu
+        }),
+        table: Some(toml::Table::new()),
+        columns: needed.iter().map(|c| c.name().to_owned()).collect(),
+        by_session: false,
+    };
+    Some(Candidate::of_catalogue(info, p, act))
 }
 
 /// An effect on the melt film. Solving the film in every fit is too slow: its factor on mu is
@@ -164,7 +140,7 @@ fn of_catalogue(effect: &'static Effect) -> Option<Candidate<FrictionChange>> {
 fn of_film(effect: &'static Effect, rows: &[Row]) -> Option<Candidate<FrictionChange>> {
     /// Sizes in addition to 0. With 64 the relative error of the interpolated mu is below 1e-3.
     const SIZES: usize = 64;
-    let candidate = of_catalogue(effect)?;
+    let mut candidate = of_catalogue(effect)?;
     let most = candidate.high / candidate.typical;
     let size = move |k: usize| most * (k as f64 / SIZES as f64).powi(2);
     let solved = |row: &Row| -> Vec<f64> {
@@ -172,17 +148,26 @@ fn of_film(effect: &'static Effect, rows: &[Row]) -> Option<Candidate<FrictionCh
         (0..=SIZES).map(excess).collect()
     };
     let tables: Vec<Vec<f64>> = rows.par_iter().map(solved).collect();
-    let change = move |row: &Row, mu: f64, at: f64| {
+    candidate.act.of = Arc::new(move |row, mu, at| {
         // A simulated row has the order number of its original.
         let table = &tables[row.columns[ORDER] as usize];
         let k = ((at.max(0.0) / most).sqrt() * SIZES as f64) as usize;
         let k = k.min(SIZES - 1);
         let share = (at - size(k)) / (size(k + 1) - size(k));
         mu * (table[k] + share * (table[k + 1] - table[k]))
-    };
-    let mut of_film = candidate.clone();
-    of_film.act.of = Arc::new(change);
-    Some(of_film)
+    });
+    Some(candidate)
+}
+
+/// A custom law of friction within bounds, as the table of a model.
+fn custom_table(expression: &str, [low, high]: [f64; 2]) -> toml::Table {
+    let entry = |key: &str, value: toml::Value| (key.to_owned(), value);
+    toml::Table::from_iter([
+        entry("expression", expression.into()),
+        entry("channel", "friction".into()),
+        entry("low", low.into()),
+        entry("high", high.into()),
+    ])
 }
 
 /// A custom effect that `model.toml` proposes with `value = 0`.
@@ -194,12 +179,8 @@ fn own(name: &str, custom: &Custom, rows: &[Row]) -> Candidate<FrictionChange> {
         .map(|row| custom.coefficient(1.0, &row.conditions).powi(2));
     let size = (squares.sum::<f64>() / rows.len() as f64).sqrt();
     let typical = if size > 0.0 { 1e-4 / size } else { 1.0 };
-    let mut table = toml::Table::new();
-    table.insert("expression".to_owned(), custom.text.clone().into());
-    table.insert("channel".to_owned(), "friction".into());
+    let mut table = custom_table(&custom.text, [custom.low, custom.high]);
     table.insert("unit".to_owned(), custom.unit.clone().into());
-    table.insert("low".to_owned(), custom.low.into());
-    table.insert("high".to_owned(), custom.high.into());
     Candidate {
         effect: name.to_owned(),
         key: "value".to_owned(),
@@ -217,90 +198,56 @@ fn own(name: &str, custom: &Custom, rows: &[Row]) -> Candidate<FrictionChange> {
     }
 }
 
-/// Numeric columns that vary, with their values.
-fn further(rows: &[Row]) -> Vec<(&str, Vec<f64>)> {
-    let Some(first) = rows.first() else {
-        return Vec::new();
-    };
-    let names = first.columns.keys();
-    names
-        .map(|name| {
-            let values = rows.iter().map(|row| row.columns[name]).collect();
-            (name.as_str(), values)
-        })
-        .collect()
-}
-
-/// How mu depends on a column.
-#[derive(Clone, Copy, PartialEq)]
-enum Power {
-    Linear,
-    /// A parabola that is uncorrelated with the linear term.
-    Quadratic,
-}
-
-/// A law of a column: z, the standardised column, or `z^2 - s z - 1`, s being the mean of z^3.
-fn of_column(name: &str, values: &[f64], power: Power) -> Option<Candidate<FrictionChange>> {
+/// Laws of a column: z, the standardised column, and the parabola `z^2 - s z - 1`, which is
+/// uncorrelated with z if s is the mean of z^3.
+fn of_column(name: &str, values: &[f64]) -> Vec<Candidate<FrictionChange>> {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let sd = (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt();
     if sd <= 1e-9 * mean.abs() || sd == 0.0 {
-        return None;
+        return Vec::new();
     }
-    let z = format!("({name} - ({mean:?})) / {sd:?}");
-    let (effect, expression, unit, skew) = match power {
-        Power::Linear => (name.to_owned(), z, format!("for {sd:.4} of {name}"), 0.0),
-        Power::Quadratic => {
-            let cubes = values.iter().map(|x| ((x - mean) / sd).powi(3));
-            let skew = cubes.sum::<f64>() / n;
-            // With fewer than three distinct values a parabola is not determined.
-            let mut distinct = values.to_vec();
-            distinct.sort_by(f64::total_cmp);
-            distinct.dedup();
-            if distinct.len() < 3 {
-                return None;
-            }
-            (
-                format!("{name}*{name}"),
-                format!("({z})^2 - ({skew:?}) * ({z}) - 1"),
-                format!("for ({sd:.4})^2 of {name}"),
-                skew,
-            )
+    let cubes = values.iter().map(|x| ((x - mean) / sd).powi(3));
+    let skew = cubes.sum::<f64>() / n;
+    let law = |effect: String, unit: String, expression: &str, shape: fn(f64, f64) -> f64| {
+        let column = name.to_owned();
+        Candidate {
+            effect: format!("unknown:{effect}"),
+            key: "value".to_owned(),
+            unit,
+            low: -1.0,
+            high: 1.0,
+            typical: 1e-4,
+            decides: format!("rows in which {name} is varied alone"),
+            act: FrictionChange {
+                of: Arc::new(move |row, _, size| {
+                    let z = (row.columns.get(&column).copied().unwrap_or(mean) - mean) / sd;
+                    1e-4 * size * shape(z, skew)
+                }),
+                // Simulations have only the columns of expressions.
+                table: kufe_sled::effects::is_column(name)
+                    .then(|| custom_table(expression, [-1.0, 1.0])),
+                columns: vec![name.to_owned()],
+                by_session: false,
+            },
         }
     };
-    // Simulations have only the columns of expressions.
-    let simulated = kufe_sled::effects::is_column(name);
-    let table = simulated.then(|| {
-        let mut table = toml::Table::new();
-        table.insert("expression".to_owned(), expression.into());
-        table.insert("channel".to_owned(), "friction".into());
-        table.insert("low".to_owned(), (-1.0).into());
-        table.insert("high".to_owned(), 1.0.into());
-        table
-    });
-    let column = name.to_owned();
-    Some(Candidate {
-        effect: format!("unknown:{effect}"),
-        key: "value".to_owned(),
-        unit,
-        low: -1.0,
-        high: 1.0,
-        typical: 1e-4,
-        decides: format!("rows in which {name} is varied alone"),
-        act: FrictionChange {
-            of: Arc::new(move |row, _, size| {
-                let z = (row.columns.get(&column).copied().unwrap_or(mean) - mean) / sd;
-                let shape = match power {
-                    Power::Linear => z,
-                    Power::Quadratic => z * z - skew * z - 1.0,
-                };
-                1e-4 * size * shape
-            }),
-            table,
-            columns: vec![name.to_owned()],
-            by_session: false,
-        },
-    })
+    let z = format!("({name} - ({mean:?})) / {sd:?}");
+    let unit = format!("for {sd:.4} of {name}");
+    let mut laws = vec![law(name.to_owned(), unit, &z, |z, _| z)];
+    // With fewer than three distinct values a parabola is not determined.
+    let mut distinct = values.to_vec();
+    distinct.sort_by(f64::total_cmp);
+    distinct.dedup();
+    if distinct.len() >= 3 {
+        let effect = format!("{name}*{name}");
+        let unit = format!("for ({sd:.4})^2 of {name}");
+        let parabola = format!("({z})^2 - ({skew:?}) * ({z}) - 1");
+        laws.push(law(effect, unit, &parabola, |z, skew| {
+            z * z - skew * z - 1.0
+        }));
+    }
+    laws
 }
 
 /// Candidates that are constant within sessions are tested by permuting sessions.

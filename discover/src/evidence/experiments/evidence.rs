@@ -17,20 +17,19 @@ use crate::error::Error;
 use crate::evidence::experiments::base::Base;
 use crate::evidence::experiments::bins::bins;
 use crate::evidence::experiments::candidates::{FrictionChange, list};
-use crate::evidence::experiments::compare::Comparison;
 use crate::evidence::experiments::fit::{Fit, Setting, between_specimens, fit};
 use crate::evidence::experiments::known::ModelEffects;
 use crate::evidence::experiments::pictures::pictures;
 use crate::evidence::experiments::rows::{Row, read, set_films};
-use crate::evidence::experiments::screen::{TableScreen, screen_table};
-use crate::finding::{ChannelGap, Fitted, HeldOut};
+use crate::evidence::experiments::screen::screen_table;
+use crate::finding::{ChannelGap, Report, held_out};
 use crate::input::table::Table;
 use crate::null::clusters::members;
 use crate::options::{OUTSIDE_CATALOGUE, Options};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{
-    Account, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, Randomised, SUPERFLUOUS,
-    Screen, Selection, Words,
+    Account, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, SUPERFLUOUS, Screen,
+    Selection,
 };
 use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::search::{Found, search_evidence};
@@ -51,13 +50,6 @@ pub struct Experiments<'a> {
     pub next_best: Option<usize>,
     /// Estimates and p-values of the last screen.
     pub screen_estimates: Vec<ScreenEstimate>,
-}
-
-/// A fit and the candidates that it contains.
-#[derive(Clone)]
-pub struct TableFit {
-    pub chosen: Vec<usize>,
-    pub fit: Fit,
 }
 
 impl<'a> Experiments<'a> {
@@ -113,9 +105,8 @@ impl<'a> Experiments<'a> {
     }
 
     /// Fits these candidates.
-    pub fn fitted(&self, chosen: Vec<usize>) -> TableFit {
-        let fit = fit(&self.setting, &self.training, &chosen);
-        TableFit { chosen, fit }
+    pub fn fitted(&self, chosen: &[usize]) -> Fit {
+        fit(&self.setting, &self.training, chosen)
     }
 
     fn rows(&self) -> usize {
@@ -123,14 +114,14 @@ impl<'a> Experiments<'a> {
     }
 
     /// Whether chi2 per degree of freedom is below the limit of a clean residual.
-    fn is_clean(&self, fit: &TableFit) -> bool {
-        let freedom =
-            self.training.len() as f64 - (self.setting.base.len() + fit.chosen.len()) as f64;
-        fit.fit.chi2 < self.options.rules.experiments.unclean * freedom.max(1.0)
+    fn is_clean(&self, fit: &Fit) -> bool {
+        fit.chi2 < self.options.rules.experiments.unclean * fit.freedom()
     }
 
-    fn freedom(&self) -> usize {
-        self.training.len() - self.setting.base.len()
+    /// chi2 and degrees of freedom of the base.
+    fn of_base(&self, base: &Fit) -> String {
+        let freedom = self.training.len() - self.setting.base.len();
+        format!("chi2 = {:.1} on {freedom} degrees of freedom", base.chi2)
     }
 
     fn gap(&self, before: f64, after: f64) -> ChannelGap {
@@ -143,223 +134,172 @@ impl<'a> Experiments<'a> {
             noise: f64::sqrt(squares.sum::<f64>() / self.training.len() as f64),
         }
     }
-
-    fn select(&self, screen: &TableScreen, chosen: &[usize]) -> Option<Selection<FrictionChange>> {
-        let compare = Comparison {
-            setting: &self.setting,
-            training: &self.training,
-            screen,
-            chosen,
-            rules: &self.options.rules.experiments,
-        };
-        let named = compare.strongest()?;
-        let (class, rivals) = compare.class(named);
-        let candidate = self.setting.candidates[named].clone();
-        Some(Selection {
-            size: screen.size[named] * candidate.typical,
-            error: screen.error[named] * candidate.typical,
-            candidate,
-            class,
-            rivals,
-            p_value: screen.p_value(named),
-            randomised: Randomised::default(),
-            place: "all rows".to_owned(),
-            channel: ("mu", ""),
-            remark: None,
-            parameters: Vec::new(),
-        })
-    }
 }
 
 impl Evidence for Experiments<'_> {
     type Act = FrictionChange;
-    type Fit = TableFit;
+    type Fit = Fit;
 
-    fn fit_base(&mut self, account: &mut Account) -> Result<TableFit, Error> {
-        account.remarks.extend(self.options.restriction_remark());
+    fn fit_base(&mut self, account: &mut Account) -> Result<Fit, Error> {
+        let remarks = &mut account.remarks;
+        remarks.extend(self.options.restriction_remark());
         if !self.others.is_empty() {
-            account.remarks.push(format!(
+            remarks.push(format!(
                 "effects of the model that these data do not depend on: {}",
                 self.others.join(", ")
             ));
         }
         if self.held_out.is_empty() {
-            account.remarks.push(format!(
+            remarks.push(format!(
                 "{} rows are too few to hold any out: the misfit is that of the training rows",
                 self.rows()
             ));
         }
         if self.setting.between > 0.0 {
-            account.remarks.push(format!(
+            remarks.push(format!(
                 "specimens differ by a standard deviation of {} in mu in addition to the deviations of their rows",
                 number4(self.setting.between)
             ));
         }
-        let base = self.fitted(Vec::new());
-        account.remarks.push(format!(
-            "base fit: chi2 = {:.1} on {} degrees of freedom",
-            base.fit.chi2,
-            self.freedom()
-        ));
+        let base = self.fitted(&[]);
+        remarks.push(format!("base fit: {}", self.of_base(&base)));
         Ok(base)
     }
 
-    fn screen(&mut self, fit: &TableFit, _: &mut Account) -> Result<Screen<FrictionChange>, Error> {
-        let too_few = self.training.len() <= self.setting.base.len() + fit.chosen.len() + 2;
-        let screen = screen_table(&self.setting, &self.training, &fit.chosen, self.options);
-        let selection = match too_few {
-            true => None,
-            false => self.select(&screen, &fit.chosen),
-        };
-        self.screen_estimates = screen.screen_estimates(&self.setting.candidates, &fit.chosen);
-        self.next_best = match selection {
-            None if !too_few => screen.largest(&fit.chosen),
-            _ => None,
-        };
-        Ok(Screen {
-            detectable: screen.detectable(&self.setting.candidates),
+    fn screen(&mut self, fit: &Fit, _: &mut Account) -> Result<Screen<FrictionChange>, Error> {
+        let is_enough = self.training.len() > fit.step.len() + 2;
+        let rules = &self.options.rules.experiments;
+        let screen = screen_table(&self.setting, &self.training, fit.clone(), self.options);
+        let selection = screen.select(rules).filter(|_| is_enough);
+        let next_best = screen
+            .largest()
+            .filter(|_| is_enough && selection.is_none());
+        let screened = Screen {
+            detectable: screen.detectable(),
             selection,
-        })
+        };
+        self.screen_estimates = screen.screen_estimates();
+        self.next_best = next_best;
+        Ok(screened)
     }
 
     fn add(
         &mut self,
-        fit: &TableFit,
+        fit: &Fit,
         selection: &Selection<FrictionChange>,
         _: usize,
-    ) -> Result<ExtendedFit<TableFit>, Error> {
+    ) -> Result<ExtendedFit<Fit>, Error> {
         let named = |c: &Candidate<FrictionChange>| c.effect == selection.candidate.effect;
         let place = self.setting.candidates.iter().position(named);
         let chosen: Vec<usize> = fit.chosen.iter().copied().chain(place).collect();
-        let next = self.fitted(chosen);
+        let next = self.fitted(&chosen);
         Ok(ExtendedFit {
-            gap: [fit.fit.rms, next.fit.rms],
+            gap: [fit.rms, next.rms],
             fit: next,
             written: true,
             place: None,
         })
     }
 
-    fn settle(&mut self, fit: TableFit, account: &mut Account) -> Result<TableFit, Error> {
-        let mut fit = fit;
+    fn settle(&mut self, mut fit: Fit, account: &mut Account) -> Result<Fit, Error> {
         let least = self.options.rules.search.superfluous_t;
         while fit.chosen.len() > 1 {
-            let t = |k: &usize| {
-                let at = self.setting.base.len() + k;
-                (fit.fit.step[at] / fit.fit.errors[at].max(1e-300)).abs()
-            };
-            let Some(weak) = (0..fit.chosen.len()).find(|k| t(k) < least) else {
+            let is_weak = |k: &usize| fit.t(&self.setting, *k).abs() < least;
+            let Some(weak) = (0..fit.chosen.len()).find(is_weak) else {
                 break;
             };
             account.remove_step(weak, SUPERFLUOUS);
-            fit.chosen.remove(weak);
-            fit = self.fitted(fit.chosen);
+            fit = self.without(&fit, weak)?;
         }
         if account.steps.is_empty() && !self.is_clean(&fit) {
             account.unexplained = Some(format!(
-                "the model's friction has chi2 = {:.1} on {} degrees of freedom; a law over pressure (b, c, d) where it has one mu, columns for what \
+                "the model's friction has {}; a law over pressure (b, c, d) where it has one mu, columns for what \
                  else differed from row to row, or mu_sd equal to the scatter of repeated rows would explain it",
-                fit.fit.chi2,
-                self.freedom()
+                self.of_base(&fit)
             ));
         }
         Ok(fit)
     }
 
-    fn without(&mut self, fit: &TableFit, step: usize) -> Result<TableFit, Error> {
+    fn without(&mut self, fit: &Fit, step: usize) -> Result<Fit, Error> {
         let mut chosen = fit.chosen.clone();
         chosen.remove(step);
-        Ok(self.fitted(chosen))
+        Ok(self.fitted(&chosen))
     }
 
-    fn misfit_decrease(&self, from: &TableFit, to: &TableFit) -> Result<Option<Decrease>, Error> {
-        let falls: Vec<f64> = self
-            .held_out
-            .iter()
-            .map(|row| {
-                let square = |of: &TableFit| {
-                    let residual = row.mu - of.fit.predict(&self.setting, row, &of.chosen).1;
-                    (residual / from.fit.deviation(&self.setting, row)).powi(2)
-                };
-                square(from) - square(to)
-            })
-            .collect();
+    fn misfit_decrease(&self, from: &Fit, to: &Fit) -> Result<Option<Decrease>, Error> {
+        let fall = |row: &Row| {
+            let square = |of: &Fit| {
+                let residual = row.mu - of.predict(&self.setting, row).1;
+                (residual / from.deviation(&self.setting, row)).powi(2)
+            };
+            square(from) - square(to)
+        };
+        let falls: Vec<f64> = self.held_out.iter().map(fall).collect();
         Ok(Decrease::over(&falls, 0.0))
     }
 
     fn open(
         &mut self,
-        base: &TableFit,
-        last: &TableFit,
+        base: &Fit,
+        last: &Fit,
         account: &mut Account,
     ) -> Result<HeldOutResults, Error> {
-        let closed = self.closed(base, last);
-        let rms = |of: &TableFit| of.fit.rms_of(&self.setting, &self.held_out, &of.chosen);
-        let (before, after) = (rms(base), rms(last));
+        let [before, after] = [base, last].map(|fit| fit.rms_of(&self.setting, &self.held_out));
         Ok(HeldOutResults {
-            held_out: HeldOut {
-                what: "row".to_owned(),
-                runs: self.held_out.iter().map(|r| r.name.clone()).collect(),
-                gap_before: before,
-                gap_after: after,
-                unit: String::new(),
-                channels: match self.held_out.is_empty() {
-                    true => Vec::new(),
-                    false => vec![self.gap(before, after)],
-                },
-            },
-            closed: vec![closed; account.steps.len()],
+            held_out: held_out(
+                "row",
+                self.held_out.iter().map(|row| &row.name),
+                self.gap(before, after),
+            ),
+            closed: vec![self.closed(base, last); account.steps.len()],
         })
     }
 
     fn describe(
         &mut self,
-        base: &TableFit,
-        last: &TableFit,
+        base: &Fit,
+        last: &Fit,
         account: &mut Account,
     ) -> Result<Description, Error> {
-        let (first, setting, rows) = (&base.fit, &self.setting, &self.training);
-        let freedom = self.freedom();
+        let (setting, rows) = (&self.setting, &self.training);
         let rules = &self.options.rules;
-        let degrees = rows.len() as f64 - (setting.base.len() + last.chosen.len()) as f64;
-        let quantile = rules.search.interval + rules.experiments.interval_few / degrees.max(1.0);
-        let parameters: Vec<Vec<Fitted>> = (0..last.chosen.len())
-            .map(|k| vec![self.size(last, k, quantile)])
-            .collect();
+        let quantile = rules.search.interval + rules.experiments.interval_few / last.freedom();
+        let amounts = (0..last.chosen.len()).map(|k| last.amount(setting, k));
         let effects = setting.candidates.iter().map(|c| Meaning {
             name: c.effect.clone(),
             summary: find(&c.effect).map_or(String::new(), |e| e.info.summary.to_owned()),
             decides: c.decides.clone(),
         });
+        let sessions = members(rows.iter().map(|row| row.session.as_str())).len();
+        let laws = last.chosen.iter().map(|c| formula(&setting.candidates[*c]));
         Ok(Description {
-            data: "friction experiments".to_owned(),
-            training: vec![self.gap(first.rms, last.fit.rms)],
-            base: self.base_parameters(last, quantile),
-            bins: bins(setting, rows, first, &[]),
-            bins_after: bins(setting, rows, &last.fit, &last.chosen),
-            pictures: pictures(setting, rows, first, (&last.fit, &last.chosen)),
-            clean: self.is_clean(last),
-            untestable: self.untestable.clone(),
-            effects: effects.collect(),
-            words: Words {
-                nothing: format!(
-                    "Nothing to be found with {} points: the base fit has chi2 {:.1} on {freedom} degrees of freedom, and no effect is significant.",
-                    self.rows(),
-                    first.chi2
-                ),
-                next_after_nothing: format!(
-                    "each specimen measured again in {} more sessions at two pressures, which would halve the smallest sizes that can be found; the {} rows have {freedom} degrees of freedom",
-                    3 * members(self.training.iter().map(|row| row.session.as_str())).len(),
-                    self.rows()
-                ),
+            report: Report {
+                data: "friction experiments".to_owned(),
+                training: vec![self.gap(base.rms, last.rms)],
+                base: self.base_parameters(last, quantile),
+                bins: bins(setting, rows, base),
+                bins_after: bins(setting, rows, last),
+                pictures: pictures(setting, rows, base, last),
+                clean: self.is_clean(last),
+                untestable: self.untestable.clone(),
+                ..Report::default()
             },
-            next_model: self.next_model(last, &parameters, account).to_toml(),
-            parameters,
-            laws: last
-                .chosen
-                .iter()
-                .map(|c| formula(&setting.candidates[*c]))
-                .collect(),
+            parameters: amounts.map(|a| vec![a.fitted(quantile)]).collect(),
+            effects: effects.collect(),
+            nothing: format!(
+                "Nothing to be found with {} points: the base fit has {}, and no effect is significant.",
+                self.rows(),
+                self.of_base(base)
+            ),
+            next_after_nothing: format!(
+                "each specimen measured again in {} more sessions at two pressures, which would halve the smallest sizes that can be found; the {} rows have {} degrees of freedom",
+                3 * sessions,
+                self.rows(),
+                base.freedom()
+            ),
+            next_model: self.next_model(last, account).to_toml(),
+            laws: laws.collect(),
             ..Description::default()
         })
     }

@@ -10,6 +10,7 @@ use crate::evidence::experiments::known::ModelEffects;
 use crate::evidence::experiments::rows::Row;
 use crate::null::clusters::members;
 use crate::procedure::candidate::Candidate;
+use crate::procedure::shared_effects::Amount;
 use crate::regression::inverse::ridge_inverse;
 
 const ROUNDS: usize = 8;
@@ -78,6 +79,8 @@ impl Whitening {
 /// A fit of the base law and selected candidates.
 #[derive(Clone)]
 pub struct Fit {
+    /// The candidates.
+    pub chosen: Vec<usize>,
     /// Estimates: coefficients of the base, then sizes of candidates in units of `typical`.
     pub step: DVector<f64>,
     /// Standard errors of `step`, scaled by sqrt(chi2 / degrees of freedom) where that exceeds 1.
@@ -92,36 +95,39 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Coefficient `k` of the base in the model's units, and its standard error.
-    pub fn base_value(&self, k: usize, base: Base) -> (f64, f64) {
-        let error = base.stated(k, self.errors[k]).abs();
-        (base.stated(k, self.step[k]), error)
+    /// Number of rows less that of parameters, at least 1.
+    pub fn freedom(&self) -> f64 {
+        (self.rest.len() as f64 - self.step.len() as f64).max(1.0)
     }
 
     /// mu of a row by the base alone, and with the known and selected effects.
-    pub fn predict(&self, setting: &Setting, row: &Row, chosen: &[usize]) -> (f64, f64) {
-        let own: f64 = setting
-            .base
-            .columns(row)
-            .iter()
-            .zip(self.step.iter())
-            .map(|(a, b)| a * b)
-            .sum();
-        let mu = own.max(1e-5);
-        let sizes = self.step.iter().skip(setting.base.len());
-        let more: f64 = chosen
-            .iter()
-            .zip(sizes)
-            .map(|(c, size)| setting.candidates[*c].change(row, mu, *size))
-            .sum();
-        (own, own + setting.known.add(row, mu) + more)
+    pub fn predict(&self, setting: &Setting, row: &Row) -> (f64, f64) {
+        let own = base_law(setting.base, row, &self.step);
+        let changes = (0..self.chosen.len()).map(|k| self.added(setting, row, k));
+        let more: f64 = changes.sum();
+        (own, own + setting.known.add(row, own.max(LEAST_MU)) + more)
     }
 
     /// Contribution of the `k`-th selected effect to mu of a row.
-    pub fn added(&self, setting: &Setting, row: &Row, chosen: &[usize], k: usize) -> f64 {
-        let (own, _) = self.predict(setting, row, &[]);
+    pub fn added(&self, setting: &Setting, row: &Row, k: usize) -> f64 {
+        let own = base_law(setting.base, row, &self.step);
         let size = self.step[setting.base.len() + k];
-        setting.candidates[chosen[k]].change(row, own.max(1e-5), size)
+        setting.candidates[self.chosen[k]].change(row, own.max(LEAST_MU), size)
+    }
+
+    /// t of the `k`-th selected effect; 0 if it is not determined.
+    pub fn t(&self, setting: &Setting, k: usize) -> f64 {
+        let at = setting.base.len() + k;
+        let t = self.step[at] / self.errors[at].max(1e-300);
+        if t.is_finite() { t } else { 0.0 }
+    }
+
+    /// Size of the `k`-th selected effect.
+    pub fn amount(&self, setting: &Setting, k: usize) -> Amount {
+        let candidate = &setting.candidates[self.chosen[k]];
+        let [value, error] = [self.step.as_slice(), &self.errors]
+            .map(|of| of[setting.base.len() + k] * candidate.typical);
+        Amount::of(candidate, value, error)
     }
 
     /// Standard deviation of mu of a row: measurement, pressure and specimen.
@@ -130,12 +136,20 @@ impl Fit {
     }
 
     /// Root mean square of the residual of these rows.
-    pub fn rms_of(&self, setting: &Setting, rows: &[Row], chosen: &[usize]) -> f64 {
+    pub fn rms_of(&self, setting: &Setting, rows: &[Row]) -> f64 {
         let squares = rows
             .iter()
-            .map(|row| (row.mu - self.predict(setting, row, chosen).1).powi(2));
+            .map(|row| (row.mu - self.predict(setting, row).1).powi(2));
         (squares.sum::<f64>() / rows.len().max(1) as f64).sqrt()
     }
+}
+
+/// Smallest mu for which changes by effects are computed.
+const LEAST_MU: f64 = 1e-5;
+
+fn base_law(base: Base, row: &Row, step: &DVector<f64>) -> f64 {
+    let columns = base.columns(row);
+    columns.iter().zip(step.iter()).map(|(a, b)| a * b).sum()
 }
 
 fn deviation(row: &Row, step: &DVector<f64>, base: Base) -> f64 {
@@ -145,7 +159,7 @@ fn deviation(row: &Row, step: &DVector<f64>, base: Base) -> f64 {
 
 /// Fits base and selected candidates jointly; weights and effects are updated in each iteration.
 pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
-    let (candidates, base) = (&setting.candidates, setting.base);
+    let base = setting.base;
     let n = rows.len();
     let m = base.len() + chosen.len();
     let specimens: Vec<Vec<usize>> = match setting.between > 0.0 {
@@ -159,32 +173,30 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
     for round in 0..ROUNDS {
         let mut columns = DMatrix::zeros(n, m);
         let mut y = DVector::zeros(n);
-        let mut weights = vec![0.0; n];
         for (i, row) in rows.iter().enumerate() {
-            let own = base.columns(row);
-            let mu: f64 = if round == 0 {
-                row.mu
-            } else {
-                own.iter().zip(step.iter()).map(|(a, b)| a * b).sum()
+            let mu = match round {
+                0 => row.mu,
+                _ => base_law(base, row, &step),
             };
-            let sd = deviation(row, &step, base);
-            weights[i] = 1.0 / sd;
-            for (k, x) in own.iter().enumerate() {
-                columns[(i, k)] = *x;
+            let mu = mu.max(LEAST_MU);
+            for (k, x) in base.columns(row).into_iter().enumerate() {
+                columns[(i, k)] = x;
             }
-            y[i] = row.mu - setting.known.add(row, mu.max(1e-5));
+            y[i] = row.mu - setting.known.add(row, mu);
             for (k, c) in chosen.iter().enumerate() {
-                let size: f64 = step[base.len() + k];
-                let slope = candidates[*c].slope(row, mu.max(1e-5), size);
-                let change = candidates[*c].change(row, mu.max(1e-5), size);
+                let (candidate, at) = (&setting.candidates[*c], base.len() + k);
+                y[i] -= candidate.change(row, mu, step[at]);
                 // An effect whose bounds coincide is fixed.
-                let free = candidates[*c].low < candidates[*c].high;
-                columns[(i, base.len() + k)] = if free { slope } else { 0.0 };
-                y[i] -= change - if free { slope * size } else { 0.0 };
+                if candidate.low < candidate.high {
+                    let slope = candidate.slope(row, mu, step[at]);
+                    columns[(i, at)] = slope;
+                    y[i] += slope * step[at];
+                }
             }
         }
+        let weights = rows.iter().map(|row| 1.0 / deviation(row, &step, base));
+        let whitening = Whitening::new(&specimens, weights.collect(), setting.between);
         let (plain_columns, plain_y) = (columns.clone(), y.clone());
-        let whitening = Whitening::new(&specimens, weights, setting.between);
         for k in 0..m {
             let white = whitening.apply(&columns.column(k).into_owned());
             columns.set_column(k, &white);
@@ -192,20 +204,17 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
         let y = whitening.apply(&y);
         let inverse = ridge_inverse(columns.tr_mul(&columns));
         step = &inverse * columns.tr_mul(&y);
-        for (k, c) in chosen.iter().enumerate() {
+        for (c, size) in chosen.iter().zip(step.iter_mut().skip(base.len())) {
             // Far outside their bounds some effects are undefined.
-            let candidate = &candidates[*c];
-            let (low, high) = (
-                candidate.low / candidate.typical,
-                candidate.high / candidate.typical,
-            );
-            let at = base.len() + k;
-            step[at] = step[at].clamp(low, high);
+            let candidate = &setting.candidates[*c];
+            let [low, high] = [candidate.low, candidate.high].map(|end| end / candidate.typical);
+            *size = size.clamp(low, high);
         }
         let rest = &y - &columns * &step;
         let chi2 = rest.norm_squared();
         let excess = (chi2 / (n as f64 - m as f64).max(1.0)).max(1.0);
         fit = Some(Fit {
+            chosen: chosen.to_vec(),
             step: step.clone(),
             errors: (0..m)
                 .map(|k| (inverse[(k, k)].max(0.0) * excess).sqrt())

@@ -41,15 +41,8 @@ impl ModelEffects {
                 }
             };
             if let Some(column) = needed.into_iter().find(|c| table.place(c).is_none()) {
-                return Err(Error::MissingColumn {
-                    file: table.file.clone(),
-                    column: column.to_owned(),
-                    found: format!(
-                        "{} (the model's effect {} needs it)",
-                        table.header.join(", "),
-                        active.name
-                    ),
-                });
+                let reason = format!(" (the model's effect {} needs it)", active.name);
+                return Err(table.missing(column, &reason));
             }
             match &active.kind {
                 Kind::Catalogue(effect) if effect.info.experiments == Experiments::OverFilm => {

@@ -1,6 +1,5 @@
 //! Rows of an `experiments.csv`.
 
-use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
 
 use kufe_sled::Conditions;
@@ -57,19 +56,17 @@ pub fn read(table: &Table, drag_area: f64) -> Result<Vec<Row>, Error> {
     let mu_sd = table.numbers("mu_sd", 1e-9, 1.0)?;
     let sessions = match table.place("session") {
         Some(_) => table.texts("session")?,
-        None => names
-            .iter()
-            .enumerate()
-            .map(|(i, name)| format!("{name} {i}"))
+        None => (0..names.len())
+            .map(|i| format!("{} {i}", names[i]))
             .collect(),
     };
-    let column = |name: &str, low: f64, high: f64| table.optional(name, low, high);
+    let column = |name: &str, low: f64, high: f64| table.numbers_or(name, low, high, f64::NAN);
     let fz = column("fz_n", 1e-3, 1e6)?;
     let v = column("v_mps", 1e-3, 200.0)?;
     let ice = column("ice_c", -80.0, 5.0)?;
-    let air = column("air_c", -80.0, 60.0)?;
+    let air = table.numbers_or("air_c", -80.0, 60.0, 0.0)?;
     let humidity = column("humidity_pct", 0.0, 100.0)?;
-    let air_pa = column("air_pa", 4e4, 1.2e5)?;
+    let air_pa = table.numbers_or("air_pa", 4e4, 1.2e5, 95_000.0)?;
     let distance = column("distance_m", 0.0, 1e9)?;
     let length = column("contact_length_m", 1e-5, 10.0)?;
     let width = column("contact_width_m", 1e-7, 1.0)?;
@@ -83,53 +80,57 @@ pub fn read(table: &Table, drag_area: f64) -> Result<Vec<Row>, Error> {
         // Text columns are ignored; an invalid number in a numeric column is an error.
         let numbers = table.texts(name)?;
         if numbers.iter().any(|text| text.parse::<f64>().is_ok()) {
-            further.push((name, table.numbers(name, f64::MIN, f64::MAX)?));
+            further.push((name.clone(), table.numbers(name, f64::MIN, f64::MAX)?));
         }
     }
-    let rows = (0..names.len())
-        .map(|i| {
-            let get = |x: &Option<Vec<f64>>, default: f64| x.as_ref().map_or(default, |x| x[i]);
-            let (air_c, air_pa) = (get(&air, 0.0), get(&air_pa, 95_000.0));
-            Row {
-                name: names[i].clone(),
-                session: sessions[i].clone(),
-                pressure: pressure[i],
-                pressure_sd: pressure_sd[i],
-                mu: mu[i],
-                mu_sd: mu_sd[i],
-                film: f64::NAN,
-                conditions: OperatingPoint {
-                    t: get(&time, f64::NAN),
-                    s: get(&place, f64::NAN),
-                    v: get(&v, f64::NAN),
-                    fz: get(&fz, f64::NAN),
-                    conditions: Conditions {
-                        ice_c: get(&ice, f64::NAN),
-                        air_c,
-                        air_pa,
-                        humidity_pct: get(&humidity, f64::NAN),
-                        distance_m: get(&distance, f64::NAN),
-                        mass_kg: f64::NAN,
-                    },
-                    air_density: kufe_sled::aero::air_density(air_pa, air_c),
-                    drag_area,
-                    film: f64::NAN,
-                    patch: Patch {
-                        length: get(&length, f64::NAN),
-                        width: get(&width, f64::NAN),
-                        roughness: get(&roughness, f64::NAN),
-                    },
-                },
-                columns: further
-                    .iter()
-                    .map(|(name, values)| ((*name).clone(), values[i]))
-                    .chain([(ORDER.to_owned(), i as f64)])
-                    .collect(),
-            }
-        })
-        .collect();
+    further.push((
+        ORDER.to_owned(),
+        (0..names.len()).map(|i| i as f64).collect(),
+    ));
     refuse_copies(table)?;
-    Ok(rows)
+    let row = |i: usize| Row {
+        name: names[i].clone(),
+        session: sessions[i].clone(),
+        pressure: pressure[i],
+        pressure_sd: pressure_sd[i],
+        mu: mu[i],
+        mu_sd: mu_sd[i],
+        film: f64::NAN,
+        conditions: OperatingPoint {
+            t: time[i],
+            s: place[i],
+            v: v[i],
+            fz: fz[i],
+            conditions: Conditions {
+                ice_c: ice[i],
+                air_c: air[i],
+                air_pa: air_pa[i],
+                humidity_pct: humidity[i],
+                distance_m: distance[i],
+                mass_kg: f64::NAN,
+            },
+            air_density: kufe_sled::aero::air_density(air_pa[i], air[i]),
+            drag_area,
+            film: f64::NAN,
+            patch: Patch {
+                length: length[i],
+                width: width[i],
+                roughness: roughness[i],
+            },
+        },
+        columns: (further.iter())
+            .map(|(name, values)| (name.clone(), values[i]))
+            .collect(),
+    };
+    Ok((0..names.len()).map(row).collect())
+}
+
+/// All further numeric columns, by name.
+pub fn further_columns(rows: &[Row]) -> Vec<(&str, Vec<f64>)> {
+    let names = rows.first().map(|first| first.columns.keys());
+    let values = |name: &str| rows.iter().map(|row| row.columns[name]).collect();
+    let names = names.into_iter().flatten();
+    names.map(|name| (name.as_str(), values(name))).collect()
 }
 
 /// Columns that the melt film is computed from.
@@ -147,24 +148,16 @@ const OF_FILM: [Column; 5] = [
 /// [`Error::MissingColumn`]; [`Error::File`] with the row if the film cannot be computed.
 pub fn set_films(rows: &mut [Row], table: &Table, boundary_shear: f64) -> Result<(), Error> {
     if let Some(column) = OF_FILM.iter().find(|c| table.place(c.name()).is_none()) {
-        return Err(Error::MissingColumn {
-            file: table.file.clone(),
-            column: column.name().to_owned(),
-            found: format!(
-                "{} (friction.longitudinal.film = true needs it)",
-                table.header.join(", ")
-            ),
-        });
+        let reason = " (friction.longitudinal.film = true needs it)";
+        return Err(table.missing(column.name(), reason));
     }
     rows.par_iter_mut().enumerate().try_for_each(|(i, row)| {
         let at = &row.conditions;
         let film = at
             .patch
             .friction(at.fz, at.v, at.conditions.ice_c, boundary_shear);
-        row.film = film.map_err(|error| Error::File {
-            file: table.file.clone(),
-            reason: format!("row {}: the melt film: {error}", i + 2),
-        })?;
+        let reason = |error| format!("row {}: the melt film: {error}", i + 2);
+        row.film = film.map_err(|error| Error::file(table.file.as_ref(), reason(error)))?;
         Ok(())
     })
 }
@@ -175,16 +168,13 @@ fn refuse_copies(table: &Table) -> Result<(), Error> {
     for (i, row) in table.rows.iter().enumerate() {
         let measured = row.iter().enumerate().filter(|(k, _)| Some(*k) != name);
         let measured = measured.map(|(_, cell)| cell.as_str()).collect();
-        match known.entry(measured) {
-            Entry::Vacant(first) => first.insert(i),
-            Entry::Occupied(first) => {
-                return Err(Error::Duplicate {
-                    file: table.file.clone(),
-                    first: format!("row {}", first.get() + 2),
-                    second: format!("row {}", i + 2),
-                });
-            }
-        };
+        if let Some(first) = known.insert(measured, i) {
+            return Err(Error::Duplicate {
+                file: table.file.clone(),
+                first: format!("row {}", first + 2),
+                second: format!("row {}", i + 2),
+            });
+        }
     }
     Ok(())
 }

@@ -1,14 +1,13 @@
 //! Bins of the residuals by load and curvature, along and across the runner, and by pressure.
 
-use statrs::distribution::{ContinuousCDF, Normal};
-
 use crate::error::Error;
-use crate::evidence::maps::registration::Registered;
+use crate::evidence::maps::sample::place;
 use crate::evidence::maps::simulate::Simulations;
 use crate::evidence::maps::sized::SizedEffects;
-use crate::finding::{Bin, significant};
+use crate::finding::{Bin, bin, significant};
 
 const BINS: usize = 8;
+const COLUMNS: [&str; 5] = ["fz_n", "curvature_1pm", "x_m", "y_m", "p_pa"];
 
 /// Significant bins of measured minus simulated pressure, strongest first; p-values are corrected
 /// for all bins (Bonferroni).
@@ -16,65 +15,39 @@ pub fn bins(simulations: &Simulations, active: &SizedEffects) -> Result<Vec<Bin>
     let rules = &simulations.rules;
     let as_one = rules.independent_pixels.powi(2);
     let maps = simulations.registered(active, rules.reporting_cells)?;
-    // One value per pixel in contact: load, curvature, place, simulated pressure, residual.
-    let mut values: Vec<([f64; 5], f64)> = Vec::new();
+    // One value per pixel in contact, in the order of the columns, and its residual.
+    let mut values: Vec<([f64; COLUMNS.len()], f64)> = Vec::new();
     for (row, map) in simulations.rows.iter().zip(&maps) {
-        let (Some(Registered { map, .. }), Some(measured)) = (map, &row.map) else {
+        let (Some(simulated), Some(measured)) = (map, &row.map) else {
             continue;
         };
-        let largest = map.pressure.iter().copied().fold(0.0, f64::max);
+        let map = &simulated.map;
+        let least = 0.05 * map.pressure.iter().copied().fold(0.0, f64::max);
         for (k, (m, s)) in measured.pressure.iter().zip(&map.pressure).enumerate() {
-            if m.max(*s) < 0.05 * largest {
-                continue;
+            if m.max(*s) >= least {
+                let [x, y] = place(map, k);
+                values.push(([row.fz, row.problem.track_curvature, x, y, *s], m - s));
             }
-            let x = map.x0 + (k % map.nx) as f64 * map.dx;
-            let y = map.y0 + (k / map.nx) as f64 * map.dy;
-            values.push(([row.fz, row.problem.track_curvature, x, y, *s], m - s));
         }
     }
-    let columns = ["fz_n", "curvature_1pm", "x_m", "y_m", "p_pa"];
     let mut found = Vec::new();
-    for (c, column) in columns.iter().enumerate() {
+    for (c, column) in COLUMNS.iter().enumerate() {
         let mut sorted: Vec<f64> = values.iter().map(|v| v.0[c]).collect();
         sorted.sort_by(f64::total_cmp);
-        let mut edges: Vec<f64> = (0..=BINS)
-            .filter_map(|k| sorted.get((k * sorted.len() / BINS).min(sorted.len().max(1) - 1)))
-            .copied()
-            .collect();
+        let Some(last) = sorted.last() else { continue };
+        let at = |k: usize| sorted[(k * sorted.len() / BINS).min(sorted.len() - 1)];
+        let mut edges: Vec<f64> = (0..=BINS).map(at).collect();
         edges.dedup();
-        if edges.len() < 2 {
-            continue;
-        }
-        let last = edges[edges.len() - 1];
-        for pair in edges.windows(2) {
-            let own: Vec<f64> = values
-                .iter()
-                .filter(|v| v.0[c] >= pair[0] && (v.0[c] < pair[1] || pair[1] == last))
-                .filter(|v| v.0[c] <= pair[1])
-                .map(|v| v.1)
-                .collect();
-            let n = own.len() as f64;
-            if n < 2.0 * as_one {
-                continue;
+        for ends in edges.windows(2) {
+            let [from, to] = [ends[0], ends[1]];
+            let is_inside = |x: f64| x >= from && (x < to || to == *last);
+            let own = values.iter().filter(|v| is_inside(v.0[c]));
+            let own: Vec<f64> = own.map(|v| v.1).collect();
+            if own.len() as f64 >= 2.0 * as_one {
+                let many = (as_one, f64::INFINITY);
+                found.extend(bin(("p", "Pa"), column, [from, to], &own, many));
             }
-            let mean = own.iter().sum::<f64>() / n;
-            let variance = own.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / (n - 1.0);
-            let error = (variance * as_one / n).sqrt();
-            found.push(Bin {
-                channel: "p".to_owned(),
-                column: (*column).to_owned(),
-                from: pair[0],
-                to: pair[1],
-                mean,
-                error,
-                unit: "Pa".to_owned(),
-                p_value: two_sided(mean / error.max(1e-300)),
-            });
         }
     }
     Ok(significant(found))
-}
-
-fn two_sided(t: f64) -> f64 {
-    2.0 * Normal::standard().sf(t.abs())
 }

@@ -22,51 +22,40 @@ use kufe::case::effects::{CATALOGUE, Effect};
 use crate::error::Error;
 use crate::evidence::maps::bins::bins;
 use crate::evidence::maps::line::LineSearch;
-use crate::evidence::maps::measured::file::{Measured, file_error};
 use crate::evidence::maps::measured::remarks::{remarks_on, typical_noise, untestable};
-use crate::evidence::maps::measured::rows::Row;
+use crate::evidence::maps::measured::rows::{Measured, Row};
 use crate::evidence::maps::next_case::next_case;
 use crate::evidence::maps::pictures::pictures;
-use crate::evidence::maps::polish::polish;
+use crate::evidence::maps::polish::{MapFit, polish};
 use crate::evidence::maps::screen::{Steps, detectable, screen_maps};
 use crate::evidence::maps::selection::{place, select};
 use crate::evidence::maps::simulate::{Misfit, Simulations};
 use crate::evidence::maps::sized::SizedEffects;
-use crate::finding::{ChannelGap, Fitted, HeldOut, Interval, Step, Tolerated};
+use crate::finding::{ChannelGap, Fitted, Interval, Report, Step, Tolerated, fitted, held_out};
 use crate::options::Options;
-use crate::procedure::closed::ClosedGap;
+use crate::procedure::closed::{ClosedGap, change};
 use crate::procedure::evidence::{
     Account, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, SUPERFLUOUS, Screen,
-    Selection, Words,
+    Selection,
 };
 use crate::procedure::misfit_decrease::Decrease;
-use crate::procedure::rules::MapRules;
 use crate::procedure::search::{Found, search_evidence};
 use crate::procedure::shared_effects::SharesEffects;
 
 /// Measured maps and peaks, and the case that they are compared with.
 pub struct Maps<'a> {
     model: &'a Path,
-    text: String,
-    rows: &'a [Row],
-    remarks: &'a [String],
+    measured: &'a Measured,
     options: &'a Options,
     progress: &'a (dyn Fn(&str) + Sync),
     training: Simulations<'a>,
     held_out: Simulations<'a>,
-    start: Misfit,
+    /// The fit without effects.
+    start: MapFit,
     first_steps: Steps,
     /// The effect that would lower the misfit most given those found, selected or not.
     next: Option<(&'static Effect, f64)>,
     screens: usize,
-}
-
-/// Effects at their sizes and the misfit.
-#[derive(Clone)]
-pub struct MapFit {
-    active: SizedEffects,
-    errors: Vec<f64>,
-    misfit: Misfit,
 }
 
 /// Pieces of the residuals over which misfits are compared.
@@ -80,85 +69,70 @@ impl<'a> Maps<'a> {
         options: &'a Options,
         progress: &'a (dyn Fn(&str) + Sync),
     ) -> Result<Self, Error> {
-        let rows = &measured.rows;
-        let locked = options.rules.lock.maps(rows.len());
-        let pick = |which: &[usize]| which.iter().map(|i| &rows[*i]).collect();
-        let training = Simulations::new(pick(&locked.training), &options.rules.maps)?;
-        let held_out = Simulations::new(pick(&locked.held_out), &options.rules.maps)?;
+        let rules = &options.rules;
+        let locked = rules.lock.maps(measured.rows.len());
+        let pick = |which: &[usize]| which.iter().map(|i| &measured.rows[*i]).collect();
+        let training = Simulations::new(pick(&locked.training), &rules.maps)?;
         Ok(Self {
             model,
-            text: measured.text.clone(),
-            rows,
-            remarks: &measured.remarks,
+            measured,
             options,
             progress,
-            start: training.reporting(&SizedEffects::new())?,
+            start: MapFit {
+                active: SizedEffects::new(),
+                errors: Vec::new(),
+                misfit: training.reporting(&SizedEffects::new())?,
+            },
             training,
-            held_out,
+            held_out: Simulations::new(pick(&locked.held_out), &rules.maps)?,
             first_steps: Steps::new(),
             next: None,
             screens: 0,
         })
     }
 
-    fn rules(&self) -> &MapRules {
-        &self.options.rules.maps
-    }
-
-    fn unclean(&self, misfit: &Misfit) -> bool {
-        misfit.in_contact > self.rules().unclean * misfit.count
+    fn is_clean(&self, misfit: &Misfit) -> bool {
+        misfit.in_contact <= self.options.rules.maps.unclean * misfit.count
     }
 
     /// Whether the best candidate of a screen may be selected.
-    fn is_significant(&self, best: &LineSearch, before: f64, mean_square: f64) -> bool {
-        let rules = self.rules();
-        before - best.chi2() >= rules.least_drop
-            && best.chi2() <= (1.0 - rules.least_share) * before
-            && best.size().abs()
-                >= self.options.rules.search.agree * best.error() * mean_square.sqrt()
+    fn is_significant(&self, best: &LineSearch, before: f64) -> bool {
+        let rules = &self.options.rules;
+        let error = best.error() * best.misfit().mean_square().sqrt();
+        before - best.chi2() >= rules.maps.least_drop
+            && best.chi2() <= (1.0 - rules.maps.least_share) * before
+            && best.size().abs() >= rules.search.agree * error
     }
 
-    /// A named effect is doubtful if most of the misfit above the noise remains.
+    /// Named effects are doubtful if most of the misfit above the noise remains.
     fn doubt(&self, last: &Misfit, steps: &[Step]) -> Option<String> {
-        let [most, share] = self.rules().doubtful;
+        let [most, share] = self.options.rules.maps.doubtful;
         let excess = |misfit: &Misfit| misfit.in_contact - misfit.count;
-        let remaining = excess(last) / excess(&self.start).max(1e-9);
-        let doubtful = last.in_contact > most * last.count && remaining > share;
+        let remaining = excess(last) / excess(&self.start.misfit).max(1e-9);
+        if steps.is_empty() || last.in_contact <= most * last.count || remaining <= share {
+            return None;
+        }
         let names: Vec<&str> = steps.iter().map(|s| s.effect.as_str()).collect();
-        (doubtful && !names.is_empty()).then(|| {
-            format!(
-                "{} would lower the misfit, but {:.0} % of the excess over the noise remains: not named",
-                names.join(" and "),
-                100.0 * remaining
-            )
-        })
-    }
-
-    fn polished(&self, active: &SizedEffects, errors: &[f64]) -> Result<MapFit, Error> {
-        let polished = polish(&self.training, active, errors)?;
-        Ok(MapFit {
-            active: polished.active,
-            errors: polished.errors,
-            misfit: polished.misfit,
-        })
+        Some(format!(
+            "{} would lower the misfit, but {:.0} % of the excess over the noise remains: not named",
+            names.join(" and "),
+            100.0 * remaining
+        ))
     }
 
     /// Removes effects without which chi2 rises by less than a selected effect must lower it.
-    fn remove_step(&self, fit: &mut MapFit, account: &mut Account) -> Result<(), Error> {
+    fn remove_steps(&mut self, mut fit: MapFit, account: &mut Account) -> Result<MapFit, Error> {
         let mut k = 0;
         while fit.active.len() > 1 && k < fit.active.len() {
-            let (mut active, mut own) = (fit.active.clone(), fit.errors.clone());
-            active.remove(k);
-            own.remove(k);
-            let mut without = self.polished(&active, &own)?;
+            let mut without = self.without(&fit, k)?;
             for _ in 0..2 {
-                without = self.polished(&without.active, &without.errors)?;
+                without = polish(&self.training, &without.active, &without.errors)?;
             }
             let raised = without.misfit.chi2 - fit.misfit.chi2;
-            if raised < self.rules().least_drop * fit.misfit.mean_square() {
+            if raised < self.options.rules.maps.least_drop * fit.misfit.mean_square() {
                 account.remove_step(k, SUPERFLUOUS);
-                account.steps[0].gap_before = self.start.rms;
-                *fit = without;
+                account.steps[0].gap_before = self.start.misfit.rms;
+                fit = without;
                 if let Some(last) = account.steps.last_mut() {
                     last.gap_after = fit.misfit.rms;
                 }
@@ -167,31 +141,29 @@ impl<'a> Maps<'a> {
                 k += 1;
             }
         }
-        Ok(())
+        Ok(fit)
     }
 
     fn closed(&self, last: &MapFit) -> Result<Interval, Error> {
         let mut all = last.active.clone();
         all.extend(self.next);
-        let change = |rows: &Simulations| -> Result<(Vec<f64>, Misfit), Error> {
-            let before = rows.reporting(&SizedEffects::new())?;
+        let explained = |rows: &Simulations, before: &Misfit| -> Result<Vec<f64>, Error> {
             let least = match rows.reporting(&all) {
                 Ok(least) => least,
                 Err(_) => rows.reporting(&last.active)?,
             };
-            let pairs = before.rest.iter().zip(&least.rest);
-            Ok((pairs.map(|(a, b)| a - b).collect(), before))
+            Ok(change(&before.rest, &least.rest))
         };
         let judged = match self.held_out.rows.is_empty() {
             true => &self.training,
             false => &self.held_out,
         };
-        let (direction, before) = change(judged)?;
+        let before = judged.reporting(&self.start.active)?;
         Ok(ClosedGap {
-            direction: &direction,
+            direction: &explained(judged, &before)?,
             before: &before.rest,
             after: &judged.reporting(&last.active)?.rest,
-            fitted: &change(&self.training)?.0,
+            fitted: &explained(&self.training, &self.start.misfit)?,
             spread: last.misfit.mean_square().sqrt(),
         }
         .closed())
@@ -213,33 +185,22 @@ impl<'a> Maps<'a> {
         last: &MapFit,
         account: &mut Account,
     ) -> Result<Vec<Tolerated>, Error> {
-        let quantile = self.options.rules.search.interval;
-        let cells = self.rules().reporting_cells;
+        let rules = &self.options.rules;
         let mut within = Vec::new();
         for rows in [&self.training, &self.held_out] {
-            let films = rows.registered(&last.active, cells)?;
+            let films = rows.registered(&last.active, rules.maps.reporting_cells)?;
             for (row, film) in rows.rows.iter().zip(films) {
                 let Some(film) = film else { continue };
-                let [along, across] = film.position.shift;
                 let parts = [
-                    ("shift of the film along", along, "m"),
-                    ("shift of the film across", across, "m"),
-                    ("rotation of the film", film.position.rotation, "rad"),
+                    ("shift of the film along", row.film.shift, "m"),
+                    ("shift of the film across", row.film.shift, "m"),
+                    ("rotation of the film", row.film.rotation, "rad"),
                 ];
-                for (k, (what, size, unit)) in parts.into_iter().enumerate() {
-                    let (z, half) = (film.z[k].abs(), quantile * film.errors[k]);
-                    if z > half + quantile {
-                        account.remarks.push(format!(
-                            "{what}, {}: {size:.2e} {unit}, {z:.1} standard deviations of its tolerance: it was corrected for and not named",
-                            row.name
-                        ));
-                    } else if z > half {
-                        within.push(Tolerated {
-                            what: format!("{what}, {}", row.name),
-                            size,
-                            unit: unit.to_owned(),
-                        });
-                    }
+                for (k, (what, sd, unit)) in parts.into_iter().enumerate() {
+                    let what = format!("{what}, {}", row.name);
+                    let numbers = [sd * film.z[k], sd * film.errors[k], sd];
+                    let quantile = rules.search.interval;
+                    within.extend(account.tolerated(what, unit, numbers, quantile));
                 }
             }
         }
@@ -254,12 +215,11 @@ impl<'a> Maps<'a> {
             .map(|((effect, size), error)| {
                 let info = effect.parameter();
                 let half = quantile * (error * spread).hypot(effect.form_error() * size);
+                let whole = fitted(info.name, info.unit, *size, half);
                 vec![Fitted {
-                    name: info.name.to_owned(),
-                    value: *size,
-                    low: (size - half).max(info.low),
-                    high: (size + half).min(info.high),
-                    unit: info.unit.to_owned(),
+                    low: whole.low.max(info.low),
+                    high: whole.high.min(info.high),
+                    ..whole
                 }]
             })
             .collect()
@@ -271,18 +231,15 @@ impl Evidence for Maps<'_> {
     type Fit = MapFit;
 
     fn fit_base(&mut self, account: &mut Account) -> Result<MapFit, Error> {
-        account.remarks.extend(self.options.restriction_remark());
-        account.remarks.extend(self.remarks.iter().cloned());
-        account.remarks.extend(remarks_on(self.rows));
-        Ok(MapFit {
-            active: SizedEffects::new(),
-            errors: Vec::new(),
-            misfit: self.start.clone(),
-        })
+        let remarks = &mut account.remarks;
+        remarks.extend(self.options.restriction_remark());
+        remarks.extend(self.measured.remarks.iter().cloned());
+        remarks.extend(remarks_on(&self.measured.rows));
+        Ok(self.start.clone())
     }
 
     fn screen(&mut self, fit: &MapFit, _: &mut Account) -> Result<Screen<Self::Act>, Error> {
-        let before = self.training.searching(&fit.active)?;
+        let before = self.training.searching(&fit.active)?.chi2;
         self.screens += 1;
         let number = self.screens;
         let progress = self.progress;
@@ -293,24 +250,18 @@ impl Evidence for Maps<'_> {
             self.options,
             &|name| progress(&format!("screen {number}: {name}")),
         );
-        self.next = None;
-        let mut selection = None;
-        if let Some(best) = lines.first() {
-            let mean_square = best.misfit().mean_square();
-            if self.is_significant(best, before.chi2, mean_square) {
-                selection = Some(select(
-                    &lines,
-                    before.chi2,
-                    mean_square,
-                    &self.rules().rivals,
-                ));
-            } else {
-                self.next = Some((best.effect, best.size()));
-            }
-        }
+        let best = lines.first();
+        let is_selected = best.is_some_and(|best| self.is_significant(best, before));
+        self.next = best
+            .filter(|_| !is_selected)
+            .map(|best| (best.candidate.act, best.size()));
+        let rules = &self.options.rules;
         Ok(Screen {
-            selection,
-            detectable: detectable(&lines, &self.options.rules),
+            selection: best.filter(|_| is_selected).map(|best| {
+                let mean_square = best.misfit().mean_square();
+                select(&lines, before, mean_square, &rules.maps.rivals)
+            }),
+            detectable: detectable(&lines, rules),
         })
     }
 
@@ -322,10 +273,10 @@ impl Evidence for Maps<'_> {
     ) -> Result<ExtendedFit<MapFit>, Error> {
         (self.progress)(&format!("screen {}: finer meshes", self.screens));
         let before = self.training.searching(&fit.active)?;
-        let (mut active, mut errors) = (fit.active.clone(), fit.errors.clone());
-        active.push((selection.candidate.act, selection.size));
-        errors.push(selection.error);
-        let next = self.polished(&active, &errors)?;
+        let added = (selection.candidate.act, selection.size);
+        let active = [fit.active.as_slice(), &[added]].concat();
+        let errors = [fit.errors.as_slice(), &[selection.error]].concat();
+        let next = polish(&self.training, &active, &errors)?;
         let after = self.training.searching(&next.active)?;
         Ok(ExtendedFit {
             gap: [fit.misfit.rms, next.misfit.rms],
@@ -336,16 +287,13 @@ impl Evidence for Maps<'_> {
     }
 
     fn settle(&mut self, fit: MapFit, account: &mut Account) -> Result<MapFit, Error> {
-        let mut fit = fit;
-        self.remove_step(&mut fit, account)?;
+        let mut fit = self.remove_steps(fit, account)?;
         if let Some(doubt) = self.doubt(&fit.misfit, &account.steps) {
             account.remarks.push(doubt);
             account.steps.clear();
-            fit.active.clear();
-            fit.errors.clear();
-            fit.misfit = self.start.clone();
+            fit = self.start.clone();
         }
-        if account.steps.is_empty() && self.unclean(&fit.misfit) {
+        if account.steps.is_empty() && !self.is_clean(&fit.misfit) {
             account.unexplained = Some("maps of the same runner at more loads and turned by a known angle, and a map of a ball of known radius, which separates the sensor from the runner".to_owned());
         }
         Ok(fit)
@@ -355,7 +303,7 @@ impl Evidence for Maps<'_> {
         let (mut active, mut errors) = (fit.active.clone(), fit.errors.clone());
         active.remove(step);
         errors.remove(step);
-        self.polished(&active, &errors)
+        polish(&self.training, &active, &errors)
     }
 
     fn misfit_decrease(&self, from: &MapFit, to: &MapFit) -> Result<Option<Decrease>, Error> {
@@ -373,25 +321,19 @@ impl Evidence for Maps<'_> {
         last: &MapFit,
         account: &mut Account,
     ) -> Result<HeldOutResults, Error> {
-        let before = self.held_out.reporting(&SizedEffects::new())?;
+        let rows = &self.held_out.rows;
+        let before = self.held_out.reporting(&self.start.active)?;
         let after = self.held_out.reporting(&last.active)?;
-        let closed = match account.steps.is_empty() {
-            true => Vec::new(),
-            false => vec![self.closed(last)?; account.steps.len()],
-        };
         Ok(HeldOutResults {
-            held_out: HeldOut {
-                what: "measurement".to_owned(),
-                runs: self.held_out.rows.iter().map(|r| r.name.clone()).collect(),
-                gap_before: before.rms,
-                gap_after: after.rms,
-                unit: "Pa".to_owned(),
-                channels: match self.held_out.rows.is_empty() {
-                    true => Vec::new(),
-                    false => vec![self.gap(&before, &after, &self.held_out.rows)],
-                },
+            held_out: held_out(
+                "measurement",
+                rows.iter().map(|row| &row.name),
+                self.gap(&before, &after, rows),
+            ),
+            closed: match account.steps.is_empty() {
+                true => Vec::new(),
+                false => vec![self.closed(last)?; account.steps.len()],
             },
-            closed,
         })
     }
 
@@ -401,32 +343,26 @@ impl Evidence for Maps<'_> {
         last: &MapFit,
         account: &mut Account,
     ) -> Result<Description, Error> {
-        let infos = CATALOGUE.iter().map(|e| e.info());
+        let (start, rows) = (&self.start, &self.training.rows);
         Ok(Description {
-            data: "pressure measurements".to_owned(),
-            training: vec![self.gap(&self.start, &last.misfit, &self.training.rows)],
-            parameters: self.parameters(last),
-            within_tolerance: self.within_tolerance(last, account)?,
-            bins: bins(&self.training, &SizedEffects::new())?,
-            bins_after: bins(&self.training, &last.active)?,
-            pictures: pictures(&self.training, &self.held_out, &last.active)?,
-            clean: !self.unclean(&last.misfit),
-            untestable: untestable(self.rows),
-            effects: infos
-                .map(|i| Meaning {
-                    name: i.name.to_owned(),
-                    summary: i.summary.to_owned(),
-                    decides: i.decides.to_owned(),
-                })
-                .collect(),
-            words: Words {
-                next_after_nothing:
-                    "maps at several loads, on straight and curved track, reveal smaller effects"
-                        .to_owned(),
-                ..Words::default()
+            report: Report {
+                data: "pressure measurements".to_owned(),
+                training: vec![self.gap(&start.misfit, &last.misfit, rows)],
+                within_tolerance: self.within_tolerance(last, account)?,
+                bins: bins(&self.training, &start.active)?,
+                bins_after: bins(&self.training, &last.active)?,
+                pictures: pictures([&self.training, &self.held_out], &last.active)?,
+                clean: self.is_clean(&last.misfit),
+                untestable: untestable(&self.measured.rows),
+                ..Report::default()
             },
-            next_model: next_case(&self.text, &last.active)
-                .map_err(|error| file_error(self.model, &error))?,
+            parameters: self.parameters(last),
+            effects: CATALOGUE.iter().map(|e| Meaning::of(e.info())).collect(),
+            next_after_nothing:
+                "maps at several loads, on straight and curved track, reveal smaller effects"
+                    .to_owned(),
+            next_model: next_case(&self.measured.text, &last.active)
+                .map_err(|error| Error::file(self.model, error))?,
             ..Description::default()
         })
     }

@@ -7,6 +7,8 @@ use kufe::case::effects::Effect;
 
 use crate::evidence::maps::simulate::{Misfit, Simulations};
 use crate::evidence::maps::sized::SizedEffects;
+use crate::procedure::candidate::Candidate;
+use crate::procedure::closed::change;
 
 /// Relative change of the maps by a first step.
 const CHANGE: f64 = 0.04;
@@ -22,7 +24,7 @@ struct Point {
 
 /// A line search over the size of one effect.
 pub struct LineSearch {
-    pub effect: &'static Effect,
+    pub candidate: Candidate<&'static Effect>,
     points: Vec<Point>,
     best: usize,
     low: f64,
@@ -41,43 +43,37 @@ impl LineSearch {
         effect: &'static Effect,
         step: Option<f64>,
     ) -> Option<Self> {
-        let info = effect.parameter();
+        let parameter = effect.parameter();
         let mut line = LineSearch {
-            effect,
+            candidate: Candidate::of_catalogue(effect.info(), parameter, effect),
             points: Vec::new(),
             best: 0,
-            low: effect.search.along(info.low),
-            high: effect.search.along(info.high),
+            low: effect.search.along(parameter.low),
+            high: effect.search.along(parameter.high),
             failures: 0,
             settled: false,
         };
         let from = beginning(simulations, effect);
         line.eval(simulations, active, from)?;
-        let room = line.high - from;
-        let mut step = step
-            .unwrap_or_else(|| effect.search.along(info.typical))
-            .min(0.5 * room);
+        let most = 0.5 * (line.high - from);
+        let step = step.unwrap_or_else(|| effect.search.along(parameter.typical));
+        let mut step = step.min(most);
         for round in 0..3 {
-            let at = from + step;
             line.points.truncate(1);
-            let tried = line.eval(simulations, active, at);
-            let Some(()) = tried else {
+            if line.eval(simulations, active, from + step).is_none() {
                 step *= 0.2;
                 continue;
-            };
-            let moved = line.change();
-            if CHANGES.contains(&moved) || round == 2 {
-                break;
             }
-            let factor = (CHANGE / moved.max(1e-9)).clamp(0.01, 30.0);
-            let next = (step * factor).min(0.5 * room);
-            if (next - step).abs() < 0.1 * step {
+            let moved = line.change();
+            let next = step * (CHANGE / moved.max(1e-9)).clamp(0.01, 30.0);
+            let next = next.min(most);
+            if CHANGES.contains(&moved) || round == 2 || (next - step).abs() < 0.1 * step {
                 break;
             }
             step = next;
         }
-        let (jj, _) = line.slopes()?;
-        if jj <= 0.0 || line.change() < 1e-5 {
+        line.slopes()?;
+        if line.change() < 1e-5 {
             return None;
         }
         line.best = usize::from(line.points[1].misfit.chi2 < line.points[0].misfit.chi2);
@@ -95,13 +91,10 @@ impl LineSearch {
             if from + step > self.high || self.eval(simulations, active, from + step).is_none() {
                 return;
             }
-            let last = self.points.len() - 1;
-            if self.points[last].misfit.chi2 < self.chi2() {
-                self.best = last;
-                worse = 0;
-            } else {
-                worse += 1;
-            }
+            worse = match self.is_better() {
+                true => 0,
+                false => worse + 1,
+            };
         }
     }
 
@@ -112,7 +105,7 @@ impl LineSearch {
 
     /// Best size so far.
     pub fn size(&self) -> f64 {
-        self.effect.search.back(self.points[self.best].u)
+        self.size_of(self.points[self.best].u)
     }
 
     /// Misfit at the best size.
@@ -142,23 +135,25 @@ impl LineSearch {
         let error = 1.0 / jj.sqrt();
         let here = self.points[self.best].u;
         // From the search coordinate to the size; at the start of the line from the error itself.
-        0.5 * (self.effect.search.back(here + error)
-            - self.effect.search.back((here - error).max(self.low)))
+        0.5 * (self.size_of(here + error) - self.size_of((here - error).max(self.low)))
     }
 
     /// Change of the weighted residuals by the first step.
-    pub fn signature(&self) -> Vec<f64> {
-        let [a, b] = [0, 1].map(|k| &self.points[k].misfit.rest);
-        a.iter().zip(b).map(|(a, b)| b - a).collect()
+    fn signature(&self) -> Vec<f64> {
+        change(&self.points[1].misfit.rest, &self.points[0].misfit.rest)
+    }
+
+    /// Cosine between two effects' changes of the maps.
+    pub fn correlation(&self, other: &LineSearch) -> f64 {
+        let (a, b) = (self.signature(), other.signature());
+        dot(&a, &b) / (dot(&a, &a) * dot(&b, &b)).sqrt().max(1e-300)
     }
 
     /// Size at `errors` standard errors of the search coordinate from the start of the line.
     pub fn size_at(&self, errors: f64) -> f64 {
-        let squares: f64 = self.signature().iter().map(|d| d * d).sum();
-        let [from, to] = [0, 1].map(|k| self.points[k].u);
-        self.effect
-            .search
-            .back(from + errors * (to - from).abs() / squares.sqrt().max(1e-300))
+        let signature = self.signature();
+        let norm = dot(&signature, &signature).sqrt();
+        self.size_of(self.points[0].u + errors * self.first_step() / norm.max(1e-300))
     }
 
     /// Evaluates one more point.
@@ -168,50 +163,36 @@ impl LineSearch {
             return;
         };
         let here = self.points[self.best].u;
-        let reach = self
-            .points
-            .iter()
-            .fold(0.0_f64, |m, p| m.max((p.u - self.points[0].u).abs()));
-        let by = match self.points.len() {
-            2 => self.by_moments(here),
-            _ => None,
-        };
-        let by = by.unwrap_or_else(|| (-jr / jj).clamp(-4.0 * reach, 4.0 * reach));
+        let start = self.points[0].u;
+        let reach = self.points.iter().map(|p| (p.u - start).abs());
+        let most = 4.0 * reach.fold(0.0, f64::max);
+        let is_guess = self.points.len() == 2;
+        let by_moments = is_guess.then(|| self.by_moments(here)).flatten();
+        let by = by_moments.unwrap_or_else(|| (-jr / jj).clamp(-most, most));
         let mut to = (here + by).clamp(self.low, self.high);
         if (to - here).abs() < 0.05 / jj.sqrt() {
             self.settled = true;
             return;
         }
-        let guess = self.points.len() == 2;
-        if self
-            .points
-            .iter()
-            .any(|p| (p.u - to).abs() < 0.01 * by.abs())
-        {
+        let known = |p: &Point| (p.u - to).abs() < 0.01 * by.abs();
+        if self.points.iter().any(known) {
             // That point is known and no better: halves the step.
             to = here + 0.5 * (to - here);
         }
         let before = self.chi2();
-        match self.eval(simulations, active, to) {
-            None => {
-                // That point cannot be solved: bounds the search at half the step.
-                let wall = here + 0.5 * (to - here);
-                if to > here {
-                    self.high = wall;
-                } else {
-                    self.low = wall;
-                }
-                self.failures += 1;
-            }
-            Some(()) => {
-                let last = self.points.len() - 1;
-                if self.points[last].misfit.chi2 < before {
-                    self.best = last;
-                    self.settled = !guess && before - self.chi2() < 1e-3 * before;
-                } else if !guess {
-                    self.failures += 1;
-                }
-            }
+        if self.eval(simulations, active, to).is_none() {
+            // That point cannot be solved: bounds the search at half the step.
+            let end = if to > here {
+                &mut self.high
+            } else {
+                &mut self.low
+            };
+            *end = here + 0.5 * (to - here);
+            self.failures += 1;
+        } else if self.is_better() {
+            self.settled = !is_guess && before - self.chi2() < 1e-3 * before;
+        } else if !is_guess {
+            self.failures += 1;
         }
         self.settled |= self.failures >= FAILURES;
     }
@@ -219,57 +200,61 @@ impl LineSearch {
     /// The step from `here` that matches sum, centre and spread of the maps; `None` without maps.
     fn by_moments(&self, here: f64) -> Option<f64> {
         let [a, b] = [0, 1].map(|k| &self.points[k]);
-        let du = b.u - a.u;
-        let pairs = a.misfit.moments.iter().zip(&b.misfit.moments);
-        let (jj, jr) = pairs.fold((0.0, 0.0), |(jj, jr), (a, b)| {
-            let j = (b - a) / du;
-            (jj + j * j, jr + j * a)
-        });
+        let (jj, jr) = products(&a.misfit.moments, &b.misfit.moments, b.u - a.u);
         (jj > 0.0).then(|| a.u - jr / jj - here)
     }
 
     fn eval(&mut self, simulations: &Simulations, active: &SizedEffects, u: f64) -> Option<()> {
         let mut with = active.clone();
-        with.push((self.effect, self.effect.search.back(u)));
+        with.push((self.candidate.act, self.size_of(u)));
         let misfit = simulations.searching(&with).ok()?;
         self.points.push(Point { u, misfit });
         Some(())
     }
 
-    fn neighbour(&self) -> Option<usize> {
-        let here = self.points[self.best].u;
-        (0..self.points.len())
-            .filter(|k| *k != self.best)
-            .min_by(|a, b| {
-                let off = |k: usize| (self.points[k].u - here).abs();
-                off(*a).total_cmp(&off(*b))
-            })
+    /// Whether the last point is the best one, which it then becomes.
+    fn is_better(&mut self) -> bool {
+        let last = self.points.len() - 1;
+        let is_better = self.points[last].misfit.chi2 < self.chi2();
+        if is_better {
+            self.best = last;
+        }
+        is_better
     }
 
-    /// J.J and J.r at the best point.
+    /// The size at a coordinate of the search.
+    fn size_of(&self, u: f64) -> f64 {
+        self.candidate.act.search.back(u)
+    }
+
+    /// J.J and J.r at the best point, from its nearest neighbour.
     fn slopes(&self) -> Option<(f64, f64)> {
-        let other = self.neighbour()?;
-        let (a, b) = (&self.points[self.best], &self.points[other]);
-        let du = b.u - a.u;
-        let pairs = a.misfit.rest.iter().zip(&b.misfit.rest);
-        let (jj, jr) = pairs.fold((0.0, 0.0), |(jj, jr), (a, b)| {
-            let j = (b - a) / du;
-            (jj + j * j, jr + j * a)
-        });
+        let best = &self.points[self.best];
+        let others = self.points.iter().enumerate();
+        let others = others.filter(|(k, _)| *k != self.best).map(|(_, p)| p);
+        let off = |p: &&Point| (p.u - best.u).abs();
+        let nearest = others.min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        let (jj, jr) = products(&best.misfit.rest, &nearest.misfit.rest, nearest.u - best.u);
         (jj > 0.0).then_some((jj, jr))
     }
 
     /// Relative difference of the maps at the first two points.
     fn change(&self) -> f64 {
-        let [a, b] = [0, 1].map(|k| &self.points[k].misfit);
-        let squares: f64 = a
-            .rest
-            .iter()
-            .zip(&b.rest)
-            .map(|(a, b)| (a - b).powi(2))
-            .sum();
-        squares.sqrt() / a.size.max(1e-300)
+        let signature = self.signature();
+        dot(&signature, &signature).sqrt() / self.points[0].misfit.size.max(1e-300)
     }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// J.J and J.a with the derivative J = (b - a) / du.
+fn products(a: &[f64], b: &[f64], du: f64) -> (f64, f64) {
+    a.iter().zip(b).fold((0.0, 0.0), |(jj, ja), (a, b)| {
+        let j = (b - a) / du;
+        (jj + j * j, ja + j * a)
+    })
 }
 
 /// The size up to which an effect changes no row.

@@ -2,6 +2,8 @@
 
 use kufe::case::effects::Effect;
 
+use crate::evidence::maps::measured::rows::number;
+
 /// The case's text with these effects added to its `[effects]`; sizes of the same effect are
 /// composed.
 ///
@@ -19,15 +21,11 @@ pub fn next_case(text: &str, active: &[(&'static Effect, f64)]) -> Result<String
         .or_insert_with(|| toml::Table::new().into());
     if let toml::Value::Table(effects) = effects {
         for (effect, size) in active {
-            let (info, key) = (effect.info(), effect.parameter().name);
-            let own = effects
-                .get(info.name)
-                .and_then(|one| one.get(key))
-                .and_then(|value| value.as_float().or(value.as_integer().map(|i| i as f64)))
-                .unwrap_or(0.0);
-            let mut one = toml::Table::new();
-            one.insert(key.to_owned(), effect.search.together(own, *size).into());
-            effects.insert(info.name.to_owned(), one.into());
+            let (name, key) = (effect.info().name, effect.parameter().name);
+            let own = effects.get(name).and_then(|one| number(one.get(key)?));
+            let size = effect.search.together(own.unwrap_or(0.0), *size);
+            let one = toml::Table::from_iter([(key.to_owned(), size.into())]);
+            effects.insert(name.to_owned(), one.into());
         }
     }
     Ok(next.to_string())

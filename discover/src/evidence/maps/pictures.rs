@@ -8,36 +8,38 @@ use crate::finding::{Maps, Peak, Picture, Plot};
 /// Most rows of a picture of peaks.
 const MOST_PEAKS: usize = 60;
 
-/// Measured and simulated pressure before and after: the training map of largest difference, the
-/// first held-out map, and the peaks of rows without a map.
+/// Measured and simulated pressure before and after, of training and held-out rows: the map of
+/// largest difference of each, and the peaks of rows without a map.
 pub fn pictures(
-    simulations: &Simulations,
-    locked: &Simulations,
+    simulations: [&Simulations; 2],
     active: &SizedEffects,
 ) -> Result<Vec<Picture>, Error> {
-    let mut pictures: Vec<Picture> = peaks(simulations, locked, active)?.into_iter().collect();
-    for (simulations, kind) in [(simulations, "a training map"), (locked, "a held-out map")] {
-        let before =
-            simulations.registered(&SizedEffects::new(), simulations.rules.reporting_cells)?;
-        let after = simulations.registered(active, simulations.rules.reporting_cells)?;
-        let chi2 = simulations.reporting(&SizedEffects::new())?.by_row;
-        let shown = (0..simulations.rows.len())
-            .filter(|k| simulations.rows[*k].map.is_some())
+    let none = SizedEffects::new();
+    let mut pictures: Vec<Picture> = peaks(simulations, active)?.into_iter().collect();
+    for (simulations, kind) in simulations
+        .into_iter()
+        .zip(["a training map", "a held-out map"])
+    {
+        let (rows, cells) = (&simulations.rows, simulations.rules.reporting_cells);
+        let before = simulations.registered(&none, cells)?;
+        let after = simulations.registered(active, cells)?;
+        let chi2 = simulations.reporting(&none)?.by_row;
+        let shown = (0..rows.len())
+            .filter(|k| rows[*k].map.is_some())
             .max_by(|a, b| chi2[*a].total_cmp(&chi2[*b]));
         let Some(k) = shown else { continue };
-        if let (Some(measured), Some(before), Some(after)) =
-            (&simulations.rows[k].map, &before[k], &after[k])
-        {
+        if let (Some(measured), Some(before), Some(after)) = (&rows[k].map, &before[k], &after[k]) {
+            let mut after = after.map.pressure.clone();
+            if active.is_empty() {
+                after.clear();
+            }
             pictures.push(Picture {
-                title: format!("{}, {kind}", simulations.rows[k].name),
+                title: format!("{}, {kind}", rows[k].name),
                 caption: String::new(),
                 plot: Plot::Maps(Maps {
                     measured: measured.clone(),
                     before: before.map.pressure.clone(),
-                    after: match active.is_empty() {
-                        true => Vec::new(),
-                        false => after.map.pressure.clone(),
-                    },
+                    after,
                 }),
             });
         }
@@ -46,13 +48,9 @@ pub fn pictures(
 }
 
 /// Peaks of the rows without a map; `None` if all rows have one.
-fn peaks(
-    simulations: &Simulations,
-    locked: &Simulations,
-    active: &SizedEffects,
-) -> Result<Option<Picture>, Error> {
+fn peaks(simulations: [&Simulations; 2], active: &SizedEffects) -> Result<Option<Picture>, Error> {
     let mut rows = Vec::new();
-    for (simulations, not_seen) in [(simulations, false), (locked, true)] {
+    for (simulations, not_seen) in simulations.into_iter().zip([false, true]) {
         let cells = simulations.rules.reporting_cells;
         let before = simulations.peaks(&SizedEffects::new(), cells)?;
         let after = simulations.peaks(active, cells)?;

@@ -6,69 +6,61 @@ use crate::error::Error;
 use crate::evidence::maps::simulate::{Misfit, Simulations};
 use crate::evidence::maps::sized::SizedEffects;
 
-pub struct FinalSizes {
+/// Effects at their sizes and the misfit.
+#[derive(Clone)]
+pub struct MapFit {
     pub active: SizedEffects,
     /// Standard errors of the sizes, for noise as stated.
     pub errors: Vec<f64>,
     pub misfit: Misfit,
 }
 
-/// `errors` are those of the search, one per effect.
+/// `errors` are those of the search, one per effect. They remain if a derivative cannot be solved.
 pub fn polish(
     simulations: &Simulations,
     active: &SizedEffects,
     errors: &[f64],
-) -> Result<FinalSizes, Error> {
-    let here = simulations.reporting(active)?;
-    let count = active.len();
-    let mut derivative = DMatrix::zeros(here.rest.len(), count);
-    for k in 0..count {
-        let info = active[k].0.parameter();
+) -> Result<MapFit, Error> {
+    let mut fit = MapFit {
+        active: active.clone(),
+        errors: errors.to_vec(),
+        misfit: simulations.reporting(active)?,
+    };
+    let rest = DVector::from_column_slice(&fit.misfit.rest);
+    let mut derivative = DMatrix::zeros(rest.len(), active.len());
+    for (k, (effect, size)) in active.iter().enumerate() {
         // Well above the scatter of the solves, well below the size.
-        let step = (6.0 * errors[k]).clamp(0.01 * active[k].1.abs(), 0.1 * active[k].1.abs());
-        let step = if active[k].1 + step > info.high {
-            -step
-        } else {
-            step
-        };
+        let mut step = (6.0 * errors[k]).clamp(0.01 * size.abs(), 0.1 * size.abs());
+        if size + step > effect.parameter().high {
+            step = -step;
+        }
         let mut moved = active.clone();
         moved[k].1 += step;
         let Ok(there) = simulations.reporting(&moved) else {
-            return Ok(FinalSizes {
-                active: active.clone(),
-                errors: errors.to_vec(),
-                misfit: here,
-            });
+            return Ok(fit);
         };
-        for (i, (a, b)) in here.rest.iter().zip(&there.rest).enumerate() {
-            derivative[(i, k)] = (b - a) / step;
-        }
+        let change = DVector::from_vec(there.rest) - &rest;
+        derivative.set_column(k, &(change / step));
     }
-    let normal = derivative.tr_mul(&derivative);
-    let Some(inverse) = normal.try_inverse() else {
-        return Ok(FinalSizes {
-            active: active.clone(),
-            errors: errors.to_vec(),
-            misfit: here,
-        });
+    let Some(inverse) = derivative.tr_mul(&derivative).try_inverse() else {
+        return Ok(fit);
     };
-    let own: Vec<f64> = (0..count)
-        .map(|k| inverse[(k, k)].max(0.0).sqrt())
+    fit.errors = inverse
+        .diagonal()
+        .iter()
+        .map(|v| v.max(0.0).sqrt())
         .collect();
-    let by = -(&inverse * derivative.tr_mul(&DVector::from_column_slice(&here.rest)));
+    let by = -(&inverse * derivative.tr_mul(&rest));
     let mut moved = active.clone();
-    for (k, (effect, size)) in moved.iter_mut().enumerate() {
-        let most = 0.2 * size.abs();
-        *size = (*size + by[k].clamp(-most, most))
-            .clamp(effect.parameter().low, effect.parameter().high);
+    for ((effect, size), by) in moved.iter_mut().zip(by.iter()) {
+        let (most, bounds) = (0.2 * size.abs(), effect.parameter());
+        *size = (*size + by.clamp(-most, most)).clamp(bounds.low, bounds.high);
     }
-    let (active, misfit) = match simulations.reporting(&moved) {
-        Ok(better) if better.chi2 < here.chi2 => (moved, better),
-        _ => (active.clone(), here),
-    };
-    Ok(FinalSizes {
-        active,
-        errors: own,
-        misfit,
-    })
+    match simulations.reporting(&moved) {
+        Ok(better) if better.chi2 < fit.misfit.chi2 => {
+            (fit.active, fit.misfit) = (moved, better);
+        }
+        _ => {}
+    }
+    Ok(fit)
 }

@@ -18,10 +18,12 @@
 //! Pereyra, SIAM J. Numer. Anal. 10 (1973) 413-432), and an effect that only moves the map changes
 //! the sum of squares by the prior's part alone.
 
+use std::f64::consts::PI;
+
 use kufe::case::effects::Map;
 use nalgebra::{Matrix3, Vector3};
 
-use crate::evidence::maps::sample::{FilmPosition, SolvedPressure, centre};
+use crate::evidence::maps::sample::{FilmPosition, SolvedPressure, centre, place};
 
 /// Trials of Gauss-Newton.
 const TRIALS: usize = 30;
@@ -117,11 +119,8 @@ impl Film<'_> {
 
     fn objective(&self, map: &Map, z: &Vector3<f64>) -> f64 {
         let pairs = self.measured.pressure.iter().zip(&map.pressure);
-        let squares = pairs.zip(self.weights);
-        squares
-            .map(|((m, s), w)| ((m - s) * w).powi(2))
-            .sum::<f64>()
-            + z.norm_squared()
+        let weighted = pairs.zip(self.weights).map(|((m, s), w)| (m - s) * w);
+        weighted.map(|r| r.powi(2)).sum::<f64>() + z.norm_squared()
     }
 
     fn starts(&self, solved: &SolvedPressure) -> [Vector3<f64>; 3] {
@@ -131,24 +130,17 @@ impl Film<'_> {
         let position = |rotation: f64| {
             let (sin, cos) = rotation.sin_cos();
             let arm = [0, 1].map(|a| like.middle[a] - c[a]);
-            FilmPosition {
-                shift: [
-                    own.middle[0] - c[0] - (cos * arm[0] - sin * arm[1]),
-                    own.middle[1] - c[1] - (sin * arm[0] + cos * arm[1]),
-                ],
+            let turned = [cos * arm[0] - sin * arm[1], sin * arm[0] + cos * arm[1]];
+            self.tolerance.standardised(&FilmPosition {
+                shift: [0, 1].map(|a| own.middle[a] - c[a] - turned[a]),
                 rotation,
-            }
+            })
         };
         // Axes are the same after half a turn.
-        let turn = (own.axis - like.axis)
-            .sin()
-            .atan2((own.axis - like.axis).cos());
-        let turn = turn - std::f64::consts::PI * (turn / std::f64::consts::PI).round();
-        [
-            Vector3::zeros(),
-            self.tolerance.standardised(&position(0.0)),
-            self.tolerance.standardised(&position(turn)),
-        ]
+        let (sin, cos) = (own.axis - like.axis).sin_cos();
+        let turn = sin.atan2(cos);
+        let turn = turn - PI * (turn / PI).round();
+        [Vector3::zeros(), position(0.0), position(turn)]
     }
 
     /// Normal matrix and negative half gradient of the objective with respect to z.
@@ -165,8 +157,8 @@ impl Film<'_> {
             if px == 0.0 && py == 0.0 {
                 continue;
             }
-            let along = map.x0 + i as f64 * map.dx - c[0] - position.shift[0];
-            let across = map.y0 + j as f64 * map.dy - c[1] - position.shift[1];
+            let at = place(map, k);
+            let [along, across] = [0, 1].map(|a| at[a] - c[a] - position.shift[a]);
             let derivative = Vector3::new(
                 -px * self.tolerance.shift,
                 -py * self.tolerance.shift,
@@ -218,8 +210,8 @@ impl Moments {
         let pixels = map.pressure.iter().enumerate().filter(|(_, p)| **p > least);
         let points: Vec<[f64; 3]> = pixels
             .map(|(k, p)| {
-                let (i, j) = ((k % map.nx) as f64, (k / map.nx) as f64);
-                [map.x0 + i * map.dx, map.y0 + j * map.dy, *p]
+                let [x, y] = place(map, k);
+                [x, y, *p]
             })
             .collect();
         let mut moments = Self::of(&points);

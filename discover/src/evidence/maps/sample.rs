@@ -32,6 +32,12 @@ pub fn centre(film: &Map) -> [f64; 2] {
     ]
 }
 
+/// Place of the k-th pixel of a map [m].
+pub fn place(map: &Map, k: usize) -> [f64; 2] {
+    let (i, j) = ((k % map.nx) as f64, (k / map.nx) as f64);
+    [map.x0 + i * map.dx, map.y0 + j * map.dy]
+}
+
 /// A solved pressure, as its square on the nodes of the contact plane.
 pub struct SolvedPressure {
     x: Vec<f64>,

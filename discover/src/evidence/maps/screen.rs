@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use kufe::case::effects::{CATALOGUE, Effect, Growth};
+use kufe::case::effects::{CATALOGUE, Growth};
 
 use crate::evidence::maps::line::LineSearch;
-use crate::evidence::maps::simulate::Simulations;
+use crate::evidence::maps::simulate::{Misfit, Simulations};
 use crate::evidence::maps::sized::SizedEffects;
 use crate::finding::Detectable;
 use crate::options::Options;
@@ -31,9 +31,8 @@ pub fn screen_maps(
     options: &Options,
     progress: &dyn Fn(&str),
 ) -> Vec<LineSearch> {
-    let chi2 = match simulations.searching(active) {
-        Ok(misfit) => misfit.chi2,
-        Err(_) => return Vec::new(),
+    let Ok(Misfit { chi2, .. }) = simulations.searching(active) else {
+        return Vec::new();
     };
     let mapped = simulations.rows.iter().any(|r| r.map.is_some());
     let mut lines = Vec::new();
@@ -57,15 +56,15 @@ pub fn screen_maps(
         lines.sort_by(|a, b| a.predicted_chi2().total_cmp(&b.predicted_chi2()));
         let mut moved = false;
         for (place, line) in lines.iter_mut().enumerate() {
+            let growth = line.candidate.act.search.growth;
             let near = place < FOLLOWED || round < 2;
             let promising = chi2 - line.predicted_chi2() >= options.rules.maps.least_drop && near;
-            let nonlinear = is_nonlinear(line.effect) && round < 3;
-            if line.settled || !(promising || nonlinear) {
-                continue;
+            let nonlinear = matches!(growth, Growth::Bent | Growth::Far) && round < 3;
+            if !line.settled && (promising || nonlinear) {
+                progress(&line.candidate.effect);
+                line.advance(simulations, active);
+                moved = true;
             }
-            progress(line.effect.info().name);
-            line.advance(simulations, active);
-            moved = true;
         }
         if !moved {
             break;
@@ -75,39 +74,13 @@ pub fn screen_maps(
     lines
 }
 
-fn is_nonlinear(effect: &'static Effect) -> bool {
-    matches!(effect.search.growth, Growth::Bent | Growth::Far)
-}
-
-/// Cosine between two effects' changes of the maps.
-pub fn correlation(a: &LineSearch, b: &LineSearch) -> f64 {
-    let (a, b) = (a.signature(), b.signature());
-    let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
-    dot(&a, &b) / (dot(&a, &a) * dot(&b, &b)).sqrt().max(1e-300)
-}
-
 /// Detectable sizes: those at which chi2 drops by enough with a probability of 90 %.
 pub fn detectable(lines: &[LineSearch], rules: &Rules) -> Vec<Detectable> {
-    lines
-        .iter()
-        .enumerate()
-        .map(|(k, line)| {
-            let like = (0..lines.len())
-                .filter(|j| *j != k)
-                .map(|j| (j, correlation(line, &lines[j])))
-                .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-            let info = line.effect.info();
-            Detectable {
-                effect: info.name.to_owned(),
-                parameter: line.effect.parameter().name.to_owned(),
-                size: line.size_at(rules.maps.least_drop.sqrt() + rules.search.nine_in_ten),
-                unit: line.effect.parameter().unit.to_owned(),
-                left_after_refit: 1.0,
-                most_like: like.map_or(String::new(), |(j, _)| {
-                    lines[j].effect.info().name.to_owned()
-                }),
-                correlation: like.map_or(0.0, |(_, r)| r),
-            }
-        })
-        .collect()
+    let errors = rules.maps.least_drop.sqrt() + rules.search.nine_in_ten;
+    let of = |(k, line): (usize, &LineSearch)| {
+        let others = lines.iter().enumerate().filter(|(j, _)| *j != k);
+        let others = others.map(|(_, other)| (&other.candidate, line.correlation(other)));
+        line.candidate.detectable(line.size_at(errors), 1.0, others)
+    };
+    lines.iter().enumerate().map(of).collect()
 }

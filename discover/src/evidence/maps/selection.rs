@@ -3,11 +3,9 @@
 use kufe::case::effects::Effect;
 
 use crate::evidence::maps::line::LineSearch;
-use crate::evidence::maps::screen::correlation;
 use crate::evidence::maps::simulate::{Misfit, Simulations};
 use crate::finding::Rival;
-use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{Randomised, Selection};
+use crate::procedure::evidence::Selection;
 use crate::procedure::rivals::{NamedEffect, RivalRule};
 
 /// The first of `lines` as a selection; `before` is the sum of squares without it.
@@ -18,57 +16,33 @@ pub fn select(
     rule: &RivalRule,
 ) -> Selection<&'static Effect> {
     let best = &lines[0];
-    let (info, parameter) = (best.effect.info(), best.effect.parameter());
-    let others = lines[1..]
-        .iter()
-        .map(|line| {
-            let (info, parameter) = (line.effect.info(), line.effect.parameter());
-            let excess = ((line.chi2() - best.chi2()) / mean_square).max(0.0);
-            Rival {
-                effect: info.name.to_owned(),
-                parameter: parameter.name.to_owned(),
-                size: line.size(),
-                unit: parameter.unit.to_owned(),
-                t: line.size() / line.error().max(1e-300),
-                gain: before - line.chi2(),
-                correlation: correlation(best, line),
-                t_of_named_beyond: excess.sqrt(),
-                in_class: true,
-                decides: info.decides.to_owned(),
-            }
-        })
-        .collect();
+    let others = lines[1..].iter().map(|line| {
+        let excess = ((line.chi2() - best.chi2()) / mean_square).max(0.0);
+        let t = line.size() / line.error().max(1e-300);
+        Rival {
+            gain: before - line.chi2(),
+            correlation: best.correlation(line),
+            t_of_named_beyond: excess.sqrt(),
+            in_class: true,
+            ..line.candidate.rival(line.size(), t)
+        }
+    });
     let drop = (before - best.chi2()) / mean_square;
     let named = NamedEffect {
-        effect: info.name,
+        effect: &best.candidate.effect,
         // The effect's t is the root of the drop of chi2.
         t: drop.sqrt(),
         gain: before - best.chi2(),
         units: 1,
     };
-    let (class, rivals) = rule.class(&named, others);
+    let (class, rivals) = rule.class(&named, others.collect());
+    let candidate = best.candidate.clone();
     Selection {
-        candidate: Candidate {
-            effect: info.name.to_owned(),
-            key: parameter.name.to_owned(),
-            unit: parameter.unit.to_owned(),
-            low: parameter.low,
-            high: parameter.high,
-            typical: parameter.typical,
-            decides: info.decides.to_owned(),
-            act: best.effect,
-        },
-        size: best.size(),
-        error: best.error(),
         class,
         rivals,
         // All effects were tried with free sizes: no randomisation was made.
-        randomised: Randomised::default(),
         p_value: (lines.len() as f64 * (-0.5 * drop).exp()).clamp(1e-12, 1.0),
-        place: String::new(),
-        channel: ("p", "Pa"),
-        remark: None,
-        parameters: Vec::new(),
+        ..Selection::new(candidate, best.size(), best.error(), ("", ("p", "Pa")))
     }
 }
 

@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use kufe::case::effects::{Effect, Map};
+use kufe::case::effects::Map;
 use kufe_contact::solve;
 use rayon::prelude::*;
 
@@ -29,13 +29,13 @@ type Key = (usize, Vec<(&'static str, u64)>);
 pub struct Simulations<'a> {
     pub rows: Vec<&'a Row>,
     pub rules: MapRules,
-    /// Standard deviation of each value by row, of sensor and discretisation [Pa].
-    deviation: Vec<Vec<f64>>,
+    /// Weight of each pixel by row, from the errors of sensor and discretisation [1/Pa].
+    weights: Vec<Vec<f64>>,
     solved: RefCell<BTreeMap<Key, Arc<Vec<Simulated>>>>,
 }
 
 /// Misfit of simulation and measurement.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct Misfit {
     /// Weighted sum of squares.
     pub chi2: f64,
@@ -87,7 +87,7 @@ impl<'a> Simulations<'a> {
         let mut simulations = Simulations {
             rows,
             rules: *rules,
-            deviation: Vec::new(),
+            weights: Vec::new(),
             solved: RefCell::default(),
         };
         let none = SizedEffects::new();
@@ -98,10 +98,11 @@ impl<'a> Simulations<'a> {
         let finer = rules.reporting_cells as f64 / rules.searching_cells as f64;
         let factor = 1.0 / (finer - 1.0).max(1e-3);
         let pairs = coarse.iter().zip(fine.iter()).zip(&simulations.rows);
-        simulations.deviation = pairs
+        simulations.weights = pairs
             .map(|((coarse, fine), row)| match (coarse, fine, &row.map) {
                 (Simulated::Pressure(a), Simulated::Pressure(b), Some(film)) => {
-                    let position = register(row, film, b, &row.noise, &none, rules).position;
+                    let by_noise = weights(film, row.noise.iter().copied(), rules);
+                    let position = register(row, film, b, &by_noise, &none).position;
                     let [coarse, fine] = [a, b].map(|solved| solved.on(film, &position).pressure);
                     let both = coarse.iter().zip(&fine);
                     let differences: Vec<f64> = both.map(|(a, b)| (a - b).abs()).collect();
@@ -109,9 +110,9 @@ impl<'a> Simulations<'a> {
                     let cell = [along / film.dx, across / film.dy].map(|c| c.ceil() as usize);
                     let largest = largest_within(&differences, [film.nx, film.ny], cell);
                     let own = row.noise.iter().zip(largest);
-                    own.map(|(sd, error)| sd.hypot(factor * error)).collect()
+                    weights(film, own.map(|(sd, error)| sd.hypot(factor * error)), rules)
                 }
-                _ => vec![row.p_max_sd],
+                _ => Vec::new(),
             })
             .collect();
         Ok(simulations)
@@ -130,25 +131,15 @@ impl<'a> Simulations<'a> {
     fn misfit(&self, active: &SizedEffects, cells: usize) -> Result<Misfit, Error> {
         let registered = self.registered(active, cells)?;
         let peaks = self.peaks(active, cells)?;
-        let mut out = Misfit {
-            chi2: 0.0,
-            by_row: Vec::new(),
-            in_contact: 0.0,
-            count: 0.0,
-            rms: 0.0,
-            rest: Vec::new(),
-            size: 0.0,
-            moments: Vec::new(),
-        };
+        let mut out = Misfit::default();
         let mut values = 0.0;
         for (k, row) in self.rows.iter().enumerate() {
             let from = out.rest.len();
-            let deviation = &self.deviation[k];
             values += match (&row.map, &registered[k], peaks[k]) {
                 (Some(film), Some(simulated), _) => {
-                    compare(film, simulated, deviation, &self.rules, &mut out)
+                    compare(film, simulated, &self.weights[k], &self.rules, &mut out)
                 }
-                (_, _, Some(peak)) => compare_peak(row, peak, deviation[0], &mut out),
+                (_, _, Some(peak)) => compare_peak(row, peak, &mut out),
                 _ => unreachable!("a row has a map or a peak"),
             };
             let own: f64 = out.rest[from..].iter().map(|r| r * r).sum();
@@ -167,13 +158,12 @@ impl<'a> Simulations<'a> {
         cells: usize,
     ) -> Result<Vec<Option<Registered>>, Error> {
         let seen = self.simulated(active, cells)?;
-        let rules = &self.rules;
         let rows = self.rows.par_iter().zip(seen.par_iter());
         Ok(rows
-            .zip(&self.deviation)
-            .map(|((row, seen), deviation)| match (seen, &row.map) {
+            .zip(&self.weights)
+            .map(|((row, seen), weights)| match (seen, &row.map) {
                 (Simulated::Pressure(solved), Some(film)) => {
-                    Some(register(row, film, solved, deviation, active, rules))
+                    Some(register(row, film, solved, weights, active))
                 }
                 _ => None,
             })
@@ -246,13 +236,12 @@ fn register(
     row: &Row,
     measured: &Map,
     solved: &SolvedPressure,
-    deviation: &[f64],
+    weights: &[f64],
     active: &SizedEffects,
-    rules: &MapRules,
 ) -> Registered {
     let film = Film {
         measured,
-        weights: &weights(measured, deviation, rules),
+        weights,
         tolerance: row.film,
     };
     film.register(solved, &|map| {
@@ -269,24 +258,23 @@ fn patch(map: &Map, rules: &MapRules) -> f64 {
 }
 
 /// Weight of each pixel [1/Pa].
-fn weights(map: &Map, deviation: &[f64], rules: &MapRules) -> Vec<f64> {
+fn weights(map: &Map, deviations: impl Iterator<Item = f64>, rules: &MapRules) -> Vec<f64> {
     let root = patch(map, rules).sqrt();
-    deviation.iter().map(|sd| 1.0 / (sd * root)).collect()
+    deviations.map(|sd| 1.0 / (sd * root)).collect()
 }
 
 /// The peak as read by the sensor.
 fn sensed_peak(row: &Row, p_max: f64, active: &SizedEffects) -> f64 {
-    let gain = |(e, v): &(&'static Effect, f64)| e.peak_factor(*v);
     let all = row.sensor.iter().chain(active);
-    p_max * all.map(gain).product::<f64>()
+    p_max * all.map(|(e, size)| e.peak_factor(*size)).product::<f64>()
 }
 
 /// Adds the weighted residual of a peak and its square [Pa2]; returns its count.
-fn compare_peak(row: &Row, simulated: f64, deviation: f64, out: &mut Misfit) -> f64 {
+fn compare_peak(row: &Row, simulated: f64, out: &mut Misfit) -> f64 {
     let r = row.p_max - simulated;
-    out.rest.push(r / deviation);
-    out.size += (simulated / deviation).powi(2);
-    out.in_contact += (r / deviation).powi(2);
+    out.rest.push(r / row.p_max_sd);
+    out.size += (simulated / row.p_max_sd).powi(2);
+    out.in_contact += (r / row.p_max_sd).powi(2);
     out.count += 1.0;
     out.rms += r * r;
     1.0
@@ -297,7 +285,7 @@ fn compare_peak(row: &Row, simulated: f64, deviation: f64, out: &mut Misfit) -> 
 fn compare(
     measured: &Map,
     simulated: &Registered,
-    deviation: &[f64],
+    weights: &[f64],
     rules: &MapRules,
     out: &mut Misfit,
 ) -> f64 {
@@ -314,7 +302,7 @@ fn compare(
     ]);
     let mut touched = 0.0;
     let pairs = measured.pressure.iter().zip(&map.pressure);
-    for ((m, s), weight) in pairs.zip(weights(measured, deviation, rules)) {
+    for ((m, s), weight) in pairs.zip(weights) {
         out.rms += (m - s).powi(2);
         out.rest.push((m - s) * weight);
         out.size += (s * weight).powi(2);

@@ -23,11 +23,11 @@ use crate::evidence::runs::outcome::next_model::next_model;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
 use crate::evidence::runs::recordings::prepare::Data;
-use crate::finding::HeldOut;
+use crate::finding::{HeldOut, Report};
 use crate::options::Options;
 use crate::procedure::evidence::{
     Account, Choice, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, Screen,
-    SelectedFit, Selection, Words,
+    SelectedFit, Selection,
 };
 use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::search::{Found, search_evidence};
@@ -331,59 +331,55 @@ impl Evidence for Campaign<'_> {
             self.used,
             self.rules().track_bin_m,
         );
+        // With coloured or misstated noise bins are significant, too.
+        let is_noise_stated = !matches!(
+            self.data.noise_from,
+            NoiseFrom::Doubted | NoiseFrom::Spectra
+        );
         Ok(Description {
-            data: data.to_owned(),
-            remaining: self.remaining(base, last),
-            pictures: [
-                self.pictures(last, &account.steps, &training, &given),
-                self.contact_pictures(last),
-            ]
-            .concat(),
-            training,
-            within_tolerance: self.within_tolerance(last, account),
+            located: account.steps.is_empty()
+                && is_noise_stated
+                && self.has_significant_bins(last, &bins_after),
+            report: Report {
+                data: data.to_owned(),
+                remaining: self.remaining(base, last),
+                pictures: [
+                    self.pictures(last, &account.steps, &training, &given),
+                    self.contact_pictures(last),
+                ]
+                .concat(),
+                training,
+                within_tolerance: self.within_tolerance(last, account),
+                implausible: self.implausible(&self.base_parameters(last), account),
+                base: self.base_parameters(last),
+                bins: bins(base),
+                clean: bins_after.iter().all(|b| b.p_value > rules.bin_unclean),
+                bins_after,
+                by_run: by_run(
+                    &base.residual_model,
+                    &last.residual_model,
+                    &self.training,
+                    self.used,
+                ),
+                untestable: self.candidates.untestable.clone(),
+                next_runs,
+                ..Report::default()
+            },
             parameters: {
                 self.describe_contacts(last, &mut account.steps);
                 self.parameters(last, account.steps.len())
             },
             laws: self.laws(last, account.steps.len()),
-            implausible: self.implausible(&self.base_parameters(last), account),
-            base: self.base_parameters(last),
-            bins: bins(base),
-            clean: bins_after.iter().all(|b| b.p_value > rules.bin_unclean),
-            // With coloured or misstated noise bins are significant, too.
-            located: account.steps.is_empty()
-                && !matches!(
-                    self.data.noise_from,
-                    NoiseFrom::Doubted | NoiseFrom::Spectra
-                )
-                && self.has_significant_bins(last, &bins_after),
-            bins_after,
-            by_run: by_run(
-                &base.residual_model,
-                &last.residual_model,
-                &self.training,
-                self.used,
-            ),
-            untestable: self.candidates.untestable.clone(),
-            effects: (CATALOGUE.iter().map(|e| e.info()))
-                .map(|i| Meaning {
-                    name: i.name.to_owned(),
-                    summary: i.summary.to_owned(),
-                    decides: i.decides.to_owned(),
-                })
-                .collect(),
-            words: Words {
-                nothing: self
-                    .too_few()
-                    .filter(|_| self.least_p() > rules.alpha)
-                    .map_or(String::new(), |few| {
-                        format!("Too few runs to find what acts within them: {few}.")
-                    }),
-                next_after_nothing: self.runs_to_halve(),
-            },
+            effects: CATALOGUE.iter().map(|e| Meaning::of(e.info())).collect(),
+            nothing: self
+                .too_few()
+                .filter(|_| self.least_p() > rules.alpha)
+                .map_or(String::new(), |few| {
+                    format!("Too few runs to find what acts within them: {few}.")
+                }),
+            next_after_nothing: self.runs_to_halve(),
             next_model: next_model(self.model, &last.settled, last.already()).to_toml(),
             next_case: None,
-            next_runs,
         })
     }
 }

@@ -38,19 +38,8 @@ impl SharesEffects for Campaign<'_> {
             size => size,
         };
         let channel = self.strongest_channel(&fit.residual_model, &candidate, size);
-        Some(Selection {
-            class: vec![candidate.effect.clone()],
-            candidate,
-            size,
-            error: amount.error,
-            rivals: Vec::new(),
-            p_value: 1.0,
-            randomised: Default::default(),
-            place: "all runs".to_owned(),
-            channel: CHANNEL_NAMES[channel],
-            remark: None,
-            parameters: Vec::new(),
-        })
+        let place = ("all runs", CHANNEL_NAMES[channel]);
+        Some(Selection::new(candidate, size, amount.error, place))
     }
 
     fn amounts(&self, fit: &RunFit, step: usize) -> Vec<Amount> {

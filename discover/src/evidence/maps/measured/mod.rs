@@ -1,6 +1,5 @@
 //! Pressure measurements with the errors of their pixels.
 
-pub(crate) mod file;
 pub(crate) mod noise;
 pub(crate) mod remarks;
 pub(crate) mod rows;

@@ -16,93 +16,72 @@ use crate::procedure::rules::MapRules;
 pub fn deviations(map: &Map, p_max: f64, rules: &MapRules) -> Vec<f64> {
     let (place, solves) = (rules.pixel_place, rules.solves);
     let (still, share) = (far_noise(map), relative_noise(map));
-    let mean = Grid {
-        map,
-        values: &three_by_three(map),
+    let mean = three_by_three(map);
+    let of_pixel = |(i, j): (usize, usize)| {
+        let at = |u: isize, v: isize| moved(map, &mean, (i, j), [u, v]);
+        let slope = 0.5 * (at(1, 0) - at(-1, 0)).hypot(at(0, 1) - at(0, -1));
+        let own = share * at(0, 0);
+        (still.powi(2) + own.powi(2) + (place * slope).powi(2) + (solves * p_max).powi(2)).sqrt()
     };
-    (0..map.ny)
-        .flat_map(|j| (0..map.nx).map(move |i| (i, j)))
-        .map(|(i, j)| {
-            let slope = 0.5
-                * (mean.at(i, j, 1, 0) - mean.at(i, j, -1, 0))
-                    .hypot(mean.at(i, j, 0, 1) - mean.at(i, j, 0, -1));
-            let own = share * mean.at(i, j, 0, 0);
-            (still.powi(2) + own.powi(2) + (place * slope).powi(2) + (solves * p_max).powi(2))
-                .sqrt()
-        })
-        .collect()
+    pixels(map).map(of_pixel).collect()
 }
 
-struct Grid<'a> {
-    map: &'a Map,
-    values: &'a [f64],
+/// Indices of all pixels along and across.
+fn pixels(map: &Map) -> impl Iterator<Item = (usize, usize)> {
+    let nx = map.nx;
+    (0..nx * map.ny).map(move |k| (k % nx, k / nx))
 }
 
-impl Grid<'_> {
-    /// The value at a pixel moved by (u, v), clamped at the map's ends.
-    fn at(&self, i: usize, j: usize, u: isize, v: isize) -> f64 {
-        let i = i.saturating_add_signed(u).min(self.map.nx - 1);
-        let j = j.saturating_add_signed(v).min(self.map.ny - 1);
-        self.values[j * self.map.nx + i]
-    }
+/// The value at a pixel moved by some pixels, clamped at the map's ends.
+fn moved(map: &Map, values: &[f64], (i, j): (usize, usize), [u, v]: [isize; 2]) -> f64 {
+    let i = i.saturating_add_signed(u).min(map.nx - 1);
+    let j = j.saturating_add_signed(v).min(map.ny - 1);
+    values[j * map.nx + i]
 }
 
+/// The mean of each pixel with its neighbours.
 fn three_by_three(map: &Map) -> Vec<f64> {
-    let raw = Grid {
-        map,
-        values: &map.pressure,
+    let around = [-1, 0, 1];
+    let shifts = || around.into_iter().flat_map(|u| around.map(|v| [u, v]));
+    let mean = |pixel| {
+        let values = shifts().map(|shift| moved(map, &map.pressure, pixel, shift));
+        values.sum::<f64>() / 9.0
     };
-    (0..map.ny)
-        .flat_map(|j| (0..map.nx).map(move |i| (i, j)))
-        .map(|(i, j)| {
-            let around = [-1, 0, 1];
-            let sum: f64 = around
-                .iter()
-                .flat_map(|u| around.map(|v| raw.at(i, j, *u, v)))
-                .sum();
-            sum / 9.0
-        })
-        .collect()
+    pixels(map).map(mean).collect()
 }
 
 /// Noise of the sensor from the outermost pixels [Pa].
 fn far_noise(map: &Map) -> f64 {
-    let (mut sum, mut count) = (0.0, 0.0);
-    for j in 0..map.ny {
-        for i in 0..map.nx {
-            if j == 0 || j + 1 == map.ny || i == 0 || i + 1 == map.nx {
-                sum += map.pressure[j * map.nx + i].powi(2);
-                count += 1.0;
-            }
-        }
-    }
+    let is_outermost =
+        |(i, j): (usize, usize)| j == 0 || j + 1 == map.ny || i == 0 || i + 1 == map.nx;
+    let outermost = pixels(map)
+        .zip(&map.pressure)
+        .filter(|(at, _)| is_outermost(*at));
+    let (sum, count) = outermost.fold((0.0, 0.0), |(sum, n), (_, p)| (sum + p.powi(2), n + 1.0));
     (sum / f64::max(count, 1.0)).sqrt()
 }
 
 /// Relative noise, estimated where the pressure is above three tenths of the largest; 0 for maps
 /// too small for an estimate.
 fn relative_noise(map: &Map) -> f64 {
-    let raw = Grid {
-        map,
-        values: &map.pressure,
-    };
+    const SECOND_DIFFERENCE: [(isize, f64); 3] = [(-1, -0.5), (0, 1.0), (1, -0.5)];
     let mean = three_by_three(map);
     let largest = mean.iter().copied().fold(0.0, f64::max);
+    let is_inside = |(i, j): (usize, usize)| {
+        (1..map.nx.saturating_sub(1)).contains(&i) && (1..map.ny.saturating_sub(1)).contains(&j)
+    };
     let mut ratios = Vec::new();
-    for j in 1..map.ny.saturating_sub(1) {
-        for i in 1..map.nx.saturating_sub(1) {
-            let own = mean[j * map.nx + i];
-            if own < 0.3 * largest || own <= 0.0 {
-                continue;
-            }
-            let mut mixed = 0.0;
-            for (u, a) in [(-1, -0.5), (0, 1.0), (1, -0.5)] {
-                for (v, b) in [(-1, -0.5), (0, 1.0), (1, -0.5)] {
-                    mixed += a * b * raw.at(i, j, u, v);
-                }
-            }
-            ratios.push((mixed / own).abs());
+    for (pixel, own) in pixels(map).zip(mean) {
+        if !is_inside(pixel) || own < 0.3 * largest || own <= 0.0 {
+            continue;
         }
+        let mut mixed = 0.0;
+        for (u, a) in SECOND_DIFFERENCE {
+            for (v, b) in SECOND_DIFFERENCE {
+                mixed += a * b * moved(map, &map.pressure, pixel, [u, v]);
+            }
+        }
+        ratios.push((mixed / own).abs());
     }
     if ratios.len() < 9 {
         return 0.0;

@@ -6,18 +6,12 @@ use crate::evidence::maps::measured::rows::Row;
 
 /// Effects that these rows can hardly identify, with the reason.
 pub fn untestable(rows: &[Row]) -> Vec<(String, String)> {
-    if rows.iter().any(|r| r.map.is_some()) {
-        return Vec::new();
-    }
+    let mapped = rows.iter().any(|r| r.map.is_some());
+    let reason = "needs the column map, which is absent or empty";
     CATALOGUE
         .iter()
-        .filter(|e| e.search.needs_map)
-        .map(|e| {
-            (
-                e.info().name.to_owned(),
-                "needs the column map, which is absent or empty".to_owned(),
-            )
-        })
+        .filter(|e| e.search.needs_map && !mapped)
+        .map(|e| (e.info().name.to_owned(), reason.to_owned()))
         .collect()
 }
 
@@ -47,16 +41,11 @@ pub fn remarks_on(rows: &[Row]) -> Vec<String> {
 
 /// Root mean square of the stated and estimated deviations \[Pa\].
 pub fn typical_noise(rows: &[&Row]) -> f64 {
-    let (mut sum, mut count) = (0.0, 0.0);
-    for row in rows {
-        for sd in row
-            .noise
-            .iter()
-            .chain(row.noise.is_empty().then_some(&row.p_max_sd))
-        {
-            sum += sd * sd;
-            count += 1.0;
-        }
-    }
-    f64::sqrt(sum / f64::max(count, 1.0))
+    let of_row = |row: &&Row| match row.noise.is_empty() {
+        true => vec![row.p_max_sd],
+        false => row.noise.clone(),
+    };
+    let deviations: Vec<f64> = rows.iter().flat_map(of_row).collect();
+    let squares: f64 = deviations.iter().map(|sd| sd * sd).sum();
+    f64::sqrt(squares / f64::max(deviations.len() as f64, 1.0))
 }

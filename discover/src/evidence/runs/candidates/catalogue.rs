@@ -61,28 +61,19 @@ pub fn list(data: &Data, own: &Effects, along: bool, options: &Options) -> Candi
             out.untestable.push((info.name.to_owned(), why));
             continue;
         }
-        let defaults: Vec<f64> = info.parameters.iter().map(|p| p.default).collect();
         for (index, parameter) in info.parameters.iter().enumerate() {
             if !parameter.is_amplitude() {
                 continue;
             }
-            let candidate = Candidate {
-                effect: info.name.to_owned(),
-                key: parameter.name.to_owned(),
-                unit: parameter.unit.to_owned(),
-                low: parameter.low,
-                high: parameter.high,
-                typical: parameter.typical,
-                decides: info.decides.to_owned(),
-                act: Amplitude {
-                    kind: Kind::Catalogue(effect),
-                    parameter: index,
-                    level: info.level(),
-                    values: defaults.clone(),
-                    track: None,
-                    carrier: None,
-                },
+            let act = Amplitude {
+                kind: Kind::Catalogue(effect),
+                parameter: index,
+                level: info.level(),
+                values: info.off(),
+                track: None,
+                carrier: None,
             };
+            let candidate = Candidate::of_catalogue(info, parameter, act);
             match info.judged {
                 Judged::BySlope | Judged::ByProfile => out.track.push(candidate),
                 Judged::InWindow => out.local.push(candidate),

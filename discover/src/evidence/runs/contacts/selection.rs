@@ -20,8 +20,9 @@ use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::null::combined_p_value;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{ExtendedFit, Randomised, Selection};
+use crate::procedure::evidence::{ExtendedFit, Selection};
 
 /// Random displacements of the contacts for the null distribution of the yaw residual.
 const TRIALS: u64 = 999;
@@ -139,34 +140,21 @@ impl Campaign<'_> {
         };
         let force = effect.info.parameters.first()?;
         let yaw = 2;
+        let act = Amplitude {
+            kind: place.kind.clone(),
+            parameter: 0,
+            level: Level::Run,
+            values: place.values.clone(),
+            track: place.track.clone(),
+            carrier: None,
+        };
+        let candidate = Candidate::of_catalogue(&effect.info, force, act);
+        let error = place.values[5] / (self.whole().len() as f64).sqrt();
+        let places = places_in_words(&found.contacts);
+        let at = (places.as_str(), CHANNEL_NAMES[yaw]);
         Some(Selection {
-            candidate: Candidate {
-                effect: effect.info.name.to_owned(),
-                key: force.name.to_owned(),
-                unit: force.unit.to_owned(),
-                low: force.low,
-                high: force.high,
-                typical: force.typical,
-                decides: effect.info.decides.to_owned(),
-                act: Amplitude {
-                    kind: place.kind.clone(),
-                    parameter: 0,
-                    level: Level::Run,
-                    values: place.values.clone(),
-                    track: place.track.clone(),
-                    carrier: None,
-                },
-            },
-            size: place.values[0],
-            error: place.values[5] / (self.whole().len() as f64).sqrt(),
-            class: vec![effect.info.name.to_owned()],
-            rivals: Vec::new(),
             p_value: found.p_value,
-            randomised: Randomised::default(),
-            place: places_in_words(&found.contacts),
-            channel: CHANNEL_NAMES[yaw],
-            remark: None,
-            parameters: Vec::new(),
+            ..Selection::new(candidate, place.values[0], error, at)
         })
     }
 
@@ -229,14 +217,6 @@ impl Campaign<'_> {
         set_own(&mut self.held_out, &self.given, &contacts.places);
         self.given.contacts = Some(contacts);
     }
-}
-
-/// Combined p-value of two independent ones: `p q (1 - ln(p q))`.
-///
-/// Source: R. A. Fisher, Statistical Methods for Research Workers, 4th ed. (1932), section 21.1.
-fn combined_p_value(p: f64, q: f64) -> f64 {
-    let product = (p * q).max(f64::MIN_POSITIVE);
-    product * (1.0 - product.ln())
 }
 
 /// Parameters of a place: mean and standard deviation of the force over all runs of its track, the

@@ -68,21 +68,18 @@ impl Campaign<'_> {
         let remark = best
             .first()
             .and_then(|smooth| self.smoother(smooth, &shown));
+        let place = self.place_of(&shown.candidate, at);
+        let place = (place.as_str(), CHANNEL_NAMES[strongest]);
+        let error = error_of(&shown.sums, shown.size);
         Some(Law::Instead(Box::new(Selection {
-            place: self.place_of(&shown.candidate, at),
-            channel: CHANNEL_NAMES[strongest],
-            size: shown.size,
-            error: error_of(&shown.sums, shown.size),
             class,
-            rivals: Vec::new(),
             p_value,
             randomised: Randomised {
                 runs: Some(p_value),
                 sessions: self.law_by_sessions(&shown.sums),
             },
             remark,
-            parameters: Vec::new(),
-            candidate: shown.candidate,
+            ..Selection::new(shown.candidate, shown.size, error, place)
         })))
     }
 

@@ -69,29 +69,14 @@ impl Campaign<'_> {
 
     /// Significant installation errors within tolerance; remarks report those outside.
     pub fn within_tolerance(&self, last: &RunFit, account: &mut Account) -> Vec<Tolerated> {
-        let rules = &self.options.rules.search;
+        let quantile = self.options.rules.search.interval;
         let parts = &last.residual_model.installation.parts;
         let first = last.estimates.len().saturating_sub(parts.len());
-        let mut within = Vec::new();
-        for (part, estimate) in parts.iter().zip(&last.estimates[first..]) {
-            let (size, half) = (estimate.value, rules.interval * estimate.error);
-            if size.abs() <= half {
-                continue;
-            }
-            let tolerated = Tolerated {
-                what: part.what.clone(),
-                size,
-                unit: part.unit.to_owned(),
-            };
-            if size.abs() - half <= rules.interval * part.sd {
-                within.push(tolerated);
-                continue;
-            }
-            account.remarks.push(format!(
-                "{}: {size:.2e} {} +- {half:.1e}, outside its tolerance of {} (a standard deviation): it was corrected for and not named",
-                part.what, part.unit, part.sd
-            ));
-        }
-        within
+        let estimated = parts.iter().zip(&last.estimates[first..]);
+        let tolerated = estimated.filter_map(|(part, estimate)| {
+            let numbers = [estimate.value, estimate.error, part.sd];
+            account.tolerated(part.what.clone(), part.unit, numbers, quantile)
+        });
+        tolerated.collect()
     }
 }

@@ -56,16 +56,11 @@ impl Campaign<'_> {
         let others = (0..list.len()).filter(|j| *j != named).map(|j| {
             let s = &levels.seen[j];
             Rival {
-                effect: list[j].effect.clone(),
-                parameter: list[j].key.clone(),
-                size: s.size,
-                unit: list[j].unit.clone(),
-                t: s.size / s.error.max(1e-300),
                 gain: s.gain,
                 correlation: s.correlation,
                 t_of_named_beyond: levels.t_given(named, j),
                 in_class: true,
-                decides: list[j].decides.clone(),
+                ..list[j].rival(s.size, s.size / s.error.max(1e-300))
             }
         });
         let seen = &levels.seen[named];
@@ -79,27 +74,24 @@ impl Campaign<'_> {
             others.collect(),
         );
         let channel = self.strongest_channel(at.residual_model, &list[named], seen.size);
+        let place = ("a level from session to session", CHANNEL_NAMES[channel]);
+        let p_value = Some(seen.p_value);
+        let randomised = match list[named].act.level {
+            Level::Run => Randomised {
+                runs: p_value,
+                sessions: None,
+            },
+            _ => Randomised {
+                runs: None,
+                sessions: p_value,
+            },
+        };
         let selection = Selection {
-            place: "a level from session to session".to_owned(),
-            channel: CHANNEL_NAMES[channel],
-            candidate: list[named].clone(),
-            size: seen.size,
-            error: seen.error,
             class,
             rivals,
             p_value: seen.p_value,
-            randomised: match list[named].act.level {
-                Level::Run => Randomised {
-                    runs: Some(seen.p_value),
-                    sessions: None,
-                },
-                _ => Randomised {
-                    runs: None,
-                    sessions: Some(seen.p_value),
-                },
-            },
-            remark: None,
-            parameters: Vec::new(),
+            randomised,
+            ..Selection::new(list[named].clone(), seen.size, seen.error, place)
         };
         (Some(selection), screen_estimates)
     }

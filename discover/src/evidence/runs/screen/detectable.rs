@@ -7,27 +7,13 @@ use crate::procedure::candidate::Candidate;
 
 /// One row per candidate that can be judged.
 pub fn detectable(screen: &RunScreen, list: &[Candidate<Amplitude>]) -> Vec<Detectable> {
-    list.iter()
-        .enumerate()
-        .filter(|(c, _)| screen.seen[*c].usable)
-        .map(|(c, candidate)| {
-            let like = (0..list.len())
-                .filter(|j| list[*j].effect != candidate.effect && screen.seen[*j].usable)
-                .max_by(|a, b| {
-                    screen
-                        .correlation(c, *a)
-                        .abs()
-                        .total_cmp(&screen.correlation(c, *b).abs())
-                });
-            Detectable {
-                effect: candidate.effect.clone(),
-                parameter: candidate.key.clone(),
-                size: screen.seen[c].detectable,
-                unit: candidate.unit.clone(),
-                left_after_refit: screen.seen[c].remaining_share,
-                most_like: like.map_or(String::new(), |j| list[j].effect.clone()),
-                correlation: like.map_or(0.0, |j| screen.correlation(c, j)),
-            }
-        })
-        .collect()
+    let usable = |c: &usize| screen.seen[*c].usable;
+    let of = |c: usize| {
+        let others = (0..list.len()).filter(usable);
+        let others = others.filter(|j| list[*j].effect != list[c].effect);
+        let others = others.map(|j| (&list[j], screen.correlation(c, j)));
+        let seen = &screen.seen[c];
+        list[c].detectable(seen.detectable, seen.remaining_share, others)
+    };
+    (0..list.len()).filter(usable).map(of).collect()
 }

@@ -25,16 +25,10 @@ impl Campaign<'_> {
         let others = others.map(|(j, candidate)| {
             let s = &screen.seen[j];
             Rival {
-                effect: candidate.effect.clone(),
-                parameter: candidate.key.clone(),
-                size: s.size,
-                unit: candidate.unit.clone(),
-                t: s.t,
                 gain: s.gain,
                 correlation: screen.correlation(named, j),
                 t_of_named_beyond: screen.t_given(named, j),
-                in_class: candidate.admits(s.size),
-                decides: candidate.decides.clone(),
+                ..candidate.rival(s.size, s.t)
             }
         });
         rule.class(

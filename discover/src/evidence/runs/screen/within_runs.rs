@@ -265,12 +265,9 @@ impl Campaign<'_> {
         let seen = &together.seen[named];
         let channel = self.strongest_channel(at.residual_model, &list[named], seen.size);
         let bias = seen.bias_t;
+        let place = self.place_of(&list[named], at);
+        let place = (place.as_str(), CHANNEL_NAMES[channel]);
         Some(Selection {
-            place: self.place_of(&list[named], at),
-            channel: CHANNEL_NAMES[channel],
-            candidate: list[named].clone(),
-            size: seen.size,
-            error: seen.error,
             class,
             rivals,
             p_value: seen.p_value,
@@ -284,7 +281,7 @@ impl Campaign<'_> {
                     list[named].effect
                 )
             }),
-            parameters: Vec::new(),
+            ..Selection::new(list[named].clone(), seen.size, seen.error, place)
         })
     }
 }

@@ -13,7 +13,7 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::channel::TrackChannel;
 use crate::finding::{Fitted, Rival};
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{Account, Dependence, Randomised, Selection};
+use crate::procedure::evidence::{Account, Dependence, Selection};
 use crate::procedure::rivals::NamedEffect;
 
 /// The track channel of a screen, if it is used.
@@ -264,16 +264,10 @@ impl Campaign<'_> {
             let others = rivals.map(|j| {
                 let seen = channel.judge(j, sd);
                 Rival {
-                    effect: list[j].effect.clone(),
-                    parameter: list[j].key.clone(),
-                    size: seen.size,
-                    unit: list[j].unit.clone(),
-                    t: seen.size / seen.error,
-                    gain: (seen.size / seen.error).powi(2),
                     correlation: channel.correlation(named, j, sd),
                     t_of_named_beyond: channel.t_given(named, j, sd),
                     in_class: true,
-                    decides: list[j].decides.clone(),
+                    ..list[j].rival(seen.size, seen.size / seen.error)
                 }
             });
             let t = seen.size / seen.error;
@@ -293,18 +287,14 @@ impl Campaign<'_> {
                     list[named].effect
                 )));
             }
+            let candidate = list[named].clone();
+            let place = ("all runs", CHANNEL_NAMES[TRACK]);
             return Some(Selection {
-                place: "all runs".to_owned(),
-                channel: CHANNEL_NAMES[TRACK],
-                candidate: list[named].clone(),
-                size: seen.size,
-                error: seen.error,
                 class,
                 rivals,
                 p_value: seen.p_value,
-                randomised: Randomised::default(),
-                remark: None,
-                parameters: self.by_track(&list[named], seen.size, beside_line),
+                parameters: self.by_track(&candidate, seen.size, beside_line),
+                ..Selection::new(candidate, seen.size, seen.error, place)
             });
         }
         let profile = self.candidates.track.iter().find(|c| c.is_profile())?;
@@ -336,20 +326,14 @@ impl Campaign<'_> {
             )));
         }
         let candidate = profile.within(&track, from, to);
+        let place = format!(
+            "s {from:.0}-{to:.0} m on track {track} most; the whole profile departs by {needed_sd:.5} rad"
+        );
+        let place = (place.as_str(), CHANNEL_NAMES[TRACK]);
         Some(Selection {
-            place: format!(
-                "s {from:.0}-{to:.0} m on track {track} most; the whole profile departs by {needed_sd:.5} rad"
-            ),
-            channel: CHANNEL_NAMES[TRACK],
             parameters: self.by_track(&candidate, slope, needed_sd),
-            candidate,
-            size: slope,
-            error: needed_sd,
-            class: vec![profile.effect.clone()],
-            rivals: Vec::new(),
             p_value: p,
-            randomised: Randomised::default(),
-            remark: None,
+            ..Selection::new(candidate, slope, needed_sd, place)
         })
     }
 
