@@ -273,10 +273,11 @@ impl Interpolator {
         let [x0, x1, x2] = self.fz.hermite(x);
         let [y0, y1, y2] = self.curvature.hermite(y);
         // Along x on both grid lines: the value minus f of corner `a`, and the slope along y.
-        let low = (b.f - a.f) * x0 + a.fx * x1 + b.fx * x2;
-        let high = (c.f - a.f) + ((d.f - c.f) * x0 + c.fx * x1 + d.fx * x2);
-        let low_slope = a.fy + ((b.fy - a.fy) * x0 + a.fxy * x1 + b.fxy * x2);
-        let high_slope = c.fy + ((d.fy - c.fy) * x0 + c.fxy * x1 + d.fxy * x2);
+        let [[ax, ay], [bx, by], [cx, cy], [dx, dy]] = [a, b, c, d].map(|jet| jet.slopes);
+        let low = (b.f - a.f) * x0 + ax * x1 + bx * x2;
+        let high = (c.f - a.f) + ((d.f - c.f) * x0 + cx * x1 + dx * x2);
+        let low_slope = ay + ((by - ay) * x0 + a.twist * x1 + b.twist * x2);
+        let high_slope = cy + ((dy - cy) * x0 + c.twist * x1 + d.twist * x2);
         low + ((high - low) * y0 + low_slope * y1 + high_slope * y2)
     }
 
@@ -297,7 +298,7 @@ impl Interpolator {
     /// Jets of all layers, four numbers a node.
     pub(crate) fn flat_jets(&self) -> Vec<f64> {
         let jets = self.jets.iter();
-        jets.flat_map(|jet| [jet.f, jet.fx, jet.fy, jet.fxy])
+        jets.flat_map(|jet| [jet.f, jet.slopes[0], jet.slopes[1], jet.twist])
             .collect()
     }
 }
@@ -305,13 +306,13 @@ impl Interpolator {
 /// The values at one rocker radius, of all values at the nodes.
 fn at_rocker(
     table: &Table,
-    all: &[f64],
+    all: Vec<f64>,
     mode: Mode,
     logarithmic: bool,
     rocker_radius: Option<f64>,
 ) -> Result<Vec<f64>, Error> {
     let (radii, radius) = match (table.axes().rocker_radius(), rocker_radius) {
-        (None, None) => return Ok(all.to_vec()),
+        (None, None) => return Ok(all),
         (Some(radii), None) => {
             return Err(Error::RockerNeeded {
                 low: radii[0],

@@ -12,12 +12,10 @@
 pub(crate) struct Jet {
     /// Value.
     pub f: f64,
-    /// Slope along x.
-    pub fx: f64,
-    /// Slope along y.
-    pub fy: f64,
+    /// Slopes along x and y.
+    pub slopes: [f64; 2],
     /// Mixed second derivative.
-    pub fxy: f64,
+    pub twist: f64,
 }
 
 /// Jets of `f` (rows of `y.len()`) on the grid `x`, `y`: three-point slopes, reduced where the
@@ -28,32 +26,29 @@ pub(crate) struct Jet {
 /// throughout the cell in that direction. So data that are monotone along an axis give a surface
 /// that is.
 pub(crate) fn jets(x: &[f64], y: &[f64], f: &[f64]) -> Vec<Jet> {
-    let (nx, ny) = (x.len(), y.len());
-    assert_eq!(f.len(), nx * ny, "values do not fit the grid");
+    assert_eq!(f.len(), x.len() * y.len(), "values do not fit the grid");
     let level = |&f: &f64| Jet {
         f,
         ..Jet::default()
     };
     let mut jets: Vec<Jet> = f.iter().map(level).collect();
-    let mut line = Vec::new();
-    for j in 0..ny {
-        line.clear();
-        line.extend((0..nx).map(|i| f[i * ny + j]));
-        for (i, slope) in limited_slopes(x, &line).into_iter().enumerate() {
-            jets[i * ny + j].fx = slope;
+    let grid = Grid { axes: [x, y] };
+    for axis in 0..2 {
+        for across in 0..grid.axes[1 - axis].len() {
+            let nodes = (0..grid.axes[axis].len()).map(|along| grid.node(axis, along, across));
+            let line: Vec<f64> = nodes.clone().map(|node| f[node]).collect();
+            for (node, slope) in nodes.zip(limited_slopes(grid.axes[axis], &line)) {
+                jets[node].slopes[axis] = slope;
+            }
         }
     }
-    for i in 0..nx {
-        let slopes = limited_slopes(y, &f[i * ny..(i + 1) * ny]);
-        line.clear();
-        line.extend((0..ny).map(|j| jets[i * ny + j].fx));
-        let twists = slopes_of(y, &line);
-        for (j, (slope, twist)) in slopes.into_iter().zip(twists).enumerate() {
-            jets[i * ny + j].fy = slope;
-            jets[i * ny + j].fxy = twist;
+    for row in jets.chunks_exact_mut(y.len()) {
+        let slopes: Vec<f64> = row.iter().map(|jet| jet.slopes[0]).collect();
+        for (jet, twist) in row.iter_mut().zip(slopes_of(y, &slopes)) {
+            jet.twist = twist;
         }
     }
-    reduce(x, y, &mut jets);
+    grid.reduce(&mut jets);
     jets
 }
 
@@ -103,39 +98,16 @@ fn limited_slopes(x: &[f64], f: &[f64]) -> Vec<f64> {
     d
 }
 
-/// Scales slopes and twists down, node by node, until no net difference opposes its data.
-///
-/// Every difference is linear in them and has the data's sign when they vanish, so scaling always
-/// helps; what still fails after [`PASSES`] is set to 0, which ends it.
-fn reduce(x: &[f64], y: &[f64], jets: &mut [Jet]) {
-    const PASSES: usize = 64;
-    for pass in 0.. {
-        let mut changed = false;
-        for along_x in [true, false] {
-            let direction = Direction { x, y, along_x };
-            let (line, side) = direction.axes();
-            for along in 0..line.len().saturating_sub(1) {
-                for across in 0..side.len() {
-                    changed |= direction.reduce_cell(jets, along, across, pass >= PASSES);
-                }
-            }
-        }
-        if !changed {
-            return;
-        }
-    }
+/// The coordinates along x and y.
+struct Grid<'a> {
+    axes: [&'a [f64]; 2],
 }
 
-/// The grid as seen along one axis.
-struct Direction<'a> {
-    x: &'a [f64],
-    y: &'a [f64],
-    along_x: bool,
-}
-
-/// A row of a cell's Bezier net: from node `a` to node `b`, carried across its grid line.
+/// A row of a cell's Bezier net along an axis: from node `a` to node `b`, carried across its grid
+/// line.
 #[derive(Clone, Copy)]
 struct Row {
+    axis: usize,
     a: usize,
     b: usize,
     h: f64,
@@ -143,29 +115,50 @@ struct Row {
     sign: f64,
 }
 
-impl Direction<'_> {
-    /// The axis along the direction, and the one across it.
-    fn axes(&self) -> (&[f64], &[f64]) {
-        if self.along_x {
-            (self.x, self.y)
+impl Grid<'_> {
+    /// The node at these places along an axis and across it.
+    fn node(&self, axis: usize, along: usize, across: usize) -> usize {
+        let [i, j] = if axis == 0 {
+            [along, across]
         } else {
-            (self.y, self.x)
+            [across, along]
+        };
+        i * self.axes[1].len() + j
+    }
+
+    /// Scales slopes and twists down, node by node, until no net difference opposes its data.
+    ///
+    /// Every difference is linear in them and has the data's sign when they vanish, so scaling
+    /// always helps; what still fails after [`PASSES`] is set to 0, which ends it.
+    fn reduce(&self, jets: &mut [Jet]) {
+        const PASSES: usize = 64;
+        for pass in 0.. {
+            let mut changed = false;
+            for axis in 0..2 {
+                for along in 0..self.axes[axis].len().saturating_sub(1) {
+                    for across in 0..self.axes[1 - axis].len() {
+                        changed |= self.reduce_cell(jets, axis, [along, across], pass >= PASSES);
+                    }
+                }
+            }
+            if !changed {
+                return;
+            }
         }
     }
 
-    fn node(&self, along: usize, across: usize) -> usize {
-        if self.along_x {
-            along * self.y.len() + across
-        } else {
-            across * self.y.len() + along
-        }
-    }
-
-    fn reduce_cell(&self, jets: &mut [Jet], along: usize, across: usize, to_zero: bool) -> bool {
-        let (line, side) = self.axes();
+    fn reduce_cell(
+        &self,
+        jets: &mut [Jet],
+        axis: usize,
+        [along, across]: [usize; 2],
+        to_zero: bool,
+    ) -> bool {
+        let (line, side) = (self.axes[axis], self.axes[1 - axis]);
         let row = |across: usize, carried: f64, sign: f64| Row {
-            a: self.node(along, across),
-            b: self.node(along + 1, across),
+            axis,
+            a: self.node(axis, along, across),
+            b: self.node(axis, along + 1, across),
             h: line[along + 1] - line[along],
             carried,
             sign,
@@ -177,34 +170,34 @@ impl Direction<'_> {
         // On a level edge the limited slopes are 0 already.
         if r0 != 0.0 {
             let sign = r0.signum();
-            changed |= self.enforce(jets, Row { sign, ..edge }, to_zero);
+            changed |= Row { sign, ..edge }.enforce(jets, to_zero);
         }
         if across + 1 < side.len() {
             let r1 = rise(jets, row(across + 1, 0.0, 1.0));
             let third = (side[across + 1] - side[across]) / 3.0;
             for sign in [1.0, -1.0] {
                 if sign * r0 >= 0.0 && sign * r1 >= 0.0 {
-                    changed |= self.enforce(jets, row(across, third, sign), to_zero);
-                    changed |= self.enforce(jets, row(across + 1, -third, sign), to_zero);
+                    changed |= row(across, third, sign).enforce(jets, to_zero);
+                    changed |= row(across + 1, -third, sign).enforce(jets, to_zero);
                 }
             }
         }
         changed
     }
+}
 
-    /// Makes the three differences of a row have its sign.
-    fn enforce(&self, jets: &mut [Jet], row: Row, to_zero: bool) -> bool {
-        let (carried, sign) = (row.carried, row.sign);
-        let third = row.h / 3.0;
-        let slope = |jet: &Jet| if self.along_x { jet.fx } else { jet.fy };
-        let across = |jet: &Jet| if self.along_x { jet.fy } else { jet.fx };
+impl Row {
+    /// Makes the three differences have the row's sign.
+    fn enforce(&self, jets: &mut [Jet], to_zero: bool) -> bool {
+        let (axis, carried, sign) = (self.axis, self.carried, self.sign);
+        let third = self.h / 3.0;
         let mut changed = false;
-        for node in [row.a, row.b] {
-            let slopes = sign * third * slope(&jets[node]);
-            let twists = sign * third * carried * jets[node].fxy;
+        for node in [self.a, self.b] {
+            let slopes = sign * third * jets[node].slopes[axis];
+            let twists = sign * third * carried * jets[node].twist;
             if slopes + twists < 0.0 {
                 // The limited slopes have the data's sign: the twist is at fault.
-                jets[node].fxy *= if to_zero {
+                jets[node].twist *= if to_zero {
                     0.0
                 } else {
                     PAST * slopes / -twists
@@ -212,11 +205,11 @@ impl Direction<'_> {
                 changed = true;
             }
         }
-        let (ja, jb) = (jets[row.a], jets[row.b]);
+        let (ja, jb) = (jets[self.a], jets[self.b]);
         let values = sign * (jb.f - ja.f);
-        let slopes =
-            sign * (carried * (across(&jb) - across(&ja)) - third * (slope(&ja) + slope(&jb)));
-        let twists = -sign * third * carried * (ja.fxy + jb.fxy);
+        let across = carried * (jb.slopes[1 - axis] - ja.slopes[1 - axis]);
+        let slopes = sign * (across - third * (ja.slopes[axis] + jb.slopes[axis]));
+        let twists = -sign * third * carried * (ja.twist + jb.twist);
         if values + slopes + twists >= 0.0 {
             return changed;
         }
@@ -227,14 +220,12 @@ impl Direction<'_> {
         } else {
             (PAST * values / -slopes, 0.0)
         };
-        for node in [row.a, row.b] {
+        for node in [self.a, self.b] {
             let jet = &mut jets[node];
-            jet.fxy *= of_twists;
-            if carried != 0.0 || self.along_x {
-                jet.fx *= of_slopes;
-            }
-            if carried != 0.0 || !self.along_x {
-                jet.fy *= of_slopes;
+            jet.twist *= of_twists;
+            jet.slopes[axis] *= of_slopes;
+            if carried != 0.0 {
+                jet.slopes[1 - axis] *= of_slopes;
             }
         }
         true

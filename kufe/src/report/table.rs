@@ -108,7 +108,7 @@ impl<'a> TablePage<'a> {
             let values = table.values(quantity).unwrap_or_default();
             let relative = |errors: &[f64], node: usize| (errors[node] / values[node]).abs();
             let solver = table.errors(quantity);
-            let solver = solver.map(|errors| cube(axes, &taken, |node| relative(errors, node)));
+            let solver = solver.map(|errors| cube(axes, &taken, |node| relative(&errors, node)));
             Ok(QuantityData {
                 name: quantity.name(),
                 unit: quantity.unit(),

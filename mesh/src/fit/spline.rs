@@ -137,42 +137,30 @@ impl Bicubic {
 
 /// Splines along an axis that overlap a given one on either side of it.
 const REACH: usize = 3;
+/// Splines across that overlap a given one, itself among them.
+const WIDTH: usize = 2 * REACH + 1;
 
 /// Symmetric equations in the coefficients of a bicubic spline, the second axis running fastest.
 ///
-/// Coefficient (i, j) meets (k, l) where |i - k| and |j - l| are at most 3. The lower triangle is
-/// stored column by column.
+/// Coefficient (i, j) meets (k, l) where |i - k| and |j - l| are at most 3.
 pub(crate) struct NormalEquations {
+    rows: usize,
     columns: usize,
-    starts: Vec<u32>,
-    rows: Vec<u32>,
-    values: Vec<f64>,
+    /// Of each coefficient (i, j) its entries with (i, j - 3) to (i + 3, j + 3), row by row; those
+    /// with coefficients that do not exist, or come before it, are not used.
+    entries: Vec<[f64; (REACH + 1) * WIDTH]>,
     right: Vec<f64>,
 }
 
 impl NormalEquations {
     /// Zero equations in `rows` times `columns` coefficients, at least four each way.
     pub fn new(rows: usize, columns: usize) -> Self {
-        let mut equations = Self {
+        Self {
+            rows,
             columns,
-            starts: vec![0],
-            rows: Vec::new(),
-            values: Vec::new(),
+            entries: vec![[0.0; (REACH + 1) * WIDTH]; rows * columns],
             right: vec![0.0; rows * columns],
-        };
-        for i in 0..rows {
-            for j in 0..columns {
-                for k in i..rows.min(i + REACH + 1) {
-                    let first = if k == i { j } else { j.saturating_sub(REACH) };
-                    let last = columns.min(j + REACH + 1);
-                    let below = (first..last).map(|l| (k * columns + l) as u32);
-                    equations.rows.extend(below);
-                }
-                equations.starts.push(equations.rows.len() as u32);
-            }
         }
-        equations.values = vec![0.0; equations.rows.len()];
-        equations
     }
 
     /// Adds `weight (a . s - height)^2` for the coefficients s of the four by four splines from
@@ -187,24 +175,13 @@ impl NormalEquations {
         let factors: [f64; 16] = std::array::from_fn(|k| along[k / 4] * across[k % 4]);
         let weighted = factors.map(|factor| weight * factor);
         for (n, &factor) in factors.iter().enumerate() {
-            let (own, place) = (n / 4, j + n % 4);
-            let column = (i + own) * self.columns + place;
-            self.right[column] += weighted[n] * height;
-            let from = self.starts[column] as usize;
-            let mut add = |at: usize, others: &[f64]| {
-                let entries = &mut self.values[at..at + others.len()];
-                for (entry, other) in entries.iter_mut().zip(others) {
+            let own = (i + n / 4) * self.columns + j + n % 4;
+            self.right[own] += weighted[n] * height;
+            let others = weighted.chunks_exact(4).skip(n / 4);
+            for (entries, others) in self.entries[own].chunks_exact_mut(WIDTH).zip(others) {
+                for (entry, other) in entries[REACH - n % 4..].iter_mut().zip(others) {
                     *entry += other * factor;
                 }
-            };
-            add(from, &weighted[n..4 * own + 4]);
-            // Entries of the column in its own row of coefficients, and in each row after that.
-            let end = self.columns.min(place + REACH + 1);
-            let low = place.saturating_sub(REACH);
-            let mut at = from + (end - place) + (j - low);
-            for others in weighted.chunks_exact(4).skip(own + 1) {
-                add(at, others);
-                at += end - low;
             }
         }
     }
@@ -212,8 +189,21 @@ impl NormalEquations {
     /// Factorises the matrix; none where it determines no coefficients.
     fn factored(&self) -> Option<Factored> {
         let size = self.right.len();
-        let lower =
-            SymbolicSparseColMatRef::new_checked(size, size, &self.starts, None, &self.rows);
+        // The lower triangle, column by column.
+        let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+        for (own, entries) in self.entries.iter().enumerate() {
+            let (i, j) = (own / self.columns, own % self.columns);
+            for (n, value) in entries.iter().enumerate() {
+                let (k, l) = (i + n / WIDTH, j + n % WIDTH);
+                let exists = k < self.rows && (REACH..self.columns + REACH).contains(&l);
+                if exists && k * self.columns + l >= own + REACH {
+                    rows.push((k * self.columns + l - REACH) as u32);
+                    values.push(*value);
+                }
+            }
+            starts.push(rows.len() as u32);
+        }
+        let lower = SymbolicSparseColMatRef::new_checked(size, size, &starts, None, &rows);
         let symbolic = factorize_symbolic_cholesky(
             lower,
             Side::Lower,
@@ -227,7 +217,7 @@ impl NormalEquations {
         symbolic
             .factorize_numeric_llt(
                 &mut factor,
-                SparseColMatRef::new(lower, &self.values),
+                SparseColMatRef::new(lower, &values),
                 Side::Lower,
                 LltRegularization::default(),
                 Par::Seq,
@@ -425,7 +415,7 @@ mod tests {
         equations.add([0, 0], [&[1.0; 4], &[1.0; 4]], 1.0, 1.0);
         assert!(equations.solve().is_none());
         let (mut equations, _) = both(5, 5);
-        equations.values[0] = f64::NAN;
+        equations.entries[0][REACH] = f64::NAN;
         assert!(equations.solve().is_none());
     }
 }

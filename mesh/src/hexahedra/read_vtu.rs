@@ -2,6 +2,7 @@
 //!
 //! Every length is checked against the bytes present before anything is allocated.
 
+use std::collections::BTreeMap;
 use std::io::Read;
 
 use base64::Engine;
@@ -43,17 +44,18 @@ pub fn read_vtu(bytes: &[u8]) -> Result<HexMesh, MeshError> {
     HexMesh::checked(points.as_chunks().0, &cells)
 }
 
+/// The attributes of an element by their names.
+type Attributes = BTreeMap<String, String>;
+
 /// A DataArray with its encoded values.
 struct Array {
     name: String,
-    kind: String,
-    format: String,
-    offset: Option<usize>,
+    attributes: Attributes,
     text: String,
 }
 
 /// A VTU file taken apart.
-pub(crate) struct VtuFile<'a> {
+struct VtuFile<'a> {
     /// Whether sizes are words of 8 bytes, not 4.
     wide_header: bool,
     /// Whether arrays are cut into blocks, each compressed with zlib.
@@ -65,97 +67,71 @@ pub(crate) struct VtuFile<'a> {
 
 impl<'a> VtuFile<'a> {
     /// Parses a file without decoding its arrays.
-    pub fn parse(bytes: &'a [u8]) -> Result<Self, MeshError> {
+    fn parse(bytes: &'a [u8]) -> Result<Self, MeshError> {
         let (head, appended) = split_appended(bytes)?;
-        let mut file = Self {
-            wide_header: false,
-            compressed: false,
-            arrays: Vec::new(),
-            appended,
-        };
         let mut reader = Reader::from_reader(head);
         reader.config_mut().check_end_names = false;
-        let (mut is_grid, mut section) = (false, Vec::new());
+        reader.config_mut().expand_empty_elements = true;
         let malformed = |_| problem("XML", "it is not well formed");
+        let (mut header, mut arrays) = (Attributes::new(), Vec::new());
+        let mut section = Vec::new();
         loop {
             match reader.read_event().map_err(malformed)? {
                 Event::Eof => break,
-                Event::Start(tag) => {
-                    file.open(&tag, &mut is_grid, &section)?;
-                    if tag.name().as_ref() != b"DataArray" {
-                        section = tag.name().as_ref().to_vec();
-                    } else if wanted(&section) {
-                        let text = reader.read_text(tag.name()).map_err(malformed)?;
-                        if let Some(array) = file.arrays.last_mut() {
-                            // VTK adds elements of its own behind the values.
-                            array.text = text.split('<').next().unwrap_or("").to_owned();
+                Event::Start(tag) => match tag.name().as_ref() {
+                    b"VTKFile" => header = attributes(&tag),
+                    b"DataArray" if section == b"Points" || section == b"Cells" => {
+                        let mut attributes = attributes(&tag);
+                        let mut name = attributes.remove("Name").unwrap_or_default();
+                        if section == b"Points" {
+                            name = "Points".into();
                         }
+                        let text = reader.read_text(tag.name()).map_err(malformed)?;
+                        arrays.push(Array {
+                            name,
+                            attributes,
+                            // VTK adds elements of its own behind the values.
+                            text: text.split('<').next().unwrap_or("").to_owned(),
+                        });
                     }
-                }
-                Event::Empty(tag) => file.open(&tag, &mut is_grid, &section)?,
+                    b"DataArray" => {}
+                    name => section = name.to_vec(),
+                },
                 Event::End(tag) if tag.name().as_ref() != b"DataArray" => section.clear(),
                 _ => {}
             }
         }
-        if !is_grid {
+        let stated = |name: &str| header.get(name).map(String::as_str);
+        if stated("type") != Some("UnstructuredGrid") {
             return Err(problem("VTKFile", "expected type UnstructuredGrid"));
         }
-        Ok(file)
-    }
-
-    fn open(
-        &mut self,
-        tag: &BytesStart,
-        is_grid: &mut bool,
-        section: &[u8],
-    ) -> Result<(), MeshError> {
-        let attribute = |name: &str| {
-            let found = tag.try_get_attribute(name).ok().flatten();
-            found.map(|a| String::from_utf8_lossy(&a.value).into_owned())
-        };
-        match tag.name().as_ref() {
-            b"VTKFile" => {
-                *is_grid = attribute("type").as_deref() == Some("UnstructuredGrid");
-                self.wide_header = attribute("header_type").as_deref() == Some("UInt64");
-                if attribute("byte_order").as_deref() == Some("BigEndian") {
-                    return Err(problem("VTKFile", "big-endian files are not supported"));
-                }
-                let compressor = attribute("compressor");
-                self.compressed = compressor.is_some();
-                if compressor.is_some_and(|name| name != "vtkZLibDataCompressor") {
-                    let only = "of the compressors only zlib is supported";
-                    return Err(problem("VTKFile", only));
-                }
-            }
-            b"DataArray" if wanted(section) => {
-                let offset = attribute("offset").and_then(|o| o.parse().ok());
-                let name = match section {
-                    b"Points" => "Points".into(),
-                    _ => attribute("Name").unwrap_or_default(),
-                };
-                self.arrays.push(Array {
-                    name,
-                    kind: attribute("type").unwrap_or_default(),
-                    format: attribute("format").unwrap_or_else(|| "ascii".into()),
-                    offset,
-                    text: String::new(),
-                });
-                if self.arrays.iter().filter(|a| a.name == "Points").count() > 1 {
-                    let several = "files of several pieces are not supported";
-                    return Err(problem("Points", several));
-                }
-            }
-            _ => {}
+        if stated("byte_order") == Some("BigEndian") {
+            return Err(problem("VTKFile", "big-endian files are not supported"));
         }
-        Ok(())
+        let compressor = stated("compressor");
+        if compressor.is_some_and(|name| name != "vtkZLibDataCompressor") {
+            let only = "of the compressors only zlib is supported";
+            return Err(problem("VTKFile", only));
+        }
+        if arrays.iter().filter(|a| a.name == "Points").count() > 1 {
+            let several = "files of several pieces are not supported";
+            return Err(problem("Points", several));
+        }
+        Ok(Self {
+            wide_header: stated("header_type") == Some("UInt64"),
+            compressed: compressor.is_some(),
+            arrays,
+            appended,
+        })
     }
 
     /// The values of the array `name`.
-    pub fn array(&self, name: &'static str) -> Result<Vec<f64>, MeshError> {
+    fn array(&self, name: &'static str) -> Result<Vec<f64>, MeshError> {
         let fail = |reason| problem(name, reason);
         let array = self.arrays.iter().find(|array| array.name == name);
         let array = array.ok_or_else(|| fail("it is missing"))?;
-        let bytes = match array.format.as_str() {
+        let stated = |name: &str| array.attributes.get(name).map(String::as_str);
+        let bytes = match stated("format").unwrap_or("ascii") {
             "ascii" => {
                 let words = array.text.split_whitespace();
                 let values: Result<Vec<f64>, _> = words.map(str::parse).collect();
@@ -168,13 +144,15 @@ impl<'a> VtuFile<'a> {
             "appended" => {
                 let appended = self.appended;
                 let (data, raw) = appended.ok_or_else(|| fail("the file has no appended data"))?;
-                let data = array.offset.and_then(|offset| data.get(offset..));
+                let offset = stated("offset").and_then(|offset| offset.parse::<usize>().ok());
+                let data = offset.and_then(|offset| data.get(offset..));
                 let data = data.ok_or_else(|| fail("its offset lies after the end of the file"))?;
                 self.decode(name, data, raw)?
             }
             _ => return Err(fail("unknown format; expected ascii, binary or appended")),
         };
-        values(&bytes, &array.kind).ok_or_else(|| fail("unknown type of number"))
+        let kind = stated("type").unwrap_or_default();
+        values(&bytes, kind).ok_or_else(|| fail("unknown type of number"))
     }
 
     /// The bytes of the array `name` that begins at the start of `data`, raw or base64.
@@ -233,8 +211,12 @@ impl<'a> VtuFile<'a> {
     }
 }
 
-fn wanted(section: &[u8]) -> bool {
-    section == b"Points" || section == b"Cells"
+fn attributes(tag: &BytesStart) -> Attributes {
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let found = tag.attributes().flatten();
+    found
+        .map(|a| (text(a.key.as_ref()), text(&a.value)))
+        .collect()
 }
 
 /// The file before AppendedData, the bytes after its underscore and whether they are raw.
@@ -263,12 +245,12 @@ pub(crate) const HEXAHEDRON: u8 = 12;
 const MOST_VALUES: usize = 400_000_000;
 
 /// What is wrong with an array.
-pub(crate) fn problem(array: &str, problem: &str) -> MeshError {
+fn problem(array: &str, problem: &str) -> MeshError {
     MeshError::Invalid(format!("not a readable VTU file: {array}: {problem}"))
 }
 
 /// Little-endian numbers of VTK's type `kind` as doubles.
-pub(crate) fn values(bytes: &[u8], kind: &str) -> Option<Vec<f64>> {
+fn values(bytes: &[u8], kind: &str) -> Option<Vec<f64>> {
     fn read<const N: usize>(bytes: &[u8], number: fn([u8; N]) -> f64) -> Option<Vec<f64>> {
         Some(bytes.as_chunks().0.iter().map(|b| number(*b)).collect())
     }
