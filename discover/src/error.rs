@@ -1,5 +1,7 @@
 //! Errors of reading data and of searches.
 
+use kufe::jobs::Failure;
+
 /// Why a search fails.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -80,4 +82,13 @@ pub enum Error {
     /// From the contact solver or its case.
     #[error(transparent)]
     Contact(#[from] kufe_contact::Error),
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::BaseFit { .. } => Failure::NotConverged(error.to_string()),
+            other => Failure::bad_input(other),
+        }
+    }
 }
