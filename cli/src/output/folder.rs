@@ -97,11 +97,14 @@ impl OutputDir {
     /// Checks that the folder may receive files of these names in place of those of an earlier run;
     /// returns its record.
     fn check(&self, names: &[String]) -> Result<FolderRecord, Failure> {
+        // Listed before the record is read: another process records files before it moves them.
+        let there = names_in(&self.target);
         let found = FolderRecord::read(&self.target);
         let owner = found.as_ref().and_then(|record| record.command.clone());
         let record = found.filter(|_| owner.as_deref() == Some(self.command));
         if record.is_none() && !self.force {
-            self.check_free(owner)?;
+            let there = there.map_err(|error| Failure::unwritable(&self.named, error))?;
+            self.check_free(owner, &there)?;
         }
         let record = record.unwrap_or_else(|| FolderRecord::new(Some(self.command)));
         let commands = self.replaced();
@@ -122,14 +125,12 @@ impl OutputDir {
     }
 
     /// Refuses a folder of the command `owner`, or one of the user's that is not empty.
-    fn check_free(&self, owner: Option<String>) -> Result<(), Failure> {
+    fn check_free(&self, owner: Option<String>, there: &[String]) -> Result<(), Failure> {
         let reason = if let Some(owner) = owner {
             format!("it contains results of kufe {owner}")
         } else {
-            let found = names_in(&self.target);
-            let found = found.map_err(|error| Failure::unwritable(&self.named, error))?;
             let is_other = |name: &&String| !name.starts_with(TEMPORARY) && *name != RECORD;
-            let Some(name) = found.iter().find(is_other) else {
+            let Some(name) = there.iter().find(is_other) else {
                 return Ok(());
             };
             let command = self.command;
