@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 
 use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
-use kufe::jobs::{Failure, percent, table::read_table};
-use kufe::plot::{number4, quantity, unit_of};
+use kufe::jobs::{Failure, table::read_table};
 use kufe::report::{LONGEST_TREE, read_json};
 use kufe::results::{Data, Datum, DocumentKind, TableInfo};
 use kufe_files::open_regular;
@@ -17,6 +16,7 @@ use serde::Serialize;
 
 use crate::output::of_file;
 use crate::terminal::Global;
+use crate::text::document_text;
 
 /// Arguments of `kufe info`.
 #[derive(clap::Args, Debug)]
@@ -109,7 +109,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         info.extend(contents);
     }
     let info = Datum::Group(info);
-    global.answer(&info, || text(&info, 0))
+    let text = document_text(&info)?;
+    global.answer(&info, || text)
 }
 
 /// Size, holes and warnings of a hull, its coordinates taken as metres.
@@ -187,97 +188,4 @@ fn attribute(value: &AttributeValue) -> Datum {
         }
         other => Datum::Text(format!("{other:?}")),
     }
-}
-
-/// Groups as indented `key: value` lines, numbers with the units of their keys, ranges on a line.
-fn text(figure: &Datum, depth: usize) -> String {
-    let Some(figures) = figure.group() else {
-        return format!("{figure}\n");
-    };
-    let indent = "  ".repeat(depth);
-    let is_sentence = |figure: &Datum| figure.text().is_some_and(|text| text.contains(' '));
-    let line = |(key, figure): (&String, &Datum)| match figure {
-        Datum::Group(inner) => match range(key, figure, inner) {
-            Some(range) => format!("{indent}{key}: {range}\n"),
-            None => format!("{indent}{key}:\n{}", text(figure, depth + 1)),
-        },
-        Datum::List(list) if list.iter().any(is_sentence) => {
-            let line = |one| format!("{indent}  {}\n", single(key, one));
-            format!(
-                "{indent}{key}:\n{}",
-                list.iter().map(line).collect::<String>()
-            )
-        }
-        Datum::List(list) if figure.is_table() => {
-            let row = |(k, one)| format!("{indent}{key} {}:\n{}", k + 1, text(one, depth + 1));
-            list.iter().enumerate().map(row).collect()
-        }
-        other => format!("{indent}{key}: {}\n", single(key, other)),
-    };
-    figures.iter().map(line).collect()
-}
-
-/// A figure on a line: words as they are, numbers with the unit of their key, lists of them.
-fn single(key: &str, figure: &Datum) -> String {
-    match figure {
-        Datum::List(list) if !list.is_empty() => {
-            let is_nested = list.iter().any(|one| !one.is_single());
-            let each: Vec<String> = list.iter().map(|one| single(key, one)).collect();
-            each.join(if is_nested { "; " } else { ", " })
-        }
-        other if other.is_empty() => "none".to_owned(),
-        other => match other.number() {
-            Some(number) => with_unit(key, number),
-            None => other.to_string(),
-        },
-    }
-}
-
-/// A number with the unit that its key ends in; whole ones without a unit in full.
-fn with_unit(key: &str, number: f64) -> String {
-    let is_whole = number.fract() == 0.0 && number.abs() < 1e15;
-    match &*unit_of(key) {
-        "" if is_whole => number.to_string(),
-        "" => number4(number),
-        "bytes" => format!("{number} bytes"),
-        "m" if number != 0.0 && number.abs() < 1e-3 => quantity(1e6 * number, "µm"),
-        "m2" if number != 0.0 && number.abs() < 1e-2 => quantity(1e6 * number, "mm²"),
-        unit => quantity(number, unit),
-    }
-}
-
-/// "2 points, from 12 m/s, to 31 m/s" of a range; "12 N (11 to 13 N)" of a value with its
-/// interval.
-fn range(key: &str, figure: &Datum, inner: &Data) -> Option<String> {
-    if let Some(interval) = figure.interval() {
-        let [value, low, high] = interval.map(|number| with_unit(key, number));
-        let unit = high.split_once(' ').map_or("", |(_, unit)| unit);
-        let low = low.strip_suffix(&format!(" {unit}")).unwrap_or(&low);
-        return Some(if interval[1] < interval[2] {
-            format!("{value} ({low} to {high})")
-        } else {
-            value
-        });
-    }
-    let part = |(name, figure): (&String, &Datum)| {
-        let number = figure.number();
-        Some(match &**name {
-            _ if figure.is_empty() => String::new(),
-            "points" | "missing" => format!("{figure} {name}"),
-            "from" | "to" | "min" | "max" => format!("{name} {}", with_unit(key, number?)),
-            "smooth_error" | "bilinear_error" => {
-                let (mode, _) = name.split_once('_')?;
-                format!("{mode} within {}", percent(number?))
-            }
-            "outside" => format!("outside: {figure}"),
-            _ => return None,
-        })
-    };
-    let mut parts = inner.iter().map(part).collect::<Option<Vec<String>>>()?;
-    parts.retain(|part| !part.is_empty());
-    Some(if parts.is_empty() {
-        "none".to_owned()
-    } else {
-        parts.join(", ")
-    })
 }

@@ -1,8 +1,7 @@
-//! The `kufe` command: `main` -> `run` -> one module a command.
+//! The `kufe` command: `main` -> `run` -> one module a command, with its arguments.
 
 mod about;
 mod bodies;
-mod cli;
 mod friction;
 mod info;
 mod lut;
@@ -12,19 +11,77 @@ mod records;
 mod report;
 mod runs;
 mod terminal;
+mod text;
 mod view;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, FromArgMatches};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use kufe::jobs::Failure;
 
 use crate::about::{completions, examples, init, schema};
 use crate::bodies::{export, hull, mesh};
-use crate::cli::{Cli, Command};
 use crate::friction::icehouse;
 use crate::runs::{discover, evaluate, fit, simulate, validate};
-use crate::terminal::{check_stdout, error_text, note};
+use crate::terminal::{Global, check_stdout, error_text, note};
+
+/// Contact pressure, lookup tables, friction and dynamics of runners on ice.
+#[derive(Parser)]
+#[command(name = "kufe", version, propagate_version = true)]
+struct Cli {
+    #[command(flatten)]
+    /// Options that every command takes.
+    global: Global,
+    #[command(subcommand)]
+    /// What to do.
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Solve one contact problem and write its pressure map
+    Press(press::Args),
+    /// Compare two solved contacts: maps, cuts and figures
+    Compare(press::compare::Args),
+    /// Write a parametric runner as a hull file, or check a scanned one
+    Hull(hull::Args),
+    /// Write the hexahedra of ice and runner, with their quality
+    Mesh(mesh::Args),
+    /// Write a contact problem for another solver
+    Export(export::Args),
+    /// Print the main figures of a file
+    Info(info::Args),
+    /// Make, draw, query and export lookup tables
+    Lut(lut::Args),
+    /// Write a commented case, table or model file to start from
+    Init(init::Args),
+    /// Friction of a case, or the fit of friction over pressure
+    Friction(friction::Args),
+    /// Coefficient of friction of each specimen, from gliding runs
+    Icehouse(icehouse::Args),
+    /// Fit friction to recorded runs
+    Fit(fit::Args),
+    /// Compare the friction model with runs it was not fitted to
+    Validate(validate::Args),
+    /// Losses of each driver over a straight glide
+    Evaluate(evaluate::Args),
+    /// Drive a sled down a track; make the sample data
+    Simulate(simulate::Args),
+    /// Find the effect that is missing in a model, name it and add it
+    Discover(discover::Args),
+    /// Bring recordings of other programs into kufe's form
+    Runs(records::Args),
+    /// Print the keys of files and results as JSON schemas
+    Schema(schema::Args),
+    /// Write one page of the results of another command
+    Report(report::Args),
+    /// Show a contact in the browser and solve it again with sliders
+    View(view::Args),
+    /// Print a shell's completion script
+    Completions(completions::Args),
+    /// Write the manual pages
+    Man(completions::ManArgs),
+}
 
 fn run(cli: Cli) -> Result<(), Failure> {
     let Cli { global, command } = cli;

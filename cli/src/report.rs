@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use crate::output::{FolderRecord, write_file};
 use crate::terminal::Global;
+use crate::text::print_document;
 
 /// Arguments of `kufe report`.
 #[derive(clap::Args, Debug)]
@@ -44,16 +45,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         let inputs = read(&args.result, &out);
         write_file("report", &inputs, &out, html.as_bytes(), global)?;
     }
-    let bytes = html.len();
     let written = Written {
         kind,
         written: [out],
-        bytes,
+        bytes: html.len(),
     };
-    global.print(&written, || {
-        let [out] = &written.written;
-        format!("{}: {kind}, {:.2} MB\n", out.display(), bytes as f64 / 1e6)
-    })
+    print_document(&written, global)
 }
 
 /// The inputs: a table, or the files of a folder, without `out` where it is this command's page.

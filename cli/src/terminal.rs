@@ -200,6 +200,21 @@ pub fn error_text(text: &str) {
     let _ = write!(std::io::stderr().lock(), "{}", printable(text));
 }
 
+/// The error of a word that is no file and nearly one of a command's `subcommands`.
+pub fn misspelt(word: &str, subcommands: &[&str]) -> Option<String> {
+    if Path::new(word).extension().is_some() || Path::new(word).exists() {
+        return None;
+    }
+    let like = subcommands.iter();
+    let like = like.map(|name| (strsim::jaro_winkler(word, name), name));
+    let (_, name) = like
+        .filter(|(likeness, _)| *likeness > 0.7)
+        .max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(format!(
+        "unrecognized subcommand '{word}'\n\n  tip: a similar subcommand exists: '{name}'"
+    ))
+}
+
 /// Warns of a table whose last line has no end: the file may be cut within its last number.
 pub fn warn_if_cut(path: &Path) {
     let last_byte = || -> std::io::Result<u8> {

@@ -1,5 +1,6 @@
 //! Errors of reading data and of searches.
 
+use kufe::jobs::Failure;
 use std::fmt::Display;
 use std::path::Path;
 
@@ -91,6 +92,15 @@ impl Error {
         Self::File {
             file: file.display().to_string(),
             reason: reason.to_string(),
+        }
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::BaseFit { .. } => Failure::NotConverged(error.to_string()),
+            other => Failure::bad_input(other),
         }
     }
 }

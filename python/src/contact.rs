@@ -203,38 +203,39 @@ struct Solved {
     /// The content of `result.json`.
     result: Value,
     warnings: Vec<String>,
-    x: Vec<f64>,
-    y: Vec<f64>,
-    pressure: Vec<f64>,
-    gap: Vec<f64>,
-    uz: Vec<f64>,
-    groove: Option<Vec<f64>>,
+    /// Those of [`Field`], in its order; no groove of a runner at rest.
+    arrays: Vec<Vec<f64>>,
     /// The solution with its meshes; none of a contact from a pickle.
     contact: Option<Arc<SolvedContact>>,
 }
 
+/// Arrays of a contact: the nodes' coordinates, and what is known at the nodes.
+#[derive(Clone, Copy)]
+enum Field {
+    X,
+    Y,
+    Pressure,
+    Gap,
+    Displacement,
+    Groove,
+}
+
 impl Solved {
     fn of(contact: SolvedContact) -> PyResult<Solved> {
-        let surface = &contact.solution.surface;
+        let on = &contact.solution.surface;
+        let arrays = [&on.x, &on.y, &on.pressure, &on.gap, &on.uz].map(Vec::clone);
+        let groove = contact.sliding.iter().map(|slid| slid.groove.depth.clone());
         Ok(Solved {
             result: serde_json::to_value(contact.result()).map_err(bad_input)?,
             warnings: contact.warnings.clone(),
-            x: surface.x.clone(),
-            y: surface.y.clone(),
-            pressure: surface.pressure.clone(),
-            gap: surface.gap.clone(),
-            uz: surface.uz.clone(),
-            groove: contact
-                .sliding
-                .as_ref()
-                .map(|slid| slid.groove.depth.clone()),
+            arrays: arrays.into_iter().chain(groove).collect(),
             contact: Some(Arc::new(contact)),
         })
     }
 }
 
-/// A function that makes a contact, and its arguments: the text of `result.json`, warnings, and x,
-/// y, pressure, gap, displacement and, of a sliding runner, groove.
+/// A function that makes a contact, and its arguments: the text of `result.json`, warnings, and the
+/// arrays.
 type Pickled<'py> = (
     Bound<'py, PyAny>,
     (String, Vec<String>, Vec<Bound<'py, PyArray1<f64>>>),
@@ -361,7 +362,7 @@ fn solved(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Contact> {
     let watched = progress.is_some();
-    let worked = work(py, progress, move |watch, reporter| {
+    let pressed = work(py, progress, move |watch, reporter| {
         let options = Options {
             stop: Some(reporter.stop.clone()),
             ..options
@@ -373,7 +374,6 @@ fn solved(
         };
         kufe::Contact::from(loaded).options(options).best(watch)
     })?;
-    let pressed = worked.value.map_err(raised)?;
     let short = pressed.short.clone();
     let contact = Contact::new(py, Solved::of(pressed)?)?;
     let Some(failure) = short else {
@@ -389,38 +389,39 @@ impl Contact {
     /// Node coordinates along the runner, increasing [m].
     #[getter]
     fn x_m<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.solved().x)
+        PyArray1::from_slice(py, self.array(Field::X))
     }
 
     /// Node coordinates across the runner, increasing [m].
     #[getter]
     fn y_m<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.solved().y)
+        PyArray1::from_slice(py, self.array(Field::Y))
     }
 
     /// Contact pressure at the nodes, `len(y_m)` rows of `len(x_m)` [Pa].
     #[getter]
     fn pressure_pa<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.on_surface(py, &self.solved().pressure)
+        self.on_surface(py, Field::Pressure)
     }
 
     /// Gap at the nodes, 0 in contact, infinite where there is no hull [m].
     #[getter]
     fn gap_m<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.on_surface(py, &self.solved().gap)
+        self.on_surface(py, Field::Gap)
     }
 
     /// Vertical displacement of the ice's surface at the nodes, upwards positive [m].
     #[getter]
     fn uz_m<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.on_surface(py, &self.solved().uz)
+        self.on_surface(py, Field::Displacement)
     }
 
     /// Plastic depth of the ice at the nodes, `None` for a runner at rest [m].
     #[getter]
     fn groove_m<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        let groove = self.solved().groove.as_ref();
-        groove.map(|groove| self.on_surface(py, groove)).transpose()
+        let slides = self.solved().arrays.len() > Field::Groove as usize;
+        let groove = slides.then(|| self.on_surface(py, Field::Groove));
+        groove.transpose()
     }
 
     /// Warnings and remarks.
@@ -438,10 +439,10 @@ impl Contact {
                 "a contact from a pickle has no meshes: expected one that was solved in this process (write it before, or solve its case again)",
             ));
         };
-        let worked = work(py, None, move |watch, _| {
+        work(py, None, move |watch, _| {
             write_folder(&folder, watch, |files| write_contact(files, &pressed, mat))
         })?;
-        worked.value.map(|_| ()).map_err(raised)
+        Ok(())
     }
 
     /// Draws the pressure over the contact plane with matplotlib, on `ax` or new axes; returns the
@@ -483,21 +484,14 @@ impl Contact {
         warnings: Vec<String>,
         arrays: Vec<PyReadonlyArray1<'_, f64>>,
     ) -> PyResult<Contact> {
-        let mut arrays = arrays.iter().map(|array| array.as_array().to_vec());
-        let mut next = || {
-            arrays
-                .next()
-                .ok_or_else(|| bad_input("a pickle without arrays"))
-        };
+        if arrays.len() < Field::Groove as usize {
+            return Err(bad_input("a pickle without arrays"));
+        }
+        let arrays = arrays.iter().map(|array| array.as_array().to_vec());
         let solved = Solved {
             result: serde_json::from_str(result).map_err(bad_input)?,
             warnings,
-            x: next()?,
-            y: next()?,
-            pressure: next()?,
-            gap: next()?,
-            uz: next()?,
-            groove: next().ok(),
+            arrays: arrays.collect(),
             contact: None,
         };
         Contact::new(py, solved)
@@ -506,20 +500,10 @@ impl Contact {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
         let (py, solved) = (slf.py(), slf.get().solved());
         let of_pickle = py.import("kufe._views")?.getattr("contact_of_pickle")?;
-        let arrays = [
-            &solved.x,
-            &solved.y,
-            &solved.pressure,
-            &solved.gap,
-            &solved.uz,
-        ];
-        let arrays = arrays.into_iter().chain(&solved.groove);
+        let arrays = solved.arrays.iter();
         let arrays = arrays.map(|values| PyArray1::from_slice(py, values));
-        let result = solved.result.to_string();
-        Ok((
-            of_pickle,
-            (result, solved.warnings.clone(), arrays.collect()),
-        ))
+        let (result, warnings) = (solved.result.to_string(), solved.warnings.clone());
+        Ok((of_pickle, (result, warnings, arrays.collect())))
     }
 
     // A copy keeps the meshes.
@@ -552,12 +536,16 @@ pub fn view<'py>(
 }
 
 impl Contact {
+    fn array(&self, field: Field) -> &[f64] {
+        &self.solved().arrays[field as usize]
+    }
+
     fn on_surface<'py>(
         &self,
         py: Python<'py>,
-        values: &[f64],
+        field: Field,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let solved = self.solved();
-        PyArray1::from_slice(py, values).reshape([solved.y.len(), solved.x.len()])
+        let shape = [Field::Y, Field::X].map(|axis| self.array(axis).len());
+        PyArray1::from_slice(py, self.array(field)).reshape(shape)
     }
 }

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use kufe_discover::{Error, Options, Report};
+use kufe_discover::{Options, Report};
 use pyo3::prelude::*;
 
-use crate::error::{InputError, NotConvergedError, bad_input};
+use crate::error::InputError;
 use crate::json::to_python;
 use crate::work::work;
 
@@ -59,14 +59,10 @@ pub fn discover(
         only,
         ..Options::default()
     };
-    let worked = work(py, progress, move |watch, _| {
+    let found = work(py, progress, move |watch, _| {
         kufe_discover::discover(&data, model.as_deref(), &options, &|text| {
             watch.progress(text)
         })
-    })?;
-    let found = worked.value.map_err(|error| match error {
-        Error::BaseFit { .. } => NotConvergedError::new_err(error.to_string()),
-        other => bad_input(other),
     })?;
     Ok(Discovery {
         report: found.report,

@@ -2,7 +2,7 @@
 
 use kufe::jobs::Failure;
 use pyo3::exceptions::{PyException, PyKeyboardInterrupt};
-use pyo3::{PyErr, create_exception};
+use pyo3::{PyErr, PyResult, create_exception};
 
 create_exception!(
     kufe,
@@ -38,8 +38,11 @@ pub fn bad_input(error: impl std::fmt::Display) -> PyErr {
     InputError::new_err(error.to_string())
 }
 
-/// The error for a run that is not among those of a result.
-pub fn no_such_run<'a>(run: &str, known: impl Iterator<Item = &'a str>) -> PyErr {
-    let known = known.collect::<Vec<_>>().join(", ");
-    InputError::new_err(format!("run {run}: the runs are {known}"))
+/// The run of this name, among those of a result.
+pub fn named_run<'a, T>(runs: &'a [T], name: &str, of: fn(&T) -> &String) -> PyResult<&'a T> {
+    runs.iter().find(|run| of(run) == name).ok_or_else(|| {
+        let known: Vec<&str> = runs.iter().map(|run| of(run).as_str()).collect();
+        let known = known.join(", ");
+        InputError::new_err(format!("run {name}: the runs are {known}"))
+    })
 }

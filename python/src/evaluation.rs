@@ -2,15 +2,15 @@
 
 use std::path::PathBuf;
 
-use kufe::jobs::runs::RunSelection;
+use kufe::jobs::{Failure, runs::RunSelection};
 use kufe::results::Evaluation as EvaluationDocument;
 use kufe_sled::DrivingForce;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::error::{no_such_run, raised};
+use crate::error::named_run;
 use crate::json::{Column, arrays, to_python};
-use crate::work::work;
+use crate::work::work_with_warnings;
 
 /// What drivers lose compared with a straight glide.
 #[pyclass(frozen, module = "kufe")]
@@ -57,15 +57,12 @@ pub fn evaluate(
         strict,
         cutoff_hz,
     };
-    let worked = work(py, progress, move |watch, _| {
+    let (document, remarks) = work_with_warnings(py, progress, move |watch, _| {
         let loaded = selection.load(watch, |_| true)?;
         let runs = kufe_sled::evaluate(&loaded.prepared, &loaded.vehicle);
-        Ok(EvaluationDocument::new(runs, loaded.used, seed))
+        Ok::<_, Failure>(EvaluationDocument::new(runs, loaded.used, seed))
     })?;
-    Ok(Evaluation {
-        document: worked.value.map_err(raised)?,
-        remarks: worked.warnings,
-    })
+    Ok(Evaluation { document, remarks })
 }
 
 #[pymethods]
@@ -105,11 +102,7 @@ impl Evaluation {
     /// One run's samples as arrays: time, place, force along the motion as driven and of a straight
     /// glide, angles.
     fn series<'py>(&self, py: Python<'py>, run: &str) -> PyResult<Bound<'py, PyDict>> {
-        let runs = &self.document.runs;
-        let Some(found) = runs.iter().find(|evaluated| evaluated.run == run) else {
-            let known = runs.iter().map(|run| run.run.as_str());
-            return Err(no_such_run(run, known));
-        };
+        let found = named_run(&self.document.runs, run, |run| &run.run)?;
         let columns: [Column<DrivingForce>; 8] = [
             ("t_s", |sample| sample.t_s),
             ("s_m", |sample| sample.s_m),

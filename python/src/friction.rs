@@ -52,14 +52,14 @@ pub fn friction<'py>(
         alpha_rad,
         conditions: stated_conditions(stated).map_err(raised)?,
     };
-    let worked = work(py, progress, move |watch, _| {
+    let found = work(py, progress, move |watch, _| {
         let law = match &model {
             Some(path) => FrictionLaw::of_model(path)?,
             None => FrictionLaw::published(),
         };
         law.solve(&loaded, &conditions, watch)
     })?;
-    to_python(py, &worked.value.map_err(raised)?)
+    to_python(py, &found)
 }
 
 /// Solves the friction of groove and melt film at every speed [m/s] on ice of every temperature
@@ -76,12 +76,12 @@ pub fn friction_table<'py>(
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let loaded = loaded_case(case)?;
-    let worked = work(py, progress, move |watch, reporter| {
+    let rows = work(py, progress, move |watch, reporter| {
         let options = Options {
             stop: Some(reporter.stop.clone()),
             ..Options::default()
         };
         solved_table(&loaded, &v_mps, &ice_c, watch, &options)
     })?;
-    to_python(py, &worked.value.map_err(raised)?)
+    to_python(py, &rows)
 }

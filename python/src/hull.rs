@@ -6,8 +6,8 @@ use std::sync::Arc;
 use kufe::jobs::case_file::LoadedCase;
 use kufe::jobs::{ExaminedHull, write_whole};
 use kufe_mesh::{
-    Axis, BobRunner, HullFormat, HullOptions, HullReport, LugeSteel, MeshError, Rocker, Section,
-    Swept, load_hull, tessellate,
+    Axis, BobRunner, HullFormat, HullOptions, HullReport, LugeSteel, MeshError, load_hull,
+    tessellate,
 };
 use numpy::{
     PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods,
@@ -51,7 +51,7 @@ impl Hull {
             positions,
             triangles: triangles?,
         };
-        made(py, move || Hull::checked(hull))
+        work(py, None, move |_, _| Hull::checked(hull))
     }
 
     /// The underside of a measured height map: `heights_m` has `len(y_m)` rows of `len(x_m)`, z up;
@@ -78,7 +78,7 @@ impl Hull {
             }
         }
         let heights: Vec<f64> = heights_m.as_array().iter().copied().collect();
-        made(py, move || {
+        work(py, None, move |_, _| {
             Hull::checked(kufe_mesh::Hull::underside_of(&x_m, &y_m, &heights))
         })
     }
@@ -102,10 +102,10 @@ impl Hull {
             forward: axis(forward)?,
             ..HullOptions::default()
         };
-        made(py, move || {
+        work(py, None, move |_, _| {
             let (hull, report) = load_hull(&path, &options)?;
             let hull = Arc::new(hull);
-            Ok(Hull { hull, report })
+            Ok::<_, MeshError>(Hull { hull, report })
         })
     }
 
@@ -130,13 +130,15 @@ impl Hull {
         height_m: f64,
         edge_length_m: f64,
     ) -> PyResult<Hull> {
-        made(py, move || {
-            let section = Section::arc(section_radius_m, width_m)?;
-            swept(
-                [length_m, height_m, rocker_radius_m],
-                section,
-                edge_length_m,
-            )
+        let runner = BobRunner {
+            length: length_m,
+            rocker_radius: rocker_radius_m,
+            section_radius: section_radius_m,
+            width: width_m,
+            height: height_m,
+        };
+        work(py, None, move |_, _| {
+            Hull::checked(tessellate(&runner.swept()?, edge_length_m)?)
         })
     }
 
@@ -163,13 +165,16 @@ impl Hull {
         height_m: f64,
         edge_length_m: f64,
     ) -> PyResult<Hull> {
-        made(py, move || {
-            let section = Section::edge(edge_radius_m, tilt_rad, width_m)?;
-            swept(
-                [length_m, height_m, rocker_radius_m],
-                section,
-                edge_length_m,
-            )
+        let steel = LugeSteel {
+            length: length_m,
+            rocker_radius: rocker_radius_m,
+            edge_radius: edge_radius_m,
+            tilt: tilt_rad,
+            width: width_m,
+            height: height_m,
+        };
+        work(py, None, move |_, _| {
+            Hull::checked(tessellate(&steel.swept()?, edge_length_m)?)
         })
     }
 
@@ -177,10 +182,9 @@ impl Hull {
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let format = HullFormat::of(&path).map_err(bad_input)?;
         let hull = self.hull.clone();
-        let worked = work(py, None, move |_, _| {
+        work(py, None, move |_, _| {
             write_whole(&path, |writer| format.write(&hull, writer))
-        })?;
-        worked.value.map_err(raised)
+        })
     }
 
     /// Vertex positions, one row a vertex [m].
@@ -256,11 +260,10 @@ pub fn check_hull(
         let text = format!("p_max = {share}: expected a relative error from 1e-4 to 0.5");
         return Err(InputError::new_err(text));
     }
-    let worked = work(py, progress, move |watch, _| {
+    let examined = work(py, progress, move |watch, _| {
         watch.progress("examining the hull");
         kufe::jobs::check_hull(&path, &fz_n, p_max)
     })?;
-    let examined = worked.value.map_err(raised)?;
     Ok(HullCheck { examined })
 }
 
@@ -301,26 +304,6 @@ impl HullCheck {
 
 /// Vertices [m] and triangles.
 type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>);
-
-/// A hull that is made without the interpreter's lock.
-fn made(
-    py: Python<'_>,
-    make: impl FnOnce() -> Result<Hull, MeshError> + Send + 'static,
-) -> PyResult<Hull> {
-    let worked = work(py, None, move |_, _| make())?;
-    worked.value.map_err(bad_input)
-}
-
-/// A runner of this length, height and rocker radius [m].
-fn swept(
-    [length, height, rocker_radius]: [f64; 3],
-    section: Section,
-    edge_length: f64,
-) -> Result<Hull, MeshError> {
-    let rocker = Rocker::arc(rocker_radius)?;
-    let runner = Swept::with_rounded_ends(rocker, section, length, height)?;
-    Hull::checked(tessellate(&runner, edge_length)?)
-}
 
 impl Hull {
     /// A hull with its warnings.

@@ -9,9 +9,9 @@ use kufe_sled::LateralForce;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::error::{no_such_run, raised};
+use crate::error::{named_run, raised};
 use crate::json::{Column, arrays, to_python};
-use crate::work::work;
+use crate::work::work_with_warnings;
 
 /// Lateral friction of both runners, fitted to recorded runs.
 #[pyclass(frozen, module = "kufe")]
@@ -65,15 +65,13 @@ pub fn fit(
         strict,
         cutoff_hz,
     };
-    let worked = work(py, progress, move |watch, _| {
-        let fitted = fit_lateral(&selection, !keep_contacts, watch)?;
-        Ok((fitted.document, fitted.model))
+    let (fitted, remarks) = work_with_warnings(py, progress, move |watch, _| {
+        fit_lateral(&selection, !keep_contacts, watch)
     })?;
-    let (document, model) = worked.value.map_err(raised)?;
     Ok(Fit {
-        document,
-        model,
-        remarks: worked.warnings,
+        document: fitted.document,
+        model: fitted.model,
+        remarks,
     })
 }
 
@@ -163,13 +161,10 @@ pub fn validate(
         strict,
         cutoff_hz,
     };
-    let worked = work(py, progress, move |watch, _| {
+    let (document, remarks) = work_with_warnings(py, progress, move |watch, _| {
         validate_runs(&selection, laws.as_ref(), watch)
     })?;
-    Ok(Validation {
-        document: worked.value.map_err(raised)?,
-        remarks: worked.warnings,
-    })
+    Ok(Validation { document, remarks })
 }
 
 #[pymethods]
@@ -196,10 +191,7 @@ impl Validation {
     /// One run's samples as arrays: time [s], place [m], and the lateral force at the centre of
     /// gravity [N] as measured, of the model, and of Braghin's law.
     fn series<'py>(&self, py: Python<'py>, run: &str) -> PyResult<Bound<'py, PyDict>> {
-        let runs = &self.document.runs;
-        let Some(found) = runs.iter().find(|compared| compared.run == run) else {
-            return Err(no_such_run(run, runs.iter().map(|run| run.run.as_str())));
-        };
+        let found = named_run(&self.document.runs, run, |run| &run.run)?;
         let columns: [Column<LateralForce>; 5] = [
             ("t_s", |sample| sample.t_s),
             ("s_m", |sample| sample.s_m),

@@ -6,7 +6,6 @@ use kufe::jobs::import::RunImport;
 use kufe::report::result_page;
 use pyo3::prelude::*;
 
-use crate::error::raised;
 use crate::folder::write_folder;
 use crate::json::to_python;
 use crate::work::work;
@@ -25,17 +24,17 @@ pub fn import_runs<'py>(
     strict: bool,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let worked = work(py, progress, move |watch, _| {
+    let imported = work(py, progress, move |watch, _| {
         let import = RunImport::read(&mapping, strict)?;
         write_folder(&folder, watch, |files| import.write(files, watch))
     })?;
-    to_python(py, &worked.value.map_err(raised)?.list)
+    to_python(py, &imported.list)
 }
 
 /// The page of a folder that a command or `Contact.write` has written, or of a lookup table
 /// (`.lut`): one HTML text that needs no network.
 #[pyfunction]
 pub fn report(py: Python<'_>, result: PathBuf) -> PyResult<String> {
-    let worked = work(py, None, move |_, _| result_page(&result, None))?;
-    Ok(worked.value.map_err(raised)?.html)
+    let page = work(py, None, move |_, _| result_page(&result, None))?;
+    Ok(page.html)
 }

@@ -10,10 +10,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::Value;
 
-use crate::error::raised;
 use crate::json::to_python;
 use crate::simulation::{channels, write};
-use crate::work::work;
+use crate::work::work_with_warnings;
 
 /// A measured run that the model drove again, compared with the measurement.
 #[pyclass(frozen, module = "kufe")]
@@ -21,6 +20,8 @@ pub struct Replay {
     driven: Run,
     track: Arc<Track>,
     document: Value,
+    /// Remarks on the run.
+    #[pyo3(get)]
     remarks: Vec<String>,
 }
 
@@ -62,7 +63,7 @@ pub fn replay(
         most_s,
         ..SimulateOptions::default()
     };
-    let worked = work(py, progress, move |watch, _| {
+    let (done, remarks) = work_with_warnings(py, progress, move |watch, _| {
         let track = Track::load(&track)?;
         let drive = ReplayedDrive {
             model,
@@ -72,16 +73,15 @@ pub fn replay(
             options,
         };
         let replayed = drive.drive(watch)?;
-        let document = serde_json::to_value(replayed.document());
-        let document = document.map_err(Failure::bad_input)?;
-        Ok((replayed.driven, drive.track, document))
+        let document = serde_json::to_value(replayed.document())?;
+        Ok::<_, Failure>((replayed.driven, drive.track, document))
     })?;
-    let (driven, track, document) = worked.value.map_err(raised)?;
+    let (driven, track, document) = done;
     Ok(Replay {
         driven,
         track: Arc::new(track),
         document,
-        remarks: worked.warnings,
+        remarks,
     })
 }
 
@@ -105,12 +105,6 @@ impl Replay {
     #[getter]
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.document)
-    }
-
-    /// Remarks on the run.
-    #[getter]
-    fn remarks(&self) -> Vec<String> {
-        self.remarks.clone()
     }
 
     /// The model's channels as arrays, `t_s` among them, and what was measured at the same places:

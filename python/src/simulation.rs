@@ -11,10 +11,10 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::error::{InputError, no_such_run, raised};
+use crate::error::{InputError, named_run, raised};
 use crate::folder::write_folder;
 use crate::json::to_python;
-use crate::work::work;
+use crate::work::{work, work_with_warnings};
 
 /// Simulated runs of one driver on one track.
 #[pyclass(frozen, module = "kufe")]
@@ -101,13 +101,12 @@ pub fn simulate(
             ..SimulateOptions::default()
         },
     };
-    let worked = work(py, progress, move |watch, _| drives.drive(watch))?;
-    let driven = worked.value.map_err(raised)?;
+    let (driven, remarks) = work_with_warnings(py, progress, move |watch, _| drives.drive(watch))?;
     Ok(Simulation {
         runs: Arc::new(driven.runs),
         track: Arc::new(driven.track),
         document: driven.document,
-        remarks: worked.warnings,
+        remarks,
     })
 }
 
@@ -128,11 +127,7 @@ impl Simulation {
 
     /// One run's channels as arrays, `t_s` among them; each name ends in its unit.
     fn series<'py>(&self, py: Python<'py>, run: &str) -> PyResult<Bound<'py, PyDict>> {
-        let Some(found) = self.runs.iter().find(|driven| driven.entry.run == run) else {
-            let known = self.runs.iter().map(|run| run.entry.run.as_str());
-            return Err(no_such_run(run, known));
-        };
-        channels(py, found)
+        channels(py, named_run(&self.runs, run, |run| &run.entry.run)?)
     }
 
     /// Writes `runs.csv`, one file a run and the table of the track into `folder`, which must be
@@ -173,11 +168,10 @@ pub fn write(
     } else {
         RunFormat::Csv
     };
-    let worked = work(py, None, move |watch, _| {
+    work(py, None, move |watch, _| {
         write_folder(&folder, watch, |files| {
             write_runs(files, &mut runs, format)?;
             write_track(files, &track)
         })
-    })?;
-    worked.value.map_err(raised)
+    })
 }

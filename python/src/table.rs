@@ -40,10 +40,8 @@ impl Table {
     /// Reads a `.lut` file.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Table> {
-        let worked = work(py, None, move |_, _| read_table(&path))?;
-        let table = worked.value.map_err(raised)?;
         Ok(Table {
-            table,
+            table: work(py, None, move |_, _| read_table(&path))?,
             shortfall: None,
         })
     }
@@ -247,12 +245,11 @@ pub fn fill_table(
 ) -> PyResult<Table> {
     let out = out.unwrap_or_else(|| table.with_extension("lut"));
     let path = out.clone();
-    let worked = work(py, progress, move |watch, _| {
+    let filled = work(py, progress, move |watch, _| {
         let spec = TableSpec::read(&table)?;
         let solver = Solver::new(&spec, watch)?;
         fill(&spec, &solver, &path, watch)
     })?;
-    let filled = worked.value.map_err(raised)?;
     py.detach(|| write(&filled.swept.table, &out))?;
     filled.clear().map_err(raised)?;
     Ok(Table {

@@ -4,16 +4,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
-use kufe::jobs::Watch;
+use kufe::jobs::{Failure, Watch};
 use pyo3::prelude::*;
 
-/// Messages and result of a job.
-pub struct Worked<T> {
-    /// What the job returned.
-    pub value: T,
-    /// Its warnings.
-    pub warnings: Vec<String>,
-}
+use crate::error::raised;
 
 /// How long an interrupted job may take to end.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -24,11 +18,20 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// Ctrl-C it stops the job, waits a second for its end, and raises the interrupt. A job that does
 /// not end by then ends in the background, and its result is dropped. An exception of `progress`
 /// stops the job likewise.
-pub fn work<T: Send + 'static>(
+pub fn work<T: Send + 'static, E: Into<Failure> + Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
-    job: impl FnOnce(&Watch, Reporter) -> T + Send + 'static,
-) -> PyResult<Worked<T>> {
+    job: impl FnOnce(&Watch, Reporter) -> Result<T, E> + Send + 'static,
+) -> PyResult<T> {
+    work_with_warnings(py, progress, job).map(|(value, _)| value)
+}
+
+/// As [`work`], with the warnings of the job.
+pub fn work_with_warnings<T: Send + 'static, E: Into<Failure> + Send + 'static>(
+    py: Python<'_>,
+    progress: Option<&Bound<'_, PyAny>>,
+    job: impl FnOnce(&Watch, Reporter) -> Result<T, E> + Send + 'static,
+) -> PyResult<(T, Vec<String>)> {
     let stop = Arc::new(AtomicBool::new(false));
     let (sender, mut messages) = mpsc::channel::<Message>();
     let stopping = stop.clone();
@@ -43,7 +46,7 @@ pub fn work<T: Send + 'static>(
         job(&watch, Reporter { sender, stop })
     });
     let mut warnings = Vec::new();
-    let mut raised: Option<(PyErr, Instant)> = None;
+    let mut ended: Option<(PyErr, Instant)> = None;
     let mut checked = Instant::now();
     // The channel closes when the job has ended and dropped its end.
     loop {
@@ -51,7 +54,7 @@ pub fn work<T: Send + 'static>(
         let message = py.detach(move || messages.recv_timeout(Duration::from_millis(100)));
         let error = match message {
             Err(mpsc::RecvTimeoutError::Disconnected) => break,
-            Ok(Message::Progress(text)) if raised.is_none() => {
+            Ok(Message::Progress(text)) if ended.is_none() => {
                 progress.and_then(|call| call.call1((text,)).err())
             }
             Ok(Message::Warning(text)) => {
@@ -66,22 +69,21 @@ pub fn work<T: Send + 'static>(
         if due {
             checked = Instant::now();
         }
-        if let (Some(error), None) = (error, &raised) {
+        if let (Some(error), None) = (error, &ended) {
             stop.store(true, Ordering::Relaxed);
-            raised = Some((error, Instant::now()));
+            ended = Some((error, Instant::now()));
         }
-        if raised
-            .as_ref()
-            .is_some_and(|(_, at)| at.elapsed() > PATIENCE)
-        {
+        let late = |(_, at): &(PyErr, Instant)| at.elapsed() > PATIENCE;
+        if ended.as_ref().is_some_and(late) {
             break;
         }
     }
-    if let Some((error, _)) = raised {
+    if let Some((error, _)) = ended {
         return Err(error);
     }
     match py.detach(|| worker.join()) {
-        Ok(value) => Ok(Worked { value, warnings }),
+        Ok(Ok(value)) => Ok((value, warnings)),
+        Ok(Err(error)) => Err(raised(error.into())),
         Err(panic) => std::panic::resume_unwind(panic),
     }
 }

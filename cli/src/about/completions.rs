@@ -1,12 +1,12 @@
 //! `kufe completions` and `kufe man`: what a shell and `man` want to know of this command.
 
+use std::fmt::Write;
 use std::path::PathBuf;
 
-use clap::Command;
+use clap::{Arg, Command};
 use clap_complete::Shell;
 use kufe::jobs::Failure;
 
-use crate::about::reference;
 use crate::output::{OutputDir, write_file};
 use crate::terminal::{Global, say};
 
@@ -45,7 +45,7 @@ pub struct ManArgs {
 /// [`Failure::BadInput`] where the folder cannot be written.
 pub fn man(args: &ManArgs, global: &Global, mut command: Command) -> Result<(), Failure> {
     if let Some(path) = &args.markdown {
-        let page = reference::page(&command);
+        let page = reference(&command);
         return write_file("man", &[], path, page.as_bytes(), global);
     }
     command = command.disable_help_subcommand(true);
@@ -60,13 +60,9 @@ pub fn man(args: &ManArgs, global: &Global, mut command: Command) -> Result<(), 
                 .render(&mut file)
         })?;
     }
-    output.commit()?;
+    let (count, out) = (output.commit()?.len(), args.out.display());
     if !global.quiet {
-        say(&format!(
-            "{} pages written to {}\n",
-            pages.len(),
-            args.out.display()
-        ));
+        say(&format!("{count} pages written to {out}\n"));
     }
     Ok(())
 }
@@ -77,6 +73,44 @@ fn below<'a>(pages: &mut Vec<(String, &'a Command)>, command: &'a Command, name:
     for sub in command.get_subcommands() {
         if !sub.is_hide_set() {
             below(pages, sub, &format!("{name}-{}", sub.get_name()));
+        }
+    }
+}
+
+/// A section a command, its help as `--help` prints it, without the options that every command has.
+fn reference(command: &Command) -> String {
+    let mut built = command.clone();
+    built.build();
+    let version = env!("CARGO_PKG_VERSION");
+    let mut page = format!(
+        "# The command\n\nWritten by kufe {version} (`kufe man --markdown`) from each command's `--help`. The options under `kufe` itself are every \
+         command's, and are listed only there.\n\n\
+         Exit codes: 0 done; 2 wrong arguments; 3 bad input, or output that cannot be written; 4 accuracy not reached; \
+         5 partly done, the same command resumes. An output folder receives all of its files or none.\n",
+    );
+    section(&mut page, &built, &["kufe"]);
+    page
+}
+
+fn section(page: &mut String, command: &Command, words: &[&str]) {
+    let common =
+        |arg: &Arg| arg.is_global_set() || ["help", "version"].contains(&arg.get_id().as_str());
+    let mut shown = command.clone();
+    if words.len() > 1 {
+        shown = shown.mut_args(|arg| if common(&arg) { arg.hide(true) } else { arg });
+    }
+    let help = shown.render_long_help().to_string();
+    let lines: Vec<&str> = help.trim_end().lines().map(str::trim_end).collect();
+    // Writing to a String cannot fail.
+    let _ = write!(
+        page,
+        "\n## {}\n\n```text\n{}\n```\n",
+        words.join(" "),
+        lines.join("\n")
+    );
+    for sub in command.get_subcommands() {
+        if sub.get_name() != "help" && !sub.is_hide_set() {
+            section(page, sub, &[words, &[sub.get_name()]].concat());
         }
     }
 }

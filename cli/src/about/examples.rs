@@ -23,7 +23,7 @@ fn at(command: Command, words: &[&str], examples: &str) -> Command {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::Cli;
+    use crate::Cli;
     use clap::CommandFactory;
 
     /// The examples in a help text: lines that begin with two spaces and `kufe`, without the

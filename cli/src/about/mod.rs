@@ -3,7 +3,6 @@
 pub mod completions;
 pub mod examples;
 pub mod init;
-mod reference;
 pub mod schema;
 #[cfg(test)]
 mod tests;

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use clap::{Arg, Command, CommandFactory};
 
-use crate::cli::Cli;
+use crate::Cli;
 
 /// What the name of an option ends in, by the unit that its help states: as keys of files do.
 const ENDS: [(&str, &str); 11] = [

@@ -7,6 +7,7 @@ use kufe::jobs::{Failure, case_file::LoadedCase};
 
 use crate::output::{OutputFiles, case_inputs};
 use crate::terminal::Global;
+use crate::text::print_document;
 
 /// Arguments of `kufe export`.
 #[derive(clap::Args, Debug)]
@@ -48,23 +49,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         let deck = global.during(message, || CalculixDeck::solve(&loaded, args.cells))?;
         files.write(out, |file| deck.write(file))?;
         files.commit()?;
-        let result = deck.result(out)?;
-        let (approach, fz, peak) = (1e6 * result.approach_m, result.fz_n, 1e-6 * result.p_max_pa);
-        return global.print(&result, || {
-            let (deck, dofs) = (&result.deck, result.dofs);
-            format!(
-                "{deck}: {dofs} unknowns; pressed in by {approach:.4} µm they bear {fz:.3} N at a peak of {peak:.4} MPa here\n"
-            )
-        });
+        return print_document(&deck.result(out)?, global);
     }
     let matrix = global.during(message, || AssembledStiffness::solve(&loaded, args.cells))?;
     files.write(out, |file| matrix.write(file))?;
     files.commit()?;
-    let result = matrix.result(out);
-    global.print(&result, || {
-        format!(
-            "{}: {} displacements, {} of them fixed; {} entries, of which one triangle is written\n",
-            result.stiffness, result.displacements, result.fixed, result.entries
-        )
-    })
+    print_document(&matrix.result(out), global)
 }

@@ -3,16 +3,17 @@
 use std::path::PathBuf;
 
 use clap::Subcommand;
-use kufe::jobs::Failure;
+use kufe::jobs::{ExaminedHull, Failure, check_hull};
+use kufe::results::{ResolvedLoad, Sampling};
 use kufe_mesh::{
-    BobRunner, HullFormat, LugeSteel, MeshError, Rocker, Section, Swept, load_points, tessellate,
-    tessellate_turning,
+    BobRunner, Estimate, HullFormat, LugeSteel, MeshError, Rocker, Section, Swept, load_points,
+    strips_warning, tessellate, tessellate_turning,
 };
 use serde::Serialize;
 
-use crate::bodies::scan::{self, Check};
 use crate::output::{OutputFiles, of_file};
 use crate::terminal::Global;
+use crate::text::print_document;
 
 /// Arguments of `kufe hull`.
 #[derive(clap::Args, Debug)]
@@ -111,13 +112,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let (name, swept, out, points, turn) = match &args.kind {
         Kind::Bob(bob) => ("bob", bob.swept(), &bob.file, &bob.rocker_points, None),
         Kind::Luge(luge) => ("luge", luge.swept(), &luge.file, &none, Some(EDGE_TURN)),
-        Kind::Check(check) => return scan::run(check, global),
+        Kind::Check(check) => return examine(check, global),
     };
     let File {
         out: file,
         edge_length_m,
     } = out;
-    let path = file.display();
     let refuse = |error: MeshError| Failure::BadInput(format!("kufe hull {name}: {error}"));
     let format = HullFormat::of(file).map_err(of_file(file))?;
     let swept = swept.map_err(refuse)?;
@@ -130,15 +130,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let hull = hull.map_err(refuse)?;
     files.write(file, |writer| format.write(&hull, writer))?;
     files.commit()?;
-    let (vertices, triangles) = (hull.positions.len(), hull.triangles.len());
     let written = WrittenHull {
         file,
-        vertices,
-        triangles,
+        vertices: hull.positions.len(),
+        triangles: hull.triangles.len(),
     };
-    global.print(&written, || {
-        format!("{path}: {vertices} vertices, {triangles} triangles\n")
-    })
+    print_document(&written, global)
 }
 
 impl Bob {
@@ -158,4 +155,135 @@ impl Luge {
         let rocker = Rocker::arc(self.rocker_radius_m)?;
         Swept::with_rounded_ends(rocker, section, self.length_m, self.height_m)
     }
+}
+
+#[derive(clap::Args, Debug)]
+struct Check {
+    /// The hull: .obj, .gltf, .glb, .stl or .3mf
+    file: PathBuf,
+    /// Normal force [N], one or several, for which it is examined
+    #[arg(long, value_name = "LIST", value_delimiter = ',', default_values_t = [250.0, 500.0, 1000.0, 2000.0, 4000.0])]
+    fz_n: Vec<f64>,
+    /// Relative error of the peak pressure for which it is examined, and that the case requests
+    /// [default: 0.05, and 0.01 in the case of a hull without noise]
+    #[arg(long, value_name = "SHARE")]
+    p_max: Option<f64>,
+    /// Write the case that reads it so
+    #[arg(long, short, value_name = "CASE.toml")]
+    out: Option<PathBuf>,
+}
+
+/// Examines the hull, prints its properties, and writes the case.
+///
+/// # Errors
+/// [`Failure::BadInput`] for a hull that cannot be read or has no rounded underside, one that cannot
+/// be fitted where a case is requested, and a case that exists or cannot be written;
+/// [`Failure::Usage`] for a force that is not positive.
+fn examine(check: &Check, global: &Global) -> Result<(), Failure> {
+    if let Some(fz) = check.fz_n.iter().find(|fz| !(**fz > 0.0 && fz.is_finite())) {
+        let text = format!("--fz-n {fz}: expected positive forces [N]");
+        return Err(Failure::Usage(text));
+    }
+    if let Some(share) = check.p_max.filter(|share| !(1e-4..=0.5).contains(share)) {
+        let text = format!("--p-max {share}: expected a relative error from 1e-4 to 0.5");
+        return Err(Failure::Usage(text));
+    }
+    let inputs = std::slice::from_ref(&check.file);
+    let files = OutputFiles::begin("hull check", inputs, check.out.as_slice(), global.force)?;
+    let mut found = check_hull(&check.file, &check.fz_n, check.p_max)?;
+    if let Some(out) = &check.out {
+        if let Some(error) = &found.result.no_underside {
+            let reason =
+                format!("no smooth underside could be fitted, and no case is written: {error}");
+            return Err(Failure::in_file(&check.file, reason));
+        }
+        let text = found.case(out)?;
+        files.bytes(out, text.as_bytes())?;
+    }
+    files.commit()?;
+    found.result.written.clone_from(&check.out);
+    global.print(&found.result, || text(&found))
+}
+
+/// Degrees with as many digits as the uncertainty has.
+fn degrees(angle: Estimate) -> String {
+    let [value, error] = [angle.value, angle.error].map(f64::to_degrees);
+    let digits = (1.0 - error.log10().floor()).clamp(0.0, 6.0) as usize;
+    format!("{value:.digits$} +- {error:.digits$} degrees")
+}
+
+fn text(examined: &ExaminedHull) -> String {
+    let found = &examined.result;
+    let [length, width, height, section] = [
+        found.length_m,
+        found.width_m,
+        found.height_m,
+        found.section_radius_m,
+    ]
+    .map(|m| 1e3 * m);
+    let (file, vertices, triangles) = (found.file.display(), found.vertices, found.triangles);
+    let (scale, up, forward, backward) =
+        (found.scale, &found.up, &found.forward, examined.backward());
+    let rocker = found.rocker_radius_m;
+    let mut lines = vec![
+        format!("{file}: {vertices} vertices, {triangles} triangles"),
+        format!("scale {scale}, up {up}, forward {forward} or {backward}: its shape does not tell"),
+        format!(
+            "{length:.1} x {width:.2} x {height:.2} mm; rocker radius {rocker:.2} m, section radius {section:.3} mm"
+        ),
+    ];
+    if examined.oriented {
+        let shown =
+            |angle: Option<Estimate>| angle.map_or("not shown by its shape".into(), degrees);
+        let [yaw, pitch, roll] = [found.yaw_rad, found.pitch_rad, found.roll_rad].map(shown);
+        lines.push(format!(
+            "into runner axes by yaw {yaw}, pitch {pitch}, roll {roll}"
+        ));
+    }
+    lines.extend(found.strips_m.map(strips_warning));
+    let noise = match (1e6 * found.noise_m, 1e6 * found.unseen_noise_m) {
+        (0.0, 0.0) => "none".to_owned(),
+        (0.0, unseen) => format!("none; less than {unseen:.3} µm would not show"),
+        (noise, _) => format!("{noise:.3} µm"),
+    };
+    let spacing = 1e3 * found.spacing_m;
+    lines.push(format!(
+        "near the keel: triangles of {spacing:.3} mm, noise {noise}"
+    ));
+    if let (Some(_), [Some(x), Some(y)]) = (found.beyond_origin_m, examined.offset_m) {
+        lines.push(format!(
+            "the file's origin lies outside the hull; its middle: load.offset_x_m = {x:.4}, load.offset_y_m = {y:.4}"
+        ));
+    }
+    lines.extend(found.warnings.iter().map(ToString::to_string));
+    let error = found.no_underside.as_ref();
+    lines.extend(error.map(|error| format!("no smooth underside could be fitted: {error}")));
+    lines.extend(found.loads.iter().flatten().map(verdict));
+    let written = found.written.as_ref();
+    let written = written.map_or(String::new(), |out| {
+        format!("wrote {} for {} N\n", out.display(), examined.force())
+    });
+    lines.join("\n  ") + "\n" + &written
+}
+
+fn verdict(load: &ResolvedLoad) -> String {
+    let (fz, error, known) = (load.fz_n, 1e6 * load.error_m, 1e2 * load.p_max_error);
+    let approach = 1e6 * load.approach_m;
+    let verdict = if load.resolved {
+        "fine enough"
+    } else {
+        "too coarse"
+    };
+    let by = |sampling: &Sampling| {
+        let noise = sampling.noise_m;
+        let noise = noise.map_or(String::new(), |n| format!("noise of {:.2} µm or ", 1e6 * n));
+        format!("{noise}triangles of {:.3} mm", 1e3 * sampling.spacing_m)
+    };
+    let enough = load.enough.as_ref();
+    let enough = enough.map_or(String::new(), |enough| format!("; {} would do", by(enough)));
+    let halves = by(&load.halves);
+    format!(
+        "{fz} N: {verdict}: the peak is known to {known:.1} %, the surface to {error:.2} of {approach:.1} µm approach{enough}; half of \
+         that error with {halves}"
+    )
 }

@@ -7,6 +7,7 @@ use kufe::results::{HexQuality, MeshQuality};
 
 use crate::output::{OutputDir, case_inputs};
 use crate::terminal::Global;
+use crate::text::document_text;
 
 /// Arguments of `kufe mesh`.
 #[derive(clap::Args, Debug)]
@@ -37,23 +38,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         ice: HexQuality::from(&ice),
         runner: runner.as_ref().map(HexQuality::from),
     };
-    output.json("quality.json", &quality)?;
-    output.commit()?;
-    global.print(&quality, || table(&quality))
-}
-
-fn table(quality: &MeshQuality) -> String {
-    let mut text = String::from(
-        "mesh       nodes     cells  inverted  scaled Jacobian (min, mean)  aspect (max)\n",
-    );
-    let runner = quality.runner.iter().map(|mesh| ("runner", mesh));
-    for (name, mesh) in std::iter::once(("ice", &quality.ice)).chain(runner) {
-        let (nodes, cells, inverted) = (mesh.nodes, mesh.cells, mesh.inverted);
-        let (least, mean) = (mesh.min_scaled_jacobian, mesh.mean_scaled_jacobian);
-        let aspect = mesh.max_aspect;
-        text += &format!(
-            "{name:<7} {nodes:>8}  {cells:>8}  {inverted:>8}  {least:>13.3} {mean:>13.3}  {aspect:>12.0}\n"
-        );
-    }
-    text
+    let text = document_text(&quality)?;
+    output.finish("quality.json", &quality, global, || text)
 }

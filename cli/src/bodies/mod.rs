@@ -3,4 +3,3 @@
 pub mod export;
 pub mod hull;
 pub mod mesh;
-mod scan;

@@ -60,9 +60,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let toml = model_form(&law).map_err(Failure::bad_input)?;
     output.text("friction.toml", &toml)?;
     output.picture("mu.png", &mu_picture(&experiments, &fit, &law))?;
-    output.json("fit.json", &result)?;
-    output.commit()?;
-    global.print(&result, || summary(&fit, args))
+    output.finish("fit.json", &result, global, || summary(&fit))
 }
 
 /// `[friction.longitudinal]` as a model file has it.
@@ -71,7 +69,7 @@ fn model_form(law: &PressureLaw) -> Result<String, toml::ser::Error> {
     Ok(format!("[friction.longitudinal]\n{keys}"))
 }
 
-fn summary(fit: &MuFit, args: &Args) -> String {
+fn summary(fit: &MuFit) -> String {
     let [b_sd, c_sd, d_sd] = [0, 1, 2].map(|k| fit.covariance[(k, k)].sqrt());
     let (b, c, d) = (fit.b, fit.c, fit.d);
     let weighting = match fit.weighting {
@@ -91,14 +89,12 @@ fn summary(fit: &MuFit, args: &Args) -> String {
         let (chi2, freedom) = (fit.chi2, fit.freedom);
         text += &format!("chi2 {chi2:.2} on {freedom} degrees of freedom, p = {p:.3}: {verdict}\n");
     }
-    text += &match fit.least_friction() {
+    text + &match fit.least_friction() {
         Some(least) => {
             let (mu, at) = (1e3 * least.mu.value, &least.p_pa);
             let [p, low, high] = [at.value, at.low, at.high].map(|p| 1e-6 * p);
             format!("least friction {mu:.2}e-3 at {p:.2} MPa ({low:.2} to {high:.2})\n")
         }
         None => "the data show no minimum within their errors\n".to_owned(),
-    };
-    let out = args.out.display();
-    text + &format!("{out}: fit.json, friction.toml, mu.png\n")
+    }
 }

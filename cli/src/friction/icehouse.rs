@@ -12,6 +12,7 @@ use kufe_sled::friction::{
 use crate::friction::open;
 use crate::output::{OutputDir, of_file};
 use crate::terminal::Global;
+use crate::text::table_text;
 
 /// Arguments of `kufe icehouse`.
 #[derive(clap::Args, Debug)]
@@ -47,9 +48,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         let name = picture(i, &run.entry.run);
         output.picture(&name, &kufe::charts::glide_picture(&house, run))?;
     }
-    output.json("icehouse.json", &result)?;
-    output.commit()?;
-    global.print(&result, || summary(&house, &args.out))
+    let columns = ["specimen", "pairs", "mu", "mu_se", "v_mps"];
+    let specimens = table_text(&result.specimens, &columns)?;
+    output.finish("icehouse.json", &result, global, || {
+        specimens + &summary(&house)
+    })
 }
 
 fn read_run(index: &str, folder: &Path, entry: &GlideEntry) -> Result<GlideRun, Failure> {
@@ -77,24 +80,11 @@ fn picture(number: usize, run: &str) -> String {
 /// be proved.
 const MOST_SPEED: f64 = 15.0;
 
-fn summary(house: &IceHouse, out: &Path) -> String {
-    let lengths = house.specimens.iter().map(|s| s.specimen.chars().count());
-    let width = lengths.fold(8, usize::max);
-    let mut text = format!(
-        "{:width$}  pairs  mu [1e-3]  std. error  95 % interval   v [m/s]\n",
-        "specimen"
-    );
-    for s in &house.specimens {
-        let [mu, se, low, high] = [s.mu.value, s.mu_se, s.mu.low, s.mu.high].map(|mu| 1e3 * mu);
-        let (name, pairs, v) = (&s.specimen, s.pairs, s.v_mps);
-        text += &format!(
-            "{name:width$}  {pairs:5}  {mu:9.3}  {se:10.3}  {low:.3} to {high:.3}  {v:7.2}\n"
-        );
-    }
+fn summary(house: &IceHouse) -> String {
     let slope = &house.slope_rad;
     let [slope, low, high] = [slope.value, slope.low, slope.high].map(f64::to_degrees);
     let (uphill, central) = (&house.directions[0], 100.0 - 200.0 * SHARE_LEFT_OUT);
-    text += &format!(
+    let mut text = format!(
         "rink: {slope:.4} degrees ({low:.4} to {high:.4}), positive where \"{uphill}\" climbs\n\
          section: from the greatest speed on, the central {central:.0} % of the distance glided\n"
     );
@@ -111,6 +101,5 @@ fn summary(house: &IceHouse, out: &Path) -> String {
     if house.experiments().iter().any(|e| !e.p_max_pa.is_finite()) {
         text += "experiments.csv: fill in p_max_pa and p_max_sd_pa (kufe press) before kufe friction fit\n";
     }
-    let (out, count) = (out.display(), house.runs.len());
-    text + &format!("{out}: icehouse.json, experiments.csv, {count} pictures\n")
+    text
 }

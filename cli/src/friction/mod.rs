@@ -3,10 +3,8 @@
 mod fit;
 pub mod icehouse;
 mod optimum;
-mod optimum_picture;
 mod point;
 mod sliding;
-mod sliding_picture;
 
 use std::fs::File;
 use std::io::BufReader;
@@ -14,8 +12,7 @@ use std::path::Path;
 
 use kufe::jobs::Failure;
 
-use crate::cli::misspelt;
-use crate::terminal::{Global, warn_if_cut};
+use crate::terminal::{Global, misspelt, warn_if_cut};
 
 /// Arguments of `kufe friction`.
 #[derive(clap::Args, Debug)]

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use kufe::jobs::simulate::stated_conditions;
 use kufe::jobs::{DrivingConditions, Failure, FrictionLaw, case_file::LoadedCase};
-use kufe::results::FrictionByLaw;
 
 use crate::output::{OutputDir, case_inputs};
 use crate::terminal::Global;
+use crate::text::document_text;
 
 /// Options of a law over the pressure, and of no groove.
 const BY_LAW: [&str; 5] = ["alpha_rad", "model", "air_c", "air_pa", "humidity_pct"];
@@ -149,31 +149,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     };
     let loaded = LoadedCase::read(path)?;
     let result = global.watched(|watch| law.solve(&loaded, &conditions, watch))?;
-    global.answer(&result, || text(&result))
-}
-
-fn text(result: &FrictionByLaw) -> String {
-    let (peak, error) = (1e-6 * result.p_max.value, 1e-6 * result.p_max.error);
-    let [mu, mu_error, mu_base] = [result.mu, result.mu_error, result.mu_base].map(|mu| 1e3 * mu);
-    let (fz, fx, lost) = (result.fz_n, result.fx_n, -result.power_w);
-    let (alpha, speed) = (result.alpha_rad, result.v_mps);
-    let mut text = format!(
-        "peak pressure  {peak:.3} MPa +- {error:.3}\n\
-         normal force   {fz:.1} N\n\
-         mu             {mu:.3}e-3 +- {mu_error:.3}e-3 (by the pressure's error)\n\
-         force          {fx:.3} N along the runner, at a slip angle of {alpha} rad\n\
-         power          {lost:.1} W lost at {speed} m/s\n"
-    );
+    let mut text = document_text(&result)?;
     if result.capped {
         text += "the pressure is outside those of the fit of the law: this is its largest mu\n";
     }
-    let [applied, ignored] =
-        [&result.effects, &result.effects_not_concerned].map(|names| names.join(", "));
-    if !applied.is_empty() {
-        text += &format!("effects        {applied} (mu before them {mu_base:.3}e-3)\n");
-    }
-    if !ignored.is_empty() {
-        text += &format!("not of the friction coefficient: {ignored}\n");
-    }
-    text
+    global.answer(&result, || text)
 }

@@ -7,15 +7,29 @@ use std::path::PathBuf;
 use kufe::jobs::Failure;
 use kufe::jobs::case_file::LoadedCase;
 use kufe::jobs::slide::{fastest, friction_table};
+use kufe::plot::{Axis, Figure, Layer, PALETTE, Panel, Point, extent};
 use kufe::results::{CaseRecord, FastestRunners, FrictionRow, FrictionTable, write_csv};
 use kufe_contact::Options;
 
 use crate::friction::point::Args;
-use crate::friction::sliding_picture::sliding_picture;
 use crate::terminal::Global;
+use crate::text::table_text;
 
 /// Most points of a table, so that a slip of the hand does not run for days.
 const MOST: usize = 10_000;
+
+/// What is printed of each point.
+const COLUMNS: [&str; 9] = [
+    "case",
+    "ice_c",
+    "v_mps",
+    "mu",
+    "mu_ploughing",
+    "mu_viscous",
+    "mu_boundary",
+    "groove_depth_m",
+    "film_mean_m",
+];
 
 /// Solves, prints and writes.
 ///
@@ -57,13 +71,13 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             .collect(),
         fastest,
     };
-    if let Some(output) = output {
-        output.write("friction.csv", |file| write_csv(file, &result.points))?;
-        output.picture("friction.png", &sliding_picture(&runners))?;
-        output.json("friction.json", &result)?;
-        output.commit()?;
-    }
-    global.print(&result, || text(&result))
+    let text = text(&result)?;
+    let Some(output) = output else {
+        return global.print(&result, || text);
+    };
+    output.write("friction.csv", |file| write_csv(file, &result.points))?;
+    output.picture("friction.png", &picture(&runners))?;
+    output.finish("friction.json", &result, global, || text)
 }
 
 /// The files' names without folder and ending, or the whole paths where two have the same.
@@ -99,23 +113,8 @@ fn fastest_runners(runners: &[Vec<FrictionRow>]) -> Vec<FastestRunners> {
     (0..count).map(at).collect()
 }
 
-fn text(result: &FrictionTable) -> String {
-    let names = result.points.iter().map(|row| row.case.chars().count());
-    let wide = names.fold(6, usize::max);
-    let mut text = format!(
-        "{:wide$}  ice [C]  speed [m/s]  mu [1e-3]       ploughing  film   boundary  groove [µm]  film [µm]\n",
-        "runner"
-    );
-    for row in &result.points {
-        let (case, ice, speed) = (&row.case, row.ice_c, row.v_mps);
-        let f = &row.friction;
-        let [mu, error, ploughing] = [f.mu.value, f.mu.error, f.ploughing.value].map(|mu| 1e3 * mu);
-        let [viscous, boundary] = [f.viscous.value, f.boundary.value].map(|mu| 1e3 * mu);
-        let (groove, film) = (1e6 * row.groove_depth.value, 1e6 * row.film_mean_m);
-        text += &format!(
-            "{case:wide$}  {ice:7.1}  {speed:11.1}  {mu:6.3} +- {error:5.3}  {ploughing:9.3}  {viscous:5.3}  {boundary:8.3}  {groove:11.2}  {film:9.3}\n"
-        );
-    }
+fn text(result: &FrictionTable) -> Result<String, Failure> {
+    let mut text = table_text(&result.points, &COLUMNS)?;
     for fastest in &result.fastest {
         let (speed, ice, cases) = (fastest.v_mps, fastest.ice_c, fastest.cases.join(", "));
         let verdict = match fastest.cases.len() {
@@ -124,5 +123,72 @@ fn text(result: &FrictionTable) -> String {
         };
         text += &format!("at {speed} m/s and {ice} C {cases} {verdict}\n");
     }
-    text
+    Ok(text)
+}
+
+/// A line of the picture: its name, and place, mu and error of its points [1e-3].
+type Line = (String, Vec<[f64; 3]>);
+
+/// What the points are drawn over: its label, and its value.
+type Over = (&'static str, fn(&FrictionRow) -> f64);
+
+const SPEED: Over = ("speed [m/s]", |point| point.v_mps);
+const TEMPERATURE: Over = ("temperature of the ice [C]", |point| point.ice_c);
+
+/// Mu of each runner over speed where there are several, else over temperature, else runner by
+/// runner.
+fn picture(runners: &[Vec<FrictionRow>]) -> Figure {
+    let points = || runners.iter().flatten();
+    let differ = |(_, of): &Over| points().any(|p| Some(of(p)) != points().next().map(of));
+    let over = [SPEED, TEMPERATURE].into_iter().find(differ);
+    let named_by_ice = differ(&SPEED) && differ(&TEMPERATURE);
+    let mut lines: Vec<Line> = Vec::new();
+    let numbered = runners.iter().enumerate();
+    for (k, point) in numbered.flat_map(|(k, points)| points.iter().map(move |p| (k, p))) {
+        let name = if named_by_ice {
+            format!("{}, {} C", point.case, point.ice_c)
+        } else {
+            point.case.clone()
+        };
+        let place = over.map_or(0.5 + k as f64, |(_, of)| of(point));
+        let mu = point.friction.mu;
+        let at = [place, 1e3 * mu.value, 1e3 * mu.error];
+        match lines.iter_mut().find(|line| line.0 == name) {
+            Some((_, line)) => line.push(at),
+            None => lines.push((name, vec![at])),
+        }
+    }
+    let places = || lines.iter().flat_map(|(_, line)| line);
+    let [least, most] = extent(places().flat_map(|[_, mu, error]| [mu - error, mu + error]));
+    let (x, y) = match over {
+        Some((label, _)) => {
+            let ends = extent(places().map(|at| at[0]).chain([0.0]));
+            (
+                Axis::new(label).within(ends.map(|end| 1.05 * end)),
+                [0.0, 1.1 * most],
+            )
+        }
+        // Runner by runner the differences matter, not the size.
+        None => {
+            let first = runners.iter().filter_map(|points| points.first());
+            let room = 0.2 * (most - least);
+            let names = Axis::names("runner", first.map(|point| &*point.case));
+            (names, [least - room, most + room])
+        }
+    };
+    let mut layers = Vec::new();
+    for ((name, line), colour) in lines.iter_mut().zip(PALETTE.iter().cycle()) {
+        line.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let point = |[x, mu, _]: &[f64; 3]| -> Point { (*x, *mu) };
+        let errors = line.iter();
+        let errors = errors.map(|[x, mu, error]| [(*x, mu - error), (*x, mu + error)]);
+        layers.push(Layer::segments(1.0, errors, *colour));
+        if over.is_some() {
+            layers.push(Layer::line(2.0, line.iter().map(point), *colour).named(name.as_str()));
+        }
+        layers.push(Layer::dots(4.0, line.iter().map(point), *colour));
+    }
+    let y = Axis::new("coefficient of friction mu [1e-3]").within(y);
+    let title = "friction of groove and melt film";
+    Figure::new(900.0, title).row(460.0, [Panel::new(x, y, layers)])
 }

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::output::{OutputFiles, of_file};
 use crate::terminal::Global;
+use crate::text::print_document;
 
 /// Files that were written.
 #[derive(Serialize)]
@@ -54,19 +55,8 @@ pub struct Forms {
     pub rocker_radius_m: Option<f64>,
 }
 
-/// A form of a table.
-#[derive(Clone, Copy, Debug)]
-enum Form {
-    Csv,
-    Mat,
-    Octave,
-    Header,
-    Ctypes,
-    CSharp,
-    SFunction,
-    SimulinkScript,
-    Fmu(Fmi),
-}
+/// Writes a form of a table of this name, for this radius of the rocker [m] where it needs one.
+type WriteForm = fn(&Table, &str, Option<f64>, &mut Vec<u8>) -> Result<(), kufe_lut::Error>;
 
 /// Arguments of `kufe lut export`.
 #[derive(clap::Args, Debug)]
@@ -82,7 +72,7 @@ pub struct Args {
 /// # Errors
 /// [`Failure::Usage`] where none is requested, [`Failure::BadInput`] for files.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    if args.forms.places(Path::new("")).is_empty() {
+    if args.forms.paths(Path::new("")).is_empty() {
         return Err(Failure::Usage(
             "nothing to export: give --csv, --mat, --octave, --header, --ctypes, --csharp, --simulink, --fmu or --fmu2".into(),
         ));
@@ -91,54 +81,75 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let outputs = args.forms.paths(&args.table);
     let files = OutputFiles::begin("lut export", inputs, &outputs, global.force)?;
     let table = read_table(&args.table)?;
-    let written = args.forms.write(&table, &args.table, &files)?;
+    args.forms.write(&table, &args.table, &files)?;
     files.commit()?;
-    global.print(&Exported { written: &written }, || {
-        let line = |path: &PathBuf| format!("wrote {}\n", path.display());
-        written.iter().map(line).collect()
-    })
+    print_document(&Exported { written: &outputs }, global)
 }
 
 impl Forms {
     /// The requested forms with their files: in the folder of the table where they name none.
-    fn places(&self, sibling: &Path) -> Vec<(Form, PathBuf)> {
-        let named = [
-            (&self.csv, Form::Csv, ".csv"),
-            (&self.mat, Form::Mat, ".mat"),
-            (&self.header, Form::Header, ".h"),
-            (&self.fmu, Form::Fmu(Fmi::V3), ".fmu"),
-            (&self.fmu2, Form::Fmu(Fmi::V2), "_fmi2.fmu"),
-        ];
-        let stem = stem(sibling);
-        let requested = named.into_iter().filter_map(|(requested, form, ending)| {
-            let named = requested.as_ref()?.clone();
-            let own = || sibling.with_file_name(format!("{stem}{ending}"));
-            Some((form, named.unwrap_or_else(own)))
-        });
-        let mut places: Vec<(Form, PathBuf)> = requested.collect();
+    fn requested(&self, table: &Path) -> Vec<(PathBuf, WriteForm)> {
+        let stem = stem(table);
+        let named = |file: &Option<Option<PathBuf>>, ending: &str| {
+            let own = || table.with_file_name(format!("{stem}{ending}"));
+            file.clone().map(|file| file.unwrap_or_else(own))
+        };
+        let own = |requested: bool, name: String| requested.then(|| table.with_file_name(name));
         let [header, source, script] = simulink_files(&stem);
         let [_, ctypes, csharp] = binding_files(&stem);
-        let c = self.simulink || self.ctypes || self.csharp;
-        for (requested, form, name) in [
-            (c, Form::Header, header),
-            (self.simulink, Form::SFunction, source),
-            (self.simulink, Form::SimulinkScript, script),
-            (self.ctypes, Form::Ctypes, ctypes),
-            (self.csharp, Form::CSharp, csharp),
-            (self.octave, Form::Octave, "kufe_lut_at.m".into()),
-        ] {
-            let path = sibling.with_file_name(name);
-            if requested && places.iter().all(|(_, known)| *known != path) {
-                places.push((form, path));
-            }
+        let needs_header = self.simulink || self.ctypes || self.csharp;
+        let write_header: WriteForm =
+            |table, name, radius, out| table.write_header(name, radius, out);
+        let named: [(Option<PathBuf>, WriteForm); 5] = [
+            (named(&self.csv, ".csv"), |table, _, _, out| {
+                table.write_csv(out)
+            }),
+            (named(&self.mat, ".mat"), |table, _, _, out| {
+                table.write_mat(out)
+            }),
+            (named(&self.header, ".h"), write_header),
+            (named(&self.fmu, ".fmu"), |table, name, radius, out| {
+                table.write_fmu(name, radius, Fmi::V3, out)
+            }),
+            (
+                named(&self.fmu2, "_fmi2.fmu"),
+                |table, name, radius, out| table.write_fmu(name, radius, Fmi::V2, out),
+            ),
+        ];
+        let own: [(Option<PathBuf>, WriteForm); 6] = [
+            (own(needs_header, header), write_header),
+            (own(self.simulink, source), |table, name, radius, out| {
+                table.write_s_function(name, radius, out)
+            }),
+            (own(self.simulink, script), |table, name, _, out| {
+                table.write_simulink_script(name, out)
+            }),
+            (own(self.ctypes, ctypes), |table, name, _, out| {
+                table.write_ctypes(name, out)
+            }),
+            (own(self.csharp, csharp), |table, name, _, out| {
+                table.write_csharp(name, out)
+            }),
+            (own(self.octave, "kufe_lut_at.m".into()), |_, _, _, out| {
+                out.extend(OCTAVE_FUNCTION.as_bytes());
+                Ok(())
+            }),
+        ];
+        let named = named.into_iter();
+        let named = named.filter_map(|(path, write)| Some((path?, write)));
+        let mut requested: Vec<(PathBuf, WriteForm)> = named.collect();
+        for (path, write) in own {
+            // A header that is requested by name need not be written again.
+            let new = path.filter(|path| requested.iter().all(|(known, _)| known != path));
+            requested.extend(new.map(|path| (path, write)));
         }
-        places
+        requested
     }
 
     /// The files of the requested forms.
-    pub fn paths(&self, sibling: &Path) -> Vec<PathBuf> {
-        let places = self.places(sibling).into_iter();
-        places.map(|(_, path)| path).collect()
+    pub fn paths(&self, table: &Path) -> Vec<PathBuf> {
+        let requested = self.requested(table).into_iter();
+        requested.map(|(path, _)| path).collect()
     }
 
     /// Writes the table itself and its requested forms, whose files are returned, to their places.
@@ -152,44 +163,23 @@ impl Forms {
         files: OutputFiles,
     ) -> Result<Vec<PathBuf>, Failure> {
         files.write(out, |writer| table.write(writer))?;
-        let written = self.write(table, out, &files)?;
+        self.write(table, out, &files)?;
         files.commit()?;
-        Ok(written)
+        Ok(self.paths(out))
     }
 
-    /// Writes the requested forms; returns their files.
+    /// Writes the requested forms.
     ///
     /// # Errors
     /// [`Failure::BadInput`] where a form cannot be made of this table or a file not be written.
-    pub fn write(
-        &self,
-        table: &Table,
-        sibling: &Path,
-        files: &OutputFiles,
-    ) -> Result<Vec<PathBuf>, Failure> {
-        let (stem, radius) = (stem(sibling), self.rocker_radius_m);
-        let write = |form: Form, bytes: &mut Vec<u8>| match form {
-            Form::Csv => table.write_csv(bytes),
-            Form::Mat => table.write_mat(bytes),
-            Form::Octave => {
-                bytes.extend(OCTAVE_FUNCTION.as_bytes());
-                Ok(())
-            }
-            Form::Header => table.write_header(&stem, radius, bytes),
-            Form::Ctypes => table.write_ctypes(&stem, bytes),
-            Form::CSharp => table.write_csharp(&stem, bytes),
-            Form::SFunction => table.write_s_function(&stem, radius, bytes),
-            Form::SimulinkScript => table.write_simulink_script(&stem, bytes),
-            Form::Fmu(fmi) => table.write_fmu(&stem, radius, fmi, bytes),
-        };
-        let mut written = Vec::new();
-        for (form, path) in self.places(sibling) {
+    fn write(&self, table: &Table, out: &Path, files: &OutputFiles) -> Result<(), Failure> {
+        for (path, write) in self.requested(out) {
             let mut bytes = Vec::new();
-            write(form, &mut bytes).map_err(of_file(&path))?;
+            let written = write(table, &stem(out), self.rocker_radius_m, &mut bytes);
+            written.map_err(of_file(&path))?;
             files.bytes(&path, &bytes)?;
-            written.push(path);
         }
-        Ok(written)
+        Ok(())
     }
 }
 

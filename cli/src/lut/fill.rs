@@ -1,20 +1,20 @@
 //! `kufe lut TABLE.toml`: the whole table in one process.
 
-use std::path::PathBuf;
-use std::time::Instant;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
-use kufe::jobs::{
-    Failure,
-    table::{Solver, TableSpec},
-};
+use kufe::jobs::table::{Solver, TableSpec};
+use kufe::jobs::{Failure, percent};
+use kufe::plot::short;
+use kufe::results::{TableInfo, TableSummary};
 use kufe_files::resolved;
+use kufe_lut::{Mode, Point, Quantity, SweepResult, Table};
 
-use crate::cli::misspelt;
 use crate::lut::SUBCOMMANDS;
 use crate::lut::export::Forms;
-use crate::lut::finish::finish;
 use crate::output::OutputFiles;
-use crate::terminal::Global;
+use crate::terminal::{Global, misspelt};
+use crate::text::document_text;
 
 /// Arguments of `kufe lut` without a subcommand.
 #[derive(clap::Args, Debug)]
@@ -56,4 +56,67 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     filled.clear()?;
     let spent = (filled.solves, started.elapsed());
     finish(&filled.swept, &solver, &out, &written, spent, global)
+}
+
+/// Reports the errors of a written table, and fails where one is larger than requested.
+///
+/// # Errors
+/// [`Failure::NotConverged`] where the interpolation or a solve stayed short of the request.
+pub fn finish(
+    swept: &SweepResult,
+    solver: &Solver,
+    out: &Path,
+    written: &[PathBuf],
+    (solves, time): (usize, Duration),
+    global: &Global,
+) -> Result<(), Failure> {
+    let table = &swept.table;
+    let seconds = time.as_secs_f64();
+    let summary = TableSummary::new(table, solves, seconds)?;
+    let contents = document_text(&TableInfo::new(table, None)?)?;
+    let worst = table.interpolation_error(table.judged(), Mode::Smooth)?;
+    let worst = worst.map_or(String::new(), |error| {
+        let place = error.max_at.named();
+        let place = place.map(|(key, value)| format!("{key} = {}", short(value)));
+        let place = place.collect::<Vec<_>>().join(", ");
+        format!("smooth interpolation is least accurate at {place}\n")
+    });
+    global.print(&summary, || {
+        let files = std::iter::once(out).chain(written.iter().map(PathBuf::as_path));
+        let files: String = files.map(|path| format!("{}\n", path.display())).collect();
+        format!("{files}{contents}{worst}{solves} solves in {seconds:.1} s\n")
+    })?;
+    let interpolation = swept.shortfall.as_ref().map(ToString::to_string);
+    let solves = short_of(table, solver.tolerance());
+    let reasons: Vec<String> = interpolation.into_iter().chain(solves).collect();
+    if reasons.is_empty() {
+        return Ok(());
+    }
+    Err(Failure::NotConverged(format!(
+        "{}: {}; the table was written with its measured errors",
+        out.display(),
+        reasons.join("; ")
+    )))
+}
+
+/// How many solves stayed short of the solver's tolerance, and the worst.
+fn short_of(table: &Table, tolerance: f64) -> Option<String> {
+    // The film's own error adds to that of the groove, to which the tolerance applies.
+    let times = if table.is_sliding() { 2.0 } else { 1.0 };
+    let allowed = times * tolerance;
+    let errors = table.solves();
+    let errors = errors.map(|solve| (solve.point, solve.figures.relative_error()));
+    let short: Vec<(Point, f64)> = errors.filter(|(_, error)| *error > allowed).collect();
+    let (place, worst) = short.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let plural = if short.len() == 1 { "" } else { "s" };
+    Some(format!(
+        "{} solve{plural} stayed short of the {}'s tolerance of {}, the worst with an estimated error of {} at {place}",
+        short.len(),
+        match table.judged() {
+            Quantity::PMax => "peak pressure",
+            _ => "coefficient of friction",
+        },
+        percent(allowed),
+        percent(*worst),
+    ))
 }

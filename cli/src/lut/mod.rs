@@ -2,7 +2,6 @@
 
 mod export;
 mod fill;
-mod finish;
 mod plan;
 mod query;
 mod show;
@@ -10,8 +9,7 @@ mod show;
 use clap::error::ErrorKind;
 use kufe::jobs::Failure;
 
-use crate::cli::misspelt;
-use crate::terminal::Global;
+use crate::terminal::{Global, misspelt};
 
 /// The subcommands.
 const SUBCOMMANDS: [&str; 6] = ["show", "query", "export", "plan", "run", "merge"];

@@ -11,7 +11,7 @@ use kufe_lut::{Origin, Progress, replay};
 use serde::Serialize;
 
 use crate::lut::export::Forms;
-use crate::lut::finish::finish;
+use crate::lut::fill::finish;
 use crate::output::{OutputFiles, of_file};
 use crate::terminal::{Global, say, warn};
 

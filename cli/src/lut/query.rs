@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use kufe::jobs::{Failure, table::read_table};
 use kufe::plot::short;
 use kufe::results::{Description, TableLookup};
-use kufe_lut::{Axes, AxisKind, MIN_SPEED, Mode, Outside, Point, Table, curvature_from_pitch};
+use kufe_lut::{Axes, AxisKind, MIN_SPEED, Mode, Outside, Point, curvature_from_pitch};
 
 use crate::output::of_file;
 use crate::terminal::{Global, warn};
@@ -99,90 +99,72 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         speed: v,
         ice_c: args.ice_c,
     };
-    let is_missing =
-        |kind| table.axes().get(kind).is_some() && at.get(kind).is_none_or(f64::is_nan);
-    if is_missing(AxisKind::Speed) {
-        return usage("the speed is missing: the table has that axis; give --v-mps");
-    }
-    if is_missing(AxisKind::IceTemperature) {
-        return usage(
-            "the temperature of the ice is missing: the table has that axis; give --ice-c",
-        );
-    }
     let axes = table.axes();
-    let is_track = args.pitch_rate_radps.is_some();
-    for (option, unused) in [
+    let of_track = args.pitch_rate_radps.and(v);
+    for (kind, name, option, given, otherwise_used) in [
+        (AxisKind::Speed, "speed", "--v-mps", v, of_track),
         (
-            "--v-mps",
-            v.is_some() && !is_track && axes.speed().is_none(),
+            AxisKind::IceTemperature,
+            "temperature of the ice",
+            "--ice-c",
+            args.ice_c,
+            None,
         ),
-        ("--ice-c", args.ice_c.is_some() && axes.ice_c().is_none()),
     ] {
-        if unused {
+        let is_axis = axes.get(kind).is_some();
+        if is_axis && given.is_none_or(f64::is_nan) {
+            return usage(&format!(
+                "the {name} is missing: the table has that axis; give {option}"
+            ));
+        }
+        if !is_axis && given.is_some() && otherwise_used.is_none() {
             warn(&format!("{option} is not used: the table has no such axis"));
         }
     }
-    check_within(args, &table, &at)?;
-    let is_smooth = args.mode == Mode::Smooth.name();
-    let mode = if is_smooth {
-        Mode::Smooth
-    } else {
-        Mode::Bilinear
-    };
-    let found = TableLookup::new(&table, at, mode).map_err(of_file(&args.table))?;
-    global.answer(&found, || text(&found, &table, &at))
-}
-
-/// Refuses a point outside an axis whose rule is an error; with `--strict` outside any.
-///
-/// # Errors
-/// [`Failure::BadInput`] with the input, its value and the table's range.
-fn check_within(args: &Args, table: &Table, at: &Point) -> Result<(), Failure> {
-    let axes = table.axes();
-    for (kind, value, [low, high]) in outside(axes, at) {
-        if args.strict || axes.outside(kind) == Outside::Error {
-            let key = kind.key();
-            let reason = format!("{key} = {value}: outside the table, expected {low} to {high}");
-            return Err(Failure::in_file(&args.table, reason));
-        }
+    let outside = outside(axes, &at);
+    let is_refused = |kind| args.strict || axes.outside(kind) == Outside::Error;
+    if let Some((kind, value, [low, high])) = outside.iter().find(|(kind, ..)| is_refused(*kind)) {
+        let key = kind.key();
+        let reason = format!("{key} = {value}: outside the table, expected {low} to {high}");
+        return Err(Failure::in_file(&args.table, reason));
     }
-    Ok(())
+    let mode = Mode::ALL.into_iter().find(|mode| mode.name() == args.mode);
+    let mode = mode.expect("the parser admits modes alone");
+    let found = TableLookup::new(&table, at, mode).map_err(of_file(&args.table))?;
+    global.answer(&found, || text(&found, axes, &outside))
 }
 
-/// Axes, values and ranges of the inputs that lie outside a table; a rocker radius outside is
-/// refused by the table.
-fn outside(axes: &Axes, at: &Point) -> Vec<(AxisKind, f64, [f64; 2])> {
+/// An input outside a table: its axis, its value and the range.
+type OutOfRange = (AxisKind, f64, [f64; 2]);
+
+/// The inputs that lie outside a table; a rocker radius outside is refused by the table.
+fn outside(axes: &Axes, at: &Point) -> Vec<OutOfRange> {
     let outside = |kind| {
-        let (value, [low, high]) = (at.get(kind)?, range(axes, kind, at.fz)?);
-        (!(low..=high).contains(&value)).then_some((kind, value, [low, high]))
+        let [least, most] = axes.range(AxisKind::Fz, at.fz)?;
+        // The range of the curvature depends on the force.
+        let [low, high] = axes.range(kind, at.fz.clamp(least, most))?;
+        let value = at.get(kind).filter(|value| !(low..=high).contains(value))?;
+        Some((kind, value, [low, high]))
     };
     let kinds = AxisKind::ALL.into_iter();
-    kinds
-        .filter(|kind| *kind != AxisKind::RockerRadius)
-        .filter_map(outside)
-        .collect()
+    let kinds = kinds.filter(|kind| *kind != AxisKind::RockerRadius);
+    kinds.filter_map(outside).collect()
 }
 
-/// The ends of an axis, where the table has it; those of the curvature at a force.
-fn range(axes: &Axes, kind: AxisKind, fz: f64) -> Option<[f64; 2]> {
-    let [low, high] = axes.range(AxisKind::Fz, fz)?;
-    axes.range(kind, fz.clamp(low, high))
-}
-
-fn text(found: &TableLookup, table: &Table, at: &Point) -> String {
+fn text(found: &TableLookup, axes: &Axes, outside: &[OutOfRange]) -> String {
     let mut text = String::new();
     for one in &found.values {
         let shown = Description::of(one.quantity);
+        let amount = shown.amount(one.value);
         let error = one
             .error
             .map(|error| format!(" (+- {})", shown.number(error)));
-        let (amount, error) = (shown.amount(one.value), error.unwrap_or_default());
+        let error = error.unwrap_or_default();
         text += &format!("{:<28} {amount}{error}\n", shown.label);
     }
     let with = found.values.iter().filter(|one| one.includes_solver);
-    let with: Vec<&str> = with
-        .map(|one| Description::of(one.quantity).label)
-        .collect();
+    let with = with.map(|one| Description::of(one.quantity).label);
+    let with: Vec<&str> = with.collect();
     text += &if with.len() == found.values.len() {
         "in brackets: interpolation and the solver's error\n".to_owned()
     } else {
@@ -191,7 +173,6 @@ fn text(found: &TableLookup, table: &Table, at: &Point) -> String {
             with.join(", ")
         )
     };
-    let axes = table.axes();
     if found.out_of_range {
         let is_linear = |kind: &AxisKind| axes.outside(*kind) == Outside::Linear;
         let what = if AxisKind::ALL.iter().any(is_linear) {
@@ -199,9 +180,8 @@ fn text(found: &TableLookup, table: &Table, at: &Point) -> String {
         } else {
             "clipped to its nearest value, whose errors these are"
         };
-        let place = outside(axes, at);
-        let place = place.into_iter().map(|(kind, value, ends)| {
-            let [value, low, high] = [value, ends[0], ends[1]].map(short);
+        let place = outside.iter().map(|&(kind, value, [low, high])| {
+            let [value, low, high] = [value, low, high].map(short);
             format!("{} = {value}, its range {low} to {high}", kind.key())
         });
         let place = place.collect::<Vec<_>>().join("; ");

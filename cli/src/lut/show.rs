@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use crate::output::{OutputFiles, of_file};
 use crate::terminal::Global;
+use crate::text::print_document;
 
 /// Arguments of `kufe lut show`.
 #[derive(clap::Args, Debug)]
@@ -23,8 +24,8 @@ pub struct Args {
     /// What is drawn: p_max, p_mean, area, length, width, approach; of a runner that slides also
     /// mu, mu_ploughing, mu_viscous, mu_boundary, groove_depth, film_mean [default: p_max, or mu of
     /// a runner that slides]
-    #[arg(long)]
-    pub quantity: Option<String>,
+    #[arg(long, value_parser = quantity)]
+    pub quantity: Option<Quantity>,
     /// Radius of the rocker [m], where the table has that axis
     #[arg(long, value_name = "METRES")]
     pub rocker_radius_m: Option<f64>,
@@ -78,11 +79,10 @@ struct Drawn<'a> {
 /// Draws the table.
 ///
 /// # Errors
-/// [`Failure::Usage`] for an unknown quantity, [`Failure::BadInput`] for files.
+/// [`Failure::BadInput`] for files.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
-    let named = args.quantity.as_deref().map(quantity).transpose()?;
     let table = read_table(&args.table)?;
-    let quantity = named.unwrap_or(table.judged());
+    let quantity = args.quantity.unwrap_or(table.judged());
     let out = args.out.clone();
     let out = out.unwrap_or_else(|| args.table.with_extension("png"));
     let mut inputs = vec![args.table.clone()];
@@ -99,27 +99,19 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     };
     let picture = table_picture(&table, quantity, slice, &samples);
     let picture = picture.map_err(of_file(&args.table))?;
-    let outside = picture.outside;
     files.bytes(&out, &picture.figure.png())?;
     files.commit()?;
     let drawn = Drawn {
         written: [&out],
         samples: samples.len(),
-        outside,
+        outside: picture.outside,
     };
-    global.print(&drawn, || {
-        let samples = match drawn.samples {
-            0 => String::new(),
-            count => format!("{outside} of {count} samples lie outside the table\n"),
-        };
-        format!("wrote {}\n{samples}", out.display())
-    })
+    print_document(&drawn, global)
 }
 
-fn quantity(name: &str) -> Result<Quantity, Failure> {
+fn quantity(name: &str) -> Result<Quantity, String> {
     Quantity::from_name(name).ok_or_else(|| {
-        let names: Vec<&str> = Quantity::ALL.iter().map(|q| q.name()).collect();
-        let names = names.join(", ");
-        Failure::Usage(format!("--quantity {name}: expected one of {names}"))
+        let names = Quantity::ALL.map(|quantity| quantity.name()).join(", ");
+        format!("expected one of {names}")
     })
 }

@@ -1,6 +1,6 @@
 //! Single output files, which are all written or none.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::fs::File;
 use std::io::Write;
@@ -8,10 +8,9 @@ use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
 use kufe_files::{outputs_apart, resolved};
-use tempfile::TempDir;
 
 use crate::output::record::{FolderRecord, lock};
-use crate::output::{NewFolders, Staging, names_in, remove_on_interrupt};
+use crate::output::{Staging, names_in, remove_on_interrupt};
 use crate::terminal::Global;
 
 /// Files that a command writes at places of their own.
@@ -25,10 +24,8 @@ pub struct OutputFiles {
     force: bool,
     /// Each output as the user names it, and its place, without links.
     outputs: Vec<(PathBuf, PathBuf)>,
-    /// A hidden folder in each folder that receives files.
-    hidden: BTreeMap<PathBuf, TempDir>,
-    /// Dropped after the hidden folders in them.
-    _made: Vec<NewFolders>,
+    /// The folders that receive files, the newest first: it may be in one before it.
+    staged: Vec<(PathBuf, Staging)>,
 }
 
 impl OutputFiles {
@@ -45,35 +42,33 @@ impl OutputFiles {
         outputs: &[PathBuf],
         force: bool,
     ) -> Result<OutputFiles, Failure> {
+        let outputs = outputs.iter().map(|named| (named.clone(), resolved(named)));
         let mut files = OutputFiles {
             command,
             inputs: inputs.to_vec(),
             force,
-            outputs: outputs
-                .iter()
-                .map(|named| (named.clone(), resolved(named)))
-                .collect(),
-            hidden: BTreeMap::new(),
-            _made: Vec::new(),
+            outputs: outputs.collect(),
+            staged: Vec::new(),
         };
         files.check(|_| true)?;
         for (named, place) in &files.outputs {
             let folder = folder_of(place);
-            if !files.hidden.contains_key(folder) {
+            if files.staged.iter().all(|(known, _)| known != folder) {
                 let staging = Staging::in_folder(folder);
-                let Staging { hidden, made } =
-                    staging.map_err(|error| Failure::unwritable(named, error))?;
-                files.hidden.insert(folder.to_path_buf(), hidden);
-                files._made.insert(0, made);
+                let staging = staging.map_err(|error| Failure::unwritable(named, error))?;
+                files.staged.insert(0, (folder.to_path_buf(), staging));
             }
         }
-        remove_on_interrupt(files.hidden.values(), &files._made);
+        remove_on_interrupt(files.staged.iter().map(|(_, staging)| staging));
         Ok(files)
     }
 
     /// Where an output is written before it is moved to its place.
     fn new_file(&self, place: &Path) -> PathBuf {
-        self.hidden[folder_of(place)].path().join(name_of(place))
+        let mut staged = self.staged.iter();
+        let own = staged.find(|(folder, _)| folder == folder_of(place));
+        let (_, staging) = own.expect("every output's folder was prepared");
+        staging.hidden.path().join(name_of(place))
     }
 
     /// Writes one of the outputs with a function that takes a writer.
@@ -110,13 +105,15 @@ impl OutputFiles {
     /// # Errors
     /// [`Failure::BadInput`] with a path that is not as it was at the beginning.
     pub fn commit(self) -> Result<(), Failure> {
-        let _locks: Vec<_> = self.hidden.keys().map(|folder| lock(folder)).collect();
+        // In one order in every process, so that none waits for another in a circle.
+        let folders: BTreeSet<&PathBuf> = self.staged.iter().map(|(folder, _)| folder).collect();
+        let _locks: Vec<_> = folders.into_iter().map(|folder| lock(folder)).collect();
         self.check(|place| self.new_file(place).exists())?;
-        for (folder, hidden) in &self.hidden {
-            let names =
-                names_in(hidden.path()).map_err(|error| Failure::unwritable(folder, error))?;
+        for (folder, staging) in &self.staged {
+            let hidden = staging.hidden.path();
+            let names = names_in(hidden).map_err(|error| Failure::unwritable(folder, error))?;
             let record = FolderRecord::read(folder).unwrap_or_else(|| FolderRecord::new(None));
-            record.replace(folder, hidden.path(), names, &[], self.command)?;
+            record.replace(folder, hidden, &names, &[], self.command)?;
         }
         Ok(())
     }
@@ -134,17 +131,12 @@ impl OutputFiles {
             if place.file_name().and_then(|name| name.to_str()).is_none() {
                 return Err(Failure::unwritable(named, "expected a name in Unicode"));
             }
-            if self.force || !place.exists() {
-                continue;
+            let folder = folder_of(place);
+            let record = FolderRecord::read(folder).unwrap_or_else(|| FolderRecord::new(None));
+            let refusal = record.refusal(folder, &name_of(place), &[self.command]);
+            if let Some(reason) = refusal.filter(|_| !self.force) {
+                return Err(Failure::unwritable(named, reason));
             }
-            let reason = match FolderRecord::writer_of(folder_of(place), &name_of(place)) {
-                Some(writer) if writer == self.command => continue,
-                Some(writer) => format!("kufe {writer} wrote it; --force replaces it"),
-                None => {
-                    "it exists already, and kufe did not write it so; --force replaces it".into()
-                }
-            };
-            return Err(Failure::unwritable(named, reason));
         }
         Ok(())
     }

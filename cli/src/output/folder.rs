@@ -13,6 +13,7 @@ use serde::Serialize;
 
 use crate::output::record::{FolderRecord, RECORD, lock};
 use crate::output::{Staging, TEMPORARY, names_in, remove_on_interrupt};
+use crate::terminal::Global;
 
 /// A temporary folder that collects files until [`OutputDir::commit`] moves them into the output.
 ///
@@ -47,8 +48,7 @@ impl OutputDir {
         force: bool,
     ) -> Result<OutputDir, Failure> {
         let output = OutputDir::prepare(command, inputs, target, force)?;
-        let Staging { hidden, made } = &output.staging;
-        remove_on_interrupt([hidden], std::slice::from_ref(made));
+        remove_on_interrupt([&output.staging]);
         Ok(output)
     }
 
@@ -62,17 +62,15 @@ impl OutputDir {
         target: &Path,
         force: bool,
     ) -> Result<OutputDir, Failure> {
-        let named = target.to_path_buf();
-        let target = resolved(target);
-        let staging =
-            Staging::in_folder(&target).map_err(|error| Failure::unwritable(&named, error))?;
+        let place = resolved(target);
         let output = OutputDir {
             command,
+            named: target.to_path_buf(),
             inputs: inputs.to_vec(),
             force,
-            staging,
-            named,
-            target,
+            staging: Staging::in_folder(&place)
+                .map_err(|error| Failure::unwritable(target, error))?,
+            target: place,
         };
         kufe_files::clear_temporaries(&output.target);
         output.check(&[])?;
@@ -91,63 +89,55 @@ impl OutputDir {
             .map_err(|error| Failure::unwritable(&self.named, error))
     }
 
-    /// Checks that the folder may receive files of these names; returns the record of those that
-    /// an earlier run of the command wrote there.
-    fn check(&self, names: &[String]) -> Result<FolderRecord, Failure> {
-        let found = FolderRecord::read(&self.target);
-        let owner = found.as_ref().and_then(|record| record.command.clone());
-        let own = match found {
-            Some(record) if owner.as_deref() == Some(self.command) => record,
-            _ => {
-                if let Some(reason) = self.foreign(owner)?.filter(|_| !self.force) {
-                    let reason = format!("{reason}; expected another folder, or --force");
-                    return Err(Failure::in_file(&self.named, reason));
-                }
-                FolderRecord::new(Some(self.command))
-            }
-        };
-        let failure =
-            |name: &str, reason: &str| Err(Failure::unwritable(&self.named.join(name), reason));
-        let inputs: BTreeSet<PathBuf> = self.inputs.iter().map(|path| resolved(path)).collect();
-        for (name, file) in own.files_of(self.command) {
-            let path = self.target.join(name);
-            if inputs.contains(&resolved(&path)) {
-                return failure(name, "this command reads it; expected another folder");
-            }
-            if !self.force && path.symlink_metadata().is_ok() && !file.describes(&path) {
-                let reason = "it was changed since kufe wrote it; --force replaces it";
-                return failure(name, reason);
-            }
-        }
-        let paths: Vec<PathBuf> = names.iter().map(|name| self.named.join(name)).collect();
-        if let Some((name, _)) = names.iter().zip(&paths).find(|(_, path)| path.is_symlink()) {
-            return failure(name, "a link is in the way; expected another folder");
-        }
-        outputs_apart(&self.inputs, &paths).map_err(Failure::bad_input)?;
-        for (name, path) in names.iter().zip(&paths).filter(|_| !self.force) {
-            if path.exists() && own.files_of(self.command).all(|(one, _)| one != name) {
-                let reason = "it exists and kufe did not write it; --force replaces it";
-                return failure(name, reason);
-            }
-        }
-        Ok(own)
+    /// The commands whose files this one replaces: itself, and the one that makes pages of them.
+    fn replaced(&self) -> [&str; 2] {
+        [self.command, "report"]
     }
 
-    /// Why the folder, of the command `owner`, is not this command's; `None` for an empty one.
-    ///
-    /// # Errors
-    /// [`Failure::BadInput`] for a folder that cannot be read.
-    fn foreign(&self, owner: Option<String>) -> Result<Option<String>, Failure> {
-        if let Some(owner) = owner {
-            return Ok(Some(format!("it contains results of kufe {owner}")));
+    /// Checks that the folder may receive files of these names in place of those of an earlier run;
+    /// returns its record.
+    fn check(&self, names: &[String]) -> Result<FolderRecord, Failure> {
+        // Listed before the record is read: another process records files before it moves them.
+        let there = names_in(&self.target);
+        let found = FolderRecord::read(&self.target);
+        let owner = found.as_ref().and_then(|record| record.command.clone());
+        let record = found.filter(|_| owner.as_deref() == Some(self.command));
+        if record.is_none() && !self.force {
+            let there = there.map_err(|error| Failure::unwritable(&self.named, error))?;
+            self.check_free(owner, &there)?;
         }
-        let names =
-            names_in(&self.target).map_err(|error| Failure::unwritable(&self.named, error))?;
-        let mut names = names.iter();
-        let other = names.find(|name| !name.starts_with(TEMPORARY) && *name != RECORD);
-        let command = self.command;
-        Ok(other
-            .map(|name| format!("it is not empty and kufe {command} did not write it ({name})")))
+        let record = record.unwrap_or_else(|| FolderRecord::new(Some(self.command)));
+        let commands = self.replaced();
+        let own = record.files_of(&commands).map(String::as_str);
+        let names: BTreeSet<&str> = own.chain(names.iter().map(String::as_str)).collect();
+        let paths: Vec<PathBuf> = names.iter().map(|name| self.named.join(name)).collect();
+        for (name, path) in names.iter().zip(&paths) {
+            let refusal = record.refusal(&self.target, name, &commands);
+            let link = path
+                .is_symlink()
+                .then(|| "a link is in the way; expected another folder".to_owned());
+            if let Some(reason) = refusal.filter(|_| !self.force).or(link) {
+                return Err(Failure::unwritable(path, reason));
+            }
+        }
+        outputs_apart(&self.inputs, &paths).map_err(Failure::bad_input)?;
+        Ok(record)
+    }
+
+    /// Refuses a folder of the command `owner`, or one of the user's that is not empty.
+    fn check_free(&self, owner: Option<String>, there: &[String]) -> Result<(), Failure> {
+        let reason = if let Some(owner) = owner {
+            format!("it contains results of kufe {owner}")
+        } else {
+            let is_other = |name: &&String| !name.starts_with(TEMPORARY) && *name != RECORD;
+            let Some(name) = there.iter().find(is_other) else {
+                return Ok(());
+            };
+            let command = self.command;
+            format!("it is not empty and kufe {command} did not write it ({name})")
+        };
+        let reason = format!("{reason}; expected another folder, or --force");
+        Err(Failure::in_file(&self.named, reason))
     }
 
     /// Writes the file `name` with a function that takes the file.
@@ -187,27 +177,51 @@ impl OutputDir {
         self.files().bytes(name, text.as_bytes())
     }
 
-    /// Writes a result as JSON.
+    /// Writes the result of the command as the file `name`, moves all files into the output folder,
+    /// and prints the result: as JSON, or as `text` and the names of the files.
     ///
     /// # Errors
-    /// As [`OutputDir::write`].
-    pub fn json(&self, name: &str, result: &impl Serialize) -> Result<(), Failure> {
-        self.files().json(name, result)
+    /// As [`OutputDir::write`] and [`OutputDir::commit`].
+    pub fn finish(
+        self,
+        name: &str,
+        result: &impl Serialize,
+        global: &Global,
+        text: impl FnOnce() -> String,
+    ) -> Result<(), Failure> {
+        self.files().json(name, result)?;
+        let folder = self.named.clone();
+        let written = self.commit()?;
+        global.print(result, || text() + &listed(&folder, &written))
     }
 
-    /// Moves every file into the output folder and removes those of an earlier run of the command.
+    /// Moves every file into the output folder and removes those of an earlier run of the command;
+    /// returns their names in order.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with the path that could not be replaced.
-    pub fn commit(self) -> Result<(), Failure> {
+    pub fn commit(self) -> Result<Vec<String>, Failure> {
         let hidden = self.staging.hidden.path();
         let _lock = lock(&self.target);
         let names = names_in(hidden).map_err(|error| Failure::unwritable(&self.named, error))?;
         let record = self.check(&names)?;
-        let own = record.files_of(self.command).map(|(name, _)| name);
+        let commands = self.replaced();
+        let own = record.files_of(&commands);
         let stale: Vec<String> = own.filter(|name| !names.contains(name)).cloned().collect();
-        record.replace(&self.target, hidden, names, &stale, self.command)
+        record.replace(&self.target, hidden, &names, &stale, self.command)?;
+        Ok(names)
     }
+}
+
+/// A line with the folder and the files that were written into it.
+pub fn listed(folder: &Path, names: &[String]) -> String {
+    const MOST: usize = 12;
+    let more = match names.len().saturating_sub(MOST) {
+        0 => String::new(),
+        more => format!(" and {more} more files"),
+    };
+    let names = names[..names.len().min(MOST)].join(", ");
+    format!("{}: {names}{more}\n", folder.display())
 }
 
 #[cfg(test)]
@@ -224,7 +238,7 @@ mod tests {
         for name in names {
             output.text(name, name)?;
         }
-        output.commit()
+        output.commit().map(|_| ())
     }
 
     /// The reason why files of these names are refused.
@@ -293,7 +307,7 @@ mod tests {
         assert_eq!(names(&out), ["notes", "x"]);
         assert!(refusal(&out, &["notes"]).contains("did not write it"));
         std::fs::write(out.join("x"), "changed")?;
-        assert!(refusal(&out, &["x"]).contains("it was changed"));
+        assert!(refusal(&out, &["x"]).contains("was changed since"));
         write_all(&out, true, &["x"])?;
         let other = OutputDir::prepare("mesh", &[], &out, false).map(|_| ());
         assert!(

@@ -12,7 +12,7 @@ use kufe_files::TEMPORARY;
 use tempfile::TempDir;
 
 pub use file::{OutputFiles, write_file};
-pub use folder::OutputDir;
+pub use folder::{OutputDir, listed};
 pub use record::{FolderRecord, remove_outputs};
 
 /// How often a folder is made that other processes remove.
@@ -23,12 +23,16 @@ pub fn of_file<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> Failure {
     move |error| Failure::in_file(path, error)
 }
 
-/// The names of what is in a folder.
+/// The names of what is in a folder, in order.
 fn names_in(folder: &Path) -> std::io::Result<Vec<String>> {
     let entries = std::fs::read_dir(folder)?;
     let name =
         |entry: std::io::Result<DirEntry>| Ok(entry?.file_name().to_string_lossy().into_owned());
-    entries.map(name).collect()
+    let mut names = entries
+        .map(name)
+        .collect::<std::io::Result<Vec<String>>>()?;
+    names.sort();
+    Ok(names)
 }
 
 /// The files that a command reads that solves a case: the case, and all that it names.
@@ -83,10 +87,10 @@ impl Drop for NewFolders {
 
 /// Lets an interrupt remove hidden folders, and those made for them, and end the process with code
 /// 130.
-fn remove_on_interrupt<'a>(hidden: impl IntoIterator<Item = &'a TempDir>, made: &[NewFolders]) {
-    let hidden = hidden.into_iter().map(|folder| folder.path().to_path_buf());
-    let hidden: Vec<PathBuf> = hidden.collect();
-    let made = made.to_vec();
+fn remove_on_interrupt<'a>(staged: impl IntoIterator<Item = &'a Staging>) {
+    let staged = staged.into_iter();
+    let staged = staged.map(|one| (one.hidden.path().to_path_buf(), one.made.clone()));
+    let (hidden, made): (Vec<PathBuf>, Vec<NewFolders>) = staged.unzip();
     // A process that handles interrupts already continues to do so.
     let _ = ctrlc::set_handler(move || {
         for folder in &hidden {

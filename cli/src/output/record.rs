@@ -85,11 +85,27 @@ impl FolderRecord {
         Ok(())
     }
 
-    /// The files that `command` wrote, and pages that show them; other commands may have added
-    /// theirs.
-    pub fn files_of(&self, command: &str) -> impl Iterator<Item = (&String, &FileRecord)> {
+    /// The files that these commands wrote; others may have added theirs.
+    pub fn files_of(&self, commands: &[&str]) -> impl Iterator<Item = &String> {
         let files = self.files.iter();
-        files.filter(move |(_, file)| file.command == command || file.command == "report")
+        let own = files.filter(|(_, file)| commands.contains(&&*file.command));
+        own.map(|(name, _)| name)
+    }
+
+    /// Why the file `name` of `folder` may be replaced with `--force` alone, where it exists and is
+    /// not what one of `commands` wrote.
+    pub fn refusal(&self, folder: &Path, name: &str, commands: &[&str]) -> Option<String> {
+        let path = folder.join(name);
+        path.symlink_metadata().ok()?;
+        let reason = match self.files.get(name) {
+            None => "it exists already, and kufe did not write it".to_owned(),
+            Some(file) if !file.describes(&path) => {
+                "it exists already, and was changed since kufe wrote it".to_owned()
+            }
+            Some(file) if commands.contains(&&*file.command) => return None,
+            Some(file) => format!("kufe {} wrote it", file.command),
+        };
+        Some(reason + "; --force replaces it")
     }
 
     /// The command that wrote the file `name` of `folder`, where the file is as it was written.
@@ -111,10 +127,11 @@ impl FolderRecord {
         mut self,
         folder: &Path,
         hidden: &Path,
-        mut names: Vec<String>,
+        names: &[String],
         stale: &[String],
         command: &str,
     ) -> Result<(), Failure> {
+        let mut names = names.to_vec();
         names.sort_by_key(|name| name == INDEX);
         // Both sets of files are kufe's until the last is moved.
         for name in &names {

@@ -6,8 +6,8 @@ use kufe::jobs::Failure;
 use kufe::jobs::field::{ComparedMaps, read_map};
 use kufe::report::{Picture, read_json, results_page};
 use kufe::results::{
-    ComparedQuantity, Comparison, ContactResult, Datum, PeakPressure, QUANTITIES, Quantity,
-    compared_quantities,
+    ComparedQuantity, Comparison, ContactResult, Datum, Description, PeakPressure, QUANTITIES,
+    Quantity, compared_quantities,
 };
 use kufe_contact::PressureMap;
 
@@ -16,6 +16,16 @@ use crate::terminal::{Global, warn};
 
 /// Longest result [bytes].
 const LONGEST: u64 = 1 << 25;
+
+/// The only quantity that is compared and has no error.
+const NORMAL_FORCE: Description = Description {
+    key: "fz_n",
+    error_key: "",
+    label: "normal force",
+    unit: "N",
+    times: 1.0,
+    decimals: [1, 1],
+};
 
 /// Arguments of `kufe compare`.
 #[derive(clap::Args, Debug)]
@@ -71,12 +81,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         &results_page([&title, ""], &[picture], &[], &documents),
     )?;
     output.picture("comparison.png", &figure)?;
-    output.json("comparison.json", &document)?;
-    output.commit()?;
-    global.print(&document, || {
-        let out = args.out.display();
-        text(&document) + &format!("{out}: comparison.json, comparison.png, comparison.html\n")
-    })
+    output.finish("comparison.json", &document, global, || text(&document))
 }
 
 /// How far apart the middles of two maps are along and across [m], where no place is on both.
@@ -131,22 +136,20 @@ fn text(document: &Comparison) -> String {
 
 /// A quantity in its usual unit, with errors; a star where the difference exceeds them.
 fn row(quantity: &ComparedQuantity) -> String {
-    let known = QUANTITIES.iter().find(|known| known.key == quantity.key);
+    let mut known = QUANTITIES.iter().filter(|known| known.key == quantity.key);
+    let known = known.next().unwrap_or(&NORMAL_FORCE);
     let shown = |value: f64, error: Option<f64>| {
-        let number = |value: f64| known.map_or(format!("{value:.1}"), |known| known.number(value));
-        let within = |error: f64| match number(error) {
+        let within = |error: f64| match known.number(error) {
             // An error that the usual digits do not show.
             text if error > 0.0 && !text.contains(|c| ('1'..='9').contains(&c)) => {
-                format!(" +- {:.0e}", error * known.map_or(1.0, |known| known.times))
+                format!(" +- {:.0e}", known.times * error)
             }
             text => format!(" +- {text}"),
         };
-        number(value) + &error.map_or(String::new(), within)
+        known.number(value) + &error.map_or(String::new(), within)
     };
-    let name = known.map_or("normal force [N]".to_owned(), |known| match known.unit {
-        "" => known.label.to_owned(),
-        unit => format!("{} [{unit}]", known.label),
-    });
+    let name = format!("{} [{}]", known.label, known.unit);
+    let name = name.trim_end_matches(" []");
     let exceeds = quantity.exceeds_errors == Some(true);
     let star = if exceeds { " *" } else { "" };
     let first = shown(quantity.first, quantity.first_error);

@@ -73,8 +73,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let result = write_contact(output.files(), &pressed, args.mat)?;
     output.commit()?;
     let writing = started.elapsed().as_secs_f64();
-    global.print(&result, || {
-        summary::text(&pressed, &result, &args.out, writing)
-    })?;
+    let summary = summary::text(&pressed, &result, &args.out, writing)?;
+    global.print(&result, || summary)?;
     pressed.short.map_or(Ok(()), Err)
 }

@@ -13,14 +13,29 @@ use kufe::results::{ContactResult, SeriesRow, VariedKeys, write_csv};
 use kufe_contact::Options;
 use kufe_mesh::write_pvd;
 
-use crate::output::{OutputDir, case_inputs, remove_outputs};
-use crate::press::{Args, summary};
+use crate::output::{OutputDir, case_inputs, listed, remove_outputs};
+use crate::press::Args;
 use crate::terminal::Global;
+use crate::text::table_text;
 
 /// Most bytes of a result.json: 3 kB, and the points that its case lists.
 const LONGEST: u64 = 1 << 22;
 /// Largest number of steps, so that a slip of the hand does not fill the disk.
 const MOST: usize = 10_000;
+
+/// What is printed of each step.
+const COLUMNS: [&str; 10] = [
+    "folder",
+    "rocker_radius_m",
+    "radius_m",
+    "pitch_rad",
+    "roll_rad",
+    "fz_n",
+    "p_max_pa",
+    "length_m",
+    "width_m",
+    "error",
+];
 
 /// A series to solve.
 struct Series<'a> {
@@ -74,10 +89,14 @@ pub fn run(
     let mut rows = Vec::new();
     let solved = global.watched(|watch| series.solve(&steps, &finished, watch, &mut rows));
     write_overview(&output, &args.out, &rows, &args.lists, steps.len())?;
-    output.commit()?;
+    let written = output.commit()?;
     solved?;
-    let retained = finished.iter().flatten().count();
-    global.print(&rows, || summary::series(&rows, retained, &args.out))?;
+    let text = table_text(&rows, &COLUMNS)?;
+    let steps_text = match finished.iter().flatten().count() {
+        0 => format!("{} steps\n", rows.len()),
+        retained => format!("{} steps, {retained} of them there already\n", rows.len()),
+    };
+    global.print(&rows, || text + &steps_text + &listed(&args.out, &written))?;
     let mut short = rows.iter().filter_map(|row| row.error.as_deref());
     let done = rows.len() - short.clone().count();
     ending(
@@ -223,7 +242,7 @@ fn write_overview(
     lists: &Lists,
     count: usize,
 ) -> Result<(), Failure> {
-    output.json("table.json", &rows)?;
+    output.files().json("table.json", &rows)?;
     output.write("table.csv", |mut file| write_csv(&mut file, rows))?;
     let times = lists.times(count);
     for (name, file) in [("series.pvd", "field.vtu"), ("runner.pvd", "runner.vtu")] {
@@ -238,6 +257,9 @@ fn write_overview(
     }
     Ok(())
 }
+
+/// Sets one of the keys that a series varies.
+type SetKey = fn(&mut VariedKeys, f64);
 
 /// The lists of a series; every combination is solved, the load running fastest.
 #[derive(clap::Args, Clone, Debug, Default)]
@@ -280,39 +302,36 @@ pub struct Lists {
 }
 
 impl Lists {
-    /// The lists, the one that runs slowest first.
-    fn all(&self) -> [&[f64]; 5] {
+    /// The lists with the keys that they set, the one that runs slowest first.
+    fn all(&self) -> [(&[f64], SetKey); 5] {
         [
-            &self.rocker_radius_m,
-            &self.radius_m,
-            &self.pitch_rad,
-            &self.roll_rad,
-            &self.fz_n,
+            (&self.rocker_radius_m, |keys, value| {
+                keys.rocker_radius_m = Some(value)
+            }),
+            (&self.radius_m, |keys, value| {
+                keys.radius_m = Some(value.into())
+            }),
+            (&self.pitch_rad, |keys, value| keys.pitch_rad = Some(value)),
+            (&self.roll_rad, |keys, value| keys.roll_rad = Some(value)),
+            (&self.fz_n, |keys, value| keys.fz_n = Some(value)),
         ]
     }
 
     /// Whether there is any list.
     pub fn is_series(&self) -> bool {
-        self.all().iter().any(|values| !values.is_empty())
+        self.all().iter().any(|(values, _)| !values.is_empty())
     }
 
     /// How many combinations there are.
     fn count(&self) -> usize {
-        let lengths = self.all().map(|values| values.len().max(1));
+        let lengths = self.all().map(|(values, _)| values.len().max(1));
         lengths.iter().fold(1, |n: usize, &k| n.saturating_mul(k))
     }
 
     /// Every combination, the load running fastest.
     fn combinations(&self) -> Vec<VariedKeys> {
-        let set: [fn(&mut VariedKeys, f64); 5] = [
-            |keys, value| keys.rocker_radius_m = Some(value),
-            |keys, value| keys.radius_m = Some(value.into()),
-            |keys, value| keys.pitch_rad = Some(value),
-            |keys, value| keys.roll_rad = Some(value),
-            |keys, value| keys.fz_n = Some(value),
-        ];
         let mut combinations = vec![VariedKeys::default()];
-        let lists = self.all().into_iter().zip(set);
+        let lists = self.all().into_iter();
         for (values, set) in lists.filter(|(list, _)| !list.is_empty()) {
             let longer = combinations.iter().flat_map(|keys| {
                 values.iter().map(|value| {
@@ -328,7 +347,8 @@ impl Lists {
 
     /// Times for ParaView: the values themselves where one list rises, else 1, 2, 3 ...
     fn times(&self, count: usize) -> Vec<f64> {
-        let several = self.all().into_iter().filter(|list| list.len() > 1);
+        let lists = self.all().into_iter().map(|(list, _)| list);
+        let several = lists.filter(|list| list.len() > 1);
         let several: Vec<&[f64]> = several.collect();
         let rises = |list: &[f64]| list.is_sorted_by(|a, b| a < b && b.is_finite());
         match several[..] {

@@ -2,61 +2,49 @@
 
 use std::path::Path;
 
-use kufe::jobs::slide::SolvedSliding;
-use kufe::jobs::{SolvedContact, newtons, percent};
+use kufe::jobs::{Failure, SolvedContact, newtons, percent};
 use kufe::results::{
-    ContactResult, Length, Measured, PeakPressure, Quantity, RunnerResult, SeriesRow,
+    ContactResult, Data, Datum, Measured, PeakPressure, QUANTITIES, Quantity, RunnerResult,
 };
-use kufe_contact::Measure;
+
+use crate::text::measured;
 
 /// Lines: a name and its text.
 type Rows = Vec<(&'static str, String)>;
 
-/// The readable summary: the peak with its whole error and the parts of that first, then all else.
+/// The readable summary: the peak with its whole error and the parts of that first, then every other
+/// quantity of the result.
 ///
 /// `writing` is how long the files took [s].
-pub fn text(pressed: &SolvedContact, result: &ContactResult, out: &Path, writing: f64) -> String {
-    let bound = pressed.solution.bound();
-    let mut rows = peak(result, bound);
+///
+/// # Errors
+/// [`Failure::BadInput`] for a result that JSON cannot state.
+pub fn text(
+    pressed: &SolvedContact,
+    result: &ContactResult,
+    out: &Path,
+    writing: f64,
+) -> Result<String, Failure> {
+    let mut rows = peak(result, pressed.solution.bound());
     let on_mesh_pa = result.p_max_mesh_pa;
     let p_max_map = result.p_max_map_pa.unwrap_or(on_mesh_pa);
     rows.push(("on this mesh", on_mesh(on_mesh_pa, p_max_map)));
     let in_field = in_field(on_mesh_pa, result.stress_max_pa.unwrap_or(on_mesh_pa));
     rows.extend(in_field.map(|text| ("in field.vtu", text)));
-    let of_area = if result.p_max.value >= bound {
-        within(result.area, result.accuracy_reached)
-    } else {
-        String::new()
-    };
-    let angle = |radians: f64| match radians {
-        0.0 => "0 rad".into(),
-        _ => format!("{radians:.3e} rad"),
-    };
-    let angles = [
-        (result.pitch.value, result.pitch.error),
-        (result.roll.value, result.roll.error),
-    ];
-    let angles = angles.map(|(value, error)| format!("{} +- {}", angle(value), angle(error)));
-    rows.push(("mean pressure", result.p_mean.to_string()));
-    rows.push(("contact length", result.length.to_string()));
-    rows.push(("contact width", result.width.to_string()));
-    rows.push(("contact area", format!("{}{of_area}", result.area)));
-    rows.push(("approach", result.approach.to_string()));
-    rows.push(("pitch, roll", angles.join(", ")));
+    rows.extend(quantities(result)?);
+    let absent = result.check_absent.as_ref();
+    rows.extend(absent.map(|reason| ("by boundary elements", format!("no peak: {reason}"))));
     rows.push(("normal force", newtons(result.fz_n)));
     rows.extend(result.hull_fit.as_ref().map(|fit| {
         let (rms, share) = (1e6 * fit.residual_rms_m, 1e2 * fit.residual_over_approach);
         let text = format!("{rms:.4} µm from the hull's vertices ({share:.2} % of the approach)");
         ("hull's fit", text)
     }));
-    let shear = result
-        .subsurface
-        .as_ref()
-        .and_then(|line| line.shear.as_ref());
-    let shear = shear.map(|found| format!("{} at {}", found.shear, found.depth));
-    rows.extend(shear.map(|text| ("largest shear", text)));
     rows.extend(result.runner.iter().flat_map(steel));
-    rows.extend(pressed.sliding.iter().flat_map(sliding));
+    rows.extend(pressed.sliding.as_ref().map(|slid| {
+        let (pressure, from) = (1e-6 * slid.hardness.value, slid.hardness.from.in_words());
+        ("hardness", format!("{pressure:.2} MPa ({from})"))
+    }));
     let (seconds, dofs, iterations) = (result.seconds, result.dofs, result.iterations);
     let solved = format!("{seconds:.3} s, {dofs} unknowns, {iterations} iterations");
     rows.push(("solved in", solved));
@@ -66,14 +54,36 @@ pub fn text(pressed: &SolvedContact, result: &ContactResult, out: &Path, writing
         ("hull read in", text)
     }));
     rows.push(("written to", format!("{} in {writing:.3} s", out.display())));
-    let rows = rows
-        .iter()
-        .map(|(name, text)| format!("  {name:<18} {text}\n"));
-    format!("{}\n{}", pressed.loaded.name, rows.collect::<String>())
+    let wide = rows.iter().map(|(name, _)| name.chars().count()).max();
+    let wide = wide.unwrap_or_default();
+    let rows = rows.iter();
+    let rows = rows.map(|(name, text)| format!("  {name:<wide$}  {text}\n"));
+    Ok(format!(
+        "{}\n{}",
+        pressed.loaded.name,
+        rows.collect::<String>()
+    ))
 }
 
-/// The peak with its whole error, the parts of that, and the second answer; where the ice yields at
-/// `bound` [Pa] its hardness is the peak.
+/// Every quantity of the result but the peak pressure, with its error.
+fn quantities(result: &ContactResult) -> Result<Rows, Failure> {
+    let document = Datum::of(result)?;
+    let whole = document.group();
+    let part = |key: &str| whole?.get(key)?.group();
+    let parts = ["subsurface", "mu_sensitivity"].map(part);
+    let groups: Vec<&Data> = parts.into_iter().chain([whole]).flatten().collect();
+    let others = QUANTITIES
+        .iter()
+        .filter(|one| **one != PeakPressure::DESCRIPTION);
+    let rows = others.filter_map(|one| {
+        let found = groups.iter().find_map(|data| measured(data, one.key));
+        Some((one.label, found?))
+    });
+    Ok(rows.collect())
+}
+
+/// The peak with its whole error, and the parts of that; where the ice yields at `bound` [Pa] its
+/// hardness is the peak.
 fn peak(result: &ContactResult, bound: f64) -> Rows {
     let total = result.peak();
     if total.value >= bound {
@@ -83,26 +93,9 @@ fn peak(result: &ContactResult, bound: f64) -> Rows {
     let mut rows = vec![("peak pressure", format!("{total}{of_peak}"))];
     let parts = result.peak_error_parts();
     rows.extend(parts.iter().filter(|_| parts.len() > 1).map(|part| {
-        let name = match part.source {
-            "discretisation" => "  discretisation",
-            "scan noise" => "  scan noise",
-            _ => "  hull's fit",
-        };
         let error = PeakPressure::DESCRIPTION.amount(part.error);
-        (name, format!("+- {error}"))
+        ("of that", format!("+- {error} by {}", part.source))
     }));
-    let check = result.check.as_ref().map(|check| {
-        let time = 1e3 * check.check_seconds;
-        format!("{} by boundary elements, {time:.1} ms", check.p_max)
-    });
-    let absent = result.check_absent.as_ref();
-    let absent = absent.map(|reason| format!("none by boundary elements: {reason}"));
-    rows.extend(
-        check
-            .into_iter()
-            .chain(absent)
-            .map(|text| ("second answer", text)),
-    );
     rows
 }
 
@@ -162,106 +155,6 @@ fn steel(runner: &RunnerResult) -> Rows {
     std::iter::once(("runner's stress", stress))
         .chain(mounts)
         .collect()
-}
-
-/// What sliding adds.
-fn sliding(slid: &SolvedSliding) -> Rows {
-    let with = |[value, error]: [f64; 2], factor: f64, digits: usize| {
-        let (value, error) = (factor * value, factor.abs() * error);
-        format!("{value:.digits$} +- {error:.digits$}")
-    };
-    let of = |m: Measure, factor: f64, digits: usize| with([m.value, m.error], factor, digits);
-    let (friction, groove) = (&slid.friction, &slid.groove);
-    let film = &slid.film.film;
-    let [mu, ploughing, viscous, boundary] = [
-        [friction.mu.value, friction.mu.error],
-        [friction.ploughing.value, friction.ploughing.error],
-        [friction.viscous.value, friction.viscous.error],
-        [friction.boundary.value, friction.boundary.error],
-    ]
-    .map(|part| with(part, 1e3, 3));
-    let share = 1e2 * film.totals.boundary_share;
-    let boundary = match friction.boundary.value {
-        0.0 => String::new(),
-        _ => format!(", boundary {boundary} on {share:.1} % of the patch"),
-    };
-    let by = &slid.sensitivity;
-    let rough = by.roughness.zip(by.boundary_shear);
-    let rough = rough.map_or(String::new(), |(roughness, shear)| {
-        let (roughness, shear) = (roughness.value, shear.value);
-        format!(", {roughness:+.2} % for roughness, {shear:+.2} % for boundary shear")
-    });
-    let (speed, hardness, viscosity) = (by.speed.value, by.hardness.value, by.viscosity.value);
-    let warmer = 1e2 * by.temperature.value;
-    let changes = format!(
-        "by {speed:+.2} % for 1 % more speed, {hardness:+.2} % for hardness, {viscosity:+.2} % for viscosity{rough}; {warmer:+.1} % on ice 1 K warmer"
-    );
-    let (pressure, from) = (slid.hardness.value / 1e6, slid.hardness.from.in_words());
-    let time = 1e3 * slid.hardness.contact_time.value;
-    let [front, ahead] = [groove.front, groove.load_ahead].map(|m| of(m, 1e3, 2));
-    let back = if groove.back.value < 0.0 {
-        format!("{} mm behind it", of(groove.back, -1e3, 2))
-    } else {
-        format!("{} mm ahead of it", of(groove.back, 1e3, 2))
-    };
-    let (depth, area) = (of(groove.deepest, 1e6, 2), 1e6 * groove.profile.area());
-    let thickest = film
-        .thickest()
-        .map_or(0.0, |station| 1e6 * station.thickness);
-    let mean = 1e6 * film.totals.mean_thickness;
-    vec![
-        (
-            "friction",
-            format!("mu {mu}e-3: ploughing {ploughing}, film {viscous}{boundary}"),
-        ),
-        ("mu changes", changes),
-        (
-            "hardness",
-            format!("{pressure:.2} MPa ({from}), of ice {time:.2} ms under the runner"),
-        ),
-        ("groove", format!("{depth} µm deep, {area:.4} mm2")),
-        (
-            "patch",
-            format!("from {front} mm ahead of the lowest point to {back}"),
-        ),
-        ("load acts", format!("{ahead} mm ahead of the lowest point")),
-        (
-            "film",
-            format!("{mean:.3} µm on average, at most {thickest:.3} µm"),
-        ),
-    ]
-}
-
-/// The steps of a series, a line each.
-pub fn series(rows: &[SeriesRow], retained: usize, out: &Path) -> String {
-    let mut text = String::new();
-    for row in rows {
-        let varied = row.varied.named().into_iter();
-        let varied: Vec<String> = varied
-            .map(|(key, value)| format!("{key} = {value}"))
-            .collect();
-        let mut parts = Vec::new();
-        if let Some(found) = &row.result {
-            let peak = PeakPressure::DESCRIPTION.amount(found.p_max.value);
-            let [length, width] =
-                [found.length.value, found.width.value].map(|m| Length::DESCRIPTION.amount(m));
-            parts.push(format!("p_max {peak}, contact {length} x {width}"));
-        }
-        if row.error.is_some() {
-            parts.push("requested accuracy not reached".to_owned());
-        }
-        let (folder, varied, parts) = (&row.folder, varied.join(", "), parts.join(", "));
-        text += &format!("  {folder}  {varied}: {parts}\n");
-    }
-    let before = match retained {
-        0 => String::new(),
-        retained => format!(", {retained} of them there already"),
-    };
-    text + &format!(
-        "  {} steps{before}; table.csv, table.json and series.pvd in {}\n",
-        rows.len(),
-        out.display()
-    )
 }
 
 #[cfg(test)]

@@ -6,12 +6,12 @@ use std::path::PathBuf;
 use kufe::jobs::Failure;
 use kufe::jobs::align::AlignOptions;
 use kufe::jobs::runs::write_runs;
-use kufe::results::Alignment;
 use kufe_sled::{gaps_line, track_file};
 
 use crate::output::OutputDir;
 use crate::runs::run_format;
 use crate::terminal::{Global, warn};
+use crate::text::document_text;
 
 /// Arguments of `kufe runs align`.
 #[derive(clap::Args, Debug)]
@@ -59,25 +59,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let format = run_format(args.parquet);
     write_runs(output.files(), &mut aligned.runs, format)?;
     let document = &aligned.document;
-    output.json("align.json", document)?;
-    output.commit()?;
     for remark in aligned.runs.iter().flat_map(|run| &run.remarks) {
         warn(remark);
     }
     if !document.gaps.is_empty() {
         warn(&gaps_line(&document.gaps));
     }
-    global.print(document, || {
-        let (out, runs, tracks) = (
-            args.out.display(),
-            aligned.runs.len(),
-            document.tracks.len(),
-        );
-        summary(document) + &format!("{out}: runs.csv, {runs} runs, {tracks} tracks, align.json\n")
-    })
-}
-
-fn summary(document: &Alignment) -> String {
     let mut text = String::new();
     for track in &document.tracks {
         let with = if track.surveyed {
@@ -85,15 +72,8 @@ fn summary(document: &Alignment) -> String {
         } else {
             "one another"
         };
-        let name = &track.track;
-        text += &format!(
-            "{name} along {with}\nrun               starts at [m]   stretch   drift [m]   within [m]\n"
-        );
-        for run in &track.runs {
-            let (name, start, stretch) = (&run.run, run.start_m, run.stretch);
-            let (drift, sd) = (run.drift_m, run.sd_m);
-            text += &format!("{name:16} {start:14.2} {stretch:9.4} {drift:11.2} {sd:12.2}\n");
-        }
+        text += &format!("{} along {with}\n", track.track);
+        text += &document_text(&track.runs)?;
     }
-    text
+    output.finish("align.json", document, global, || text)
 }

@@ -45,20 +45,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     });
     let (runs, curves): (Vec<_>, Vec<_>) = examined?;
     let check = RunCheck::new(args.runs.display().to_string(), runs);
-    let viewer = if args.view {
-        write_view(&output, &all_runs(args.runs.clone()), global)?
-    } else {
-        None
-    };
+    let viewed = args.view.then(|| all_runs(args.runs.clone()));
+    let viewer = write_view(&output, viewed, global)?;
     let page = record_page(&check, &curves, viewer);
     output.text("check.html", &page)?;
-    output.json("check.json", &check)?;
-    output.commit()?;
-    global.print(&check, || {
-        let viewer = viewer.map_or(String::new(), |name| format!(", {name}"));
-        let out = args.out.display();
-        summary(&check.runs) + &format!("{out}: check.json, check.html{viewer}\n")
-    })?;
+    output.finish("check.json", &check, global, || summary(&check.runs))?;
     if check.wrong == 0 {
         return Ok(());
     }

@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use crate::output::OutputFiles;
 use crate::terminal::{Global, warn};
+use crate::text::print_document;
 
 /// Arguments of `kufe runs gather`.
 #[derive(clap::Args, Debug)]
@@ -174,27 +175,5 @@ fn report(args: &Args, global: &Global, gathered: &Gathered) -> Result<(), Failu
         drivers: stated("driver", |entry| &entry.driver),
         tracks: stated("track", |entry| &entry.track),
     };
-    global.print(&written, || text(&written))
-}
-
-fn text(written: &WrittenIndex) -> String {
-    let passed = written.passed_over.iter();
-    let mut text: String = passed
-        .map(|passed| format!("passed over: {passed}\n"))
-        .collect();
-    if !written.renamed.is_empty() {
-        let renamed = written.renamed.join(", ");
-        text += &format!("named by their folders, for others have their names: {renamed}\n");
-    }
-    let counts = [
-        ("session", written.sessions.len()),
-        ("driver", written.drivers.len()),
-        ("track", written.tracks.len()),
-    ];
-    let counts = counts.map(|(name, count)| {
-        let plural = if count == 1 { "" } else { "s" };
-        format!("{count} {name}{plural}")
-    });
-    let (out, runs, counts) = (written.written.display(), written.runs, counts.join(", "));
-    text + &format!("{out}: {runs} runs, {counts}\n")
+    print_document(&written, global)
 }

@@ -4,10 +4,8 @@ use std::path::PathBuf;
 
 use kufe::jobs::Failure;
 use kufe::jobs::import::{ImportedRuns, RunImport};
-use kufe::results::{ImportList, ImportedRun};
-use kufe_telemetry::Note;
 
-use crate::output::OutputDir;
+use crate::output::{OutputDir, listed};
 use crate::terminal::{Global, note};
 
 /// Arguments of `kufe runs import`.
@@ -33,16 +31,21 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let import = RunImport::read(&args.mapping, args.strict)?;
     let output = OutputDir::begin("runs import", &import.inputs(), &args.out, global.force)?;
     let imported = global.watched(|watch| import.write(output.files(), watch))?;
-    output.commit()?;
-    report(args, global, &imported)?;
+    let written = output.commit()?;
+    for text in notices(&imported, global) {
+        note(&text);
+    }
+    global.print(&imported.list, || {
+        text(&imported) + &listed(&args.out, &written)
+    })?;
     imported.shortfall().map_or(Ok(()), Err)
 }
 
 /// Most notes and clocks that are listed; the files of the runs have them all.
 const LISTED: usize = 12;
 
-fn report(args: &Args, global: &Global, imported: &ImportedRuns) -> Result<(), Failure> {
-    let ImportedRuns { list, notes } = imported;
+/// Remarks on the runs, each once, unless the command is quiet, and the runs that are excluded.
+fn notices(ImportedRuns { list, notes }: &ImportedRuns, global: &Global) -> Vec<String> {
     let mut remarks: Vec<(&str, usize)> = Vec::new();
     for remark in notes.iter().flat_map(|note| &note.remarks) {
         match remarks.iter_mut().find(|(text, _)| text == remark) {
@@ -50,28 +53,23 @@ fn report(args: &Args, global: &Global, imported: &ImportedRuns) -> Result<(), F
             None => remarks.push((remark, 1)),
         }
     }
-    for (remark, count) in remarks.iter().take(LISTED).filter(|_| !global.quiet) {
-        let runs = if *count > 1 {
-            format!(" (in {count} runs)")
-        } else {
-            String::new()
-        };
-        note(&format!("note: {remark}{runs}"));
+    let mut notices: Vec<String> = Vec::new();
+    if !global.quiet {
+        let listed = remarks.iter().take(LISTED);
+        notices.extend(listed.map(|(remark, count)| match count {
+            1 => format!("note: {remark}"),
+            count => format!("note: {remark} (in {count} runs)"),
+        }));
+        if let more @ 1.. = remarks.len().saturating_sub(LISTED) {
+            notices.push(format!("note: {more} more notes are in RUN.import.json"));
+        }
     }
-    if remarks.len() > LISTED && !global.quiet {
-        let more = remarks.len() - LISTED;
-        note(&format!("note: {more} more notes are in RUN.import.json"));
-    }
-    for run in &list.excluded {
-        note(&format!("run {} is not imported: {}", run.run, run.reason));
-    }
-    global.print(list, || {
-        let (out, files) = (args.out.display(), list.files.len() - 1);
-        text(list, notes) + &format!("{out}: runs.csv and {files} more files\n")
-    })
+    let excluded = list.excluded.iter();
+    notices.extend(excluded.map(|run| format!("run {} is not imported: {}", run.run, run.reason)));
+    notices
 }
 
-fn text(list: &ImportList, notes: &[Note]) -> String {
+fn text(ImportedRuns { list, notes }: &ImportedRuns) -> String {
     let seconds: f64 = list.runs.iter().map(|run| run.seconds).sum();
     let first = notes.first();
     let (columns, rate) = first.map_or((0, 0.0), |note| (note.channels.len(), note.rate_hz));
@@ -83,13 +81,8 @@ fn text(list: &ImportList, notes: &[Note]) -> String {
     if read < expected {
         text += &format!("{read} of {expected} samples have a value\n");
     }
-    let missing = |run: &ImportedRun| run.missing_rows.values().sum::<usize>();
-    let missing: Vec<usize> = list
-        .runs
-        .iter()
-        .map(missing)
-        .filter(|count| *count > 0)
-        .collect();
+    let missing = list.runs.iter().map(|run| run.missing_rows.values().sum());
+    let missing: Vec<usize> = missing.filter(|count| *count > 0).collect();
     if !missing.is_empty() {
         let (values, runs) = (missing.iter().sum::<usize>(), missing.len());
         text += &format!(

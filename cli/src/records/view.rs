@@ -10,6 +10,7 @@ use serde::Serialize;
 use crate::output::OutputFiles;
 use crate::runs::{all_runs, viewer_page};
 use crate::terminal::Global;
+use crate::text::print_document;
 
 /// Arguments of `kufe runs view`.
 #[derive(clap::Args, Debug)]
@@ -63,9 +64,5 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     written.bytes = html.len();
     files.bytes(&args.out, html.as_bytes())?;
     files.commit()?;
-    global.print(&written, || {
-        let (out, megabytes) = (args.out.display(), written.bytes as f64 / 1e6);
-        let (runs, rate) = (written.runs, written.rate_hz);
-        format!("{out}: {runs} runs at {rate} Hz, {megabytes:.2} MB\n")
-    })
+    print_document(&written, global)
 }

@@ -6,7 +6,7 @@ use kufe::jobs::Failure;
 use kufe::jobs::runs::run_inputs;
 use kufe::jobs::view_runs::ViewOptions;
 use kufe::report::discovery_page;
-use kufe_discover::{CampaignFile, Error, Options, Report, Rules};
+use kufe_discover::{CampaignFile, Options, Rules};
 use kufe_sled::read_index;
 
 use crate::output::{OutputDir, of_file};
@@ -61,18 +61,13 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             "--twins {twins}: expected 10 to 1000"
         )));
     }
-    let rules = args
-        .rules
-        .as_deref()
-        .map(rules)
-        .transpose()?
-        .unwrap_or_default();
+    let rules = args.rules.as_deref().map(rules).transpose()?;
     let options = Options {
         seed: args.seed,
         twins,
         strict: args.strict,
         only: args.only.clone(),
-        rules,
+        rules: rules.unwrap_or_default(),
         ..Options::default()
     };
     let is_campaign = args.data.extension().is_some_and(|ending| ending == "toml");
@@ -89,7 +84,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let mut inputs = run_inputs(&args.data);
     inputs.extend([&args.model, &args.rules].into_iter().flatten().cloned());
     let (recorded, model) = if is_campaign {
-        let file = CampaignFile::read(&args.data).map_err(failure)?;
+        let file = CampaignFile::read(&args.data)?;
         inputs.extend(file.inputs());
         (file.runs, file.model)
     } else {
@@ -107,46 +102,29 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let found = global.watched(|watch| {
         let progress = |what: &str| watch.progress(what);
         kufe_discover::discover(&args.data, args.model.as_deref(), &options, &progress)
-    });
-    let found = found.map_err(failure)?;
+    })?;
     let report = &found.report;
     if !report.gaps.is_empty() {
         warn(&kufe_sled::gaps_line(&report.gaps));
     }
-    let viewer = recorded.map(|runs| {
-        let options = ViewOptions {
-            model,
-            ..all_runs(runs)
-        };
-        write_view(&output, &options, global)
+    let viewed = recorded.map(|runs| ViewOptions {
+        model,
+        ..all_runs(runs)
     });
-    let viewer = viewer.transpose()?.flatten();
+    let viewer = write_view(&output, viewed, global)?;
     output.text("report.html", &discovery_page(report, viewer))?;
     output.text("model.next.toml", &found.next_model)?;
     if let Some(case) = &found.next_case {
         output.text("case.next.toml", case)?;
     }
-    output.json("report.json", report)?;
-    output.commit()?;
-    global.print(report, || text(report, &args.out))
+    output.finish("report.json", report, global, || {
+        let texts = [&report.sentence, &report.explained].into_iter();
+        let texts = texts.filter(|text| !text.is_empty());
+        texts.map(|text| format!("{text}\n")).collect()
+    })
 }
 
 fn rules(path: &Path) -> Result<Rules, Failure> {
     let text = kufe_files::text_of_regular(path, 1 << 20).map_err(of_file(path))?;
     Rules::from_toml(&text).map_err(of_file(path))
-}
-
-fn text(report: &Report, output: &Path) -> String {
-    let page = output.join("report.html");
-    let texts = [&report.sentence, &report.explained];
-    let texts = texts.into_iter().filter(|text| !text.is_empty());
-    let texts: String = texts.map(|text| format!("{text}\n")).collect();
-    texts + &format!("written: {}\n", page.display())
-}
-
-fn failure(error: Error) -> Failure {
-    match error {
-        Error::BaseFit { .. } => Failure::NotConverged(error.to_string()),
-        other => Failure::BadInput(other.to_string()),
-    }
 }

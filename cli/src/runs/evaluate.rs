@@ -8,9 +8,7 @@ use kufe::results::{Evaluation, write_evaluation_csv};
 use kufe_sled::{DriverLosses, Group, RunEvaluation, distinct, evaluate, file_stem, table_samples};
 
 use crate::output::OutputDir;
-use crate::runs::arguments::RunArgs;
-use crate::runs::files::draw_tables;
-use crate::runs::{all_runs, write_view};
+use crate::runs::{RunArgs, all_runs, draw_tables, write_view};
 use crate::terminal::Global;
 
 /// Arguments of `kufe evaluate`.
@@ -46,37 +44,27 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         Some(name) => named_run(runs, name, |run| &run.run)?,
     };
     output.write("evaluation.csv", |file| write_evaluation_csv(file, runs))?;
-    let mut written = draw(&output, runs, &document.drivers, drawn)?;
+    draw(&output, runs, &document.drivers, drawn)?;
     let samples = table_samples(loaded.prepared.iter().flat_map(|run| &run.states));
-    written.extend(draw_tables(&output, &loaded.vehicle, &samples)?);
-    if args.view {
-        let options = ViewOptions {
-            model: Some(args.runs.model.clone()),
-            only: runs.iter().map(|run| run.run.clone()).collect(),
-            ..all_runs(args.runs.runs.clone())
-        };
-        let viewer = write_view(&output, &options, global)?;
-        written.extend(viewer.map(str::to_owned));
-    }
-    output.json("evaluation.json", &document)?;
-    output.commit()?;
-    global.print(&document, || {
-        let (out, written) = (args.runs.out.display(), written.join(", "));
-        summary(&document.groups)
-            + &places(&document.drivers)
-            + &format!("{out}: evaluation.json, evaluation.csv, {written}\n")
+    draw_tables(&output, &loaded.vehicle, &samples)?;
+    let viewed = args.view.then(|| ViewOptions {
+        model: Some(args.runs.model.clone()),
+        only: runs.iter().map(|run| run.run.clone()).collect(),
+        ..all_runs(args.runs.runs.clone())
+    });
+    write_view(&output, viewed, global)?;
+    output.finish("evaluation.json", &document, global, || {
+        summary(&document.groups) + &places(&document.drivers)
     })
 }
 
-/// Draws the losses on each track and by track, the angles, and the forces of one run; returns the
-/// names of the pictures.
+/// Draws the losses on each track and by track, the angles, and the forces of one run.
 fn draw(
     output: &OutputDir,
     runs: &[RunEvaluation],
     drivers: &[DriverLosses],
     drawn: &RunEvaluation,
-) -> Result<Vec<String>, Failure> {
-    let mut pictures = Vec::new();
+) -> Result<(), Failure> {
     let tracks = distinct(runs.iter().map(|run| run.track.as_str()));
     for track in &tracks {
         let here = runs.iter().filter(|run| run.track == *track);
@@ -85,23 +73,17 @@ fn draw(
         let drivers: Vec<&DriverLosses> = drivers.collect();
         let (stem, title) = (file_stem(track), format!("Drivers on {track}"));
         let energy = energy_picture(&title, &here, |run| &run.driver);
-        pictures.push((format!("energy_{stem}.png"), energy));
-        pictures.push((
-            format!("losses_{stem}.png"),
-            losses_picture(track, &drivers),
-        ));
+        output.picture(&format!("energy_{stem}.png"), &energy)?;
+        let losses = losses_picture(track, &drivers);
+        output.picture(&format!("losses_{stem}.png"), &losses)?;
     }
     if tracks.len() > 1 {
         let energy = energy_picture("Tracks, every driver", runs, |run| &run.track);
-        pictures.push(("energy_tracks.png".to_owned(), energy));
+        output.picture("energy_tracks.png", &energy)?;
     }
-    pictures.push(("angles.png".to_owned(), angle_picture(runs)));
+    output.picture("angles.png", &angle_picture(runs))?;
     let forces = format!("forces_{}.png", file_stem(&drawn.run));
-    pictures.push((forces, force_picture(drawn)));
-    for (name, figure) in &pictures {
-        output.picture(name, figure)?;
-    }
-    Ok(pictures.into_iter().map(|(name, _)| name).collect())
+    output.picture(&forces, &force_picture(drawn))
 }
 
 /// Where each driver loses most, by the time that it costs.

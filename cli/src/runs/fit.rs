@@ -7,7 +7,7 @@ use kufe_sled::friction::{Interval, LateralFit, MagicFormula};
 use kufe_sled::{find_contacts, lateral_samples};
 
 use crate::output::OutputDir;
-use crate::runs::arguments::RunArgs;
+use crate::runs::RunArgs;
 use crate::terminal::Global;
 
 /// Arguments of `kufe fit`.
@@ -66,20 +66,17 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         let name = format!("fit_{runner}.png");
         output.picture(&name, &fit_picture(runner, samples, law))?;
     }
-    output.json("fit.json", document)?;
-    output.commit()?;
-    global.print(document, || {
+    output.finish("fit.json", document, global, || {
         let [front, rear] = [
             line("front", &fit.front, &model.friction.front),
             line("rear", &fit.rear, &model.friction.rear),
         ];
-        let (runs, total, out) = (fit.runs.len(), fit.samples, args.runs.out.display());
+        let (runs, total) = (fit.runs.len(), fit.samples);
         let (excluded, contacts) = (fit.excluded_roll_acceleration, fit.excluded_contacts);
         format!(
             "{runs} runs, {total} samples, {excluded} excluded for roll acceleration, {contacts} for an external force\n\
              {front}{rear}\
-             mu_y and zeta_y act only as their product mu_zeta; at the slips driven, mu_zeta and c almost only as mu_zeta c\n\
-             {out}: fit.json, model.fit.toml, fit_front.png, fit_rear.png\n"
+             mu_y and zeta_y act only as their product mu_zeta; at the slips driven, mu_zeta and c almost only as mu_zeta c\n"
         )
     })
 }

@@ -1,6 +1,6 @@
 //! `kufe validate`: the friction model against runs that it was not fitted to.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use kufe::charts::{lateral_force_picture, rmse_picture};
 use kufe::jobs::lateral::{FittedLaws, validate_runs};
@@ -10,9 +10,9 @@ use kufe::results::Validation;
 use kufe_sled::RunValidation;
 
 use crate::output::OutputDir;
-use crate::runs::arguments::RunArgs;
-use crate::runs::files::write_mat;
+use crate::runs::{RunArgs, write_mat};
 use crate::terminal::Global;
+use crate::text::document_text;
 
 /// Arguments of `kufe validate`.
 #[derive(clap::Args, Debug)]
@@ -61,17 +61,14 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if args.mat {
         write_mat(&output, "validation.mat", &document, force_series(runs))?;
     }
-    output.json("validation.json", &document)?;
-    output.commit()?;
-    global.print(&document, || text(args, &document, &drawn))
+    let tracks = document_text(&document.tracks)?;
+    output.finish("validation.json", &document, global, || {
+        tracks + &text(args.fit.as_deref(), &document, &drawn)
+    })
 }
 
-fn text(args: &Args, document: &Validation, drawn: &[&RunValidation]) -> String {
-    let mut text = String::from("track          runs  RMSE [N]  Braghin [N]\n");
-    for one in &document.tracks {
-        let (track, runs, rmse, braghin) = (&one.track, one.runs, one.rmse_n, one.rmse_braghin_n);
-        text += &format!("{track:14} {runs:4}  {rmse:8.1}  {braghin:11.1}\n");
-    }
+fn text(fit: Option<&Path>, document: &Validation, drawn: &[&RunValidation]) -> String {
+    let mut text = String::new();
     for run in drawn.iter().filter(|run| !run.largest.is_empty()) {
         let places = run.largest.iter();
         let places = places.map(|d| format!("{:.0} m ({:.0} N)", d.s_m, d.rms_n));
@@ -80,13 +77,11 @@ fn text(args: &Args, document: &Validation, drawn: &[&RunValidation]) -> String 
             "{name}: largest disagreements, root mean square over half a second, at {places}\n"
         );
     }
-    text += &match &args.fit {
+    text + &match fit {
         Some(path) => {
             let (path, count) = (path.display(), document.left_out_as_fitted.len());
             format!("laws of {path}; the {count} runs of the fit are excluded\n")
         }
         None => "laws of the model; give --fit to exclude the runs of a fit\n".to_owned(),
-    };
-    let (out, count) = (args.runs.out.display(), drawn.len());
-    text + &format!("{out}: validation.json, rmse.png, {count} force pictures\n")
+    }
 }

@@ -7,16 +7,20 @@ use kufe::case::{Case, Hardness, Shape, TiltWord};
 use kufe_mesh::{BobRunner, LugeSteel};
 use serde::{Deserialize, Serialize};
 
-/// Ranges of the sliders: from, to.
-const RANGES: [(&str, f64, f64); 8] = [
-    ("rocker_radius_m", 2.0, 200.0),
-    ("section_radius_m", 1e-3, 0.05),
-    ("edge_radius_m", 5e-5, 5e-3),
-    ("tilt_rad", -0.1, 0.1),
-    ("fz_n", 50.0, 10_000.0),
-    ("curvature_1pm", -0.02, 0.08),
-    ("offset_x_m", -0.4, 0.4),
-    ("hardness_pa", 5e6, ELASTIC_PA),
+/// A slider: its name, its ends, and its value in a form.
+type Slider = (&'static str, [f64; 2], fn(&Form) -> f64);
+
+const SLIDERS: [Slider; 8] = [
+    ("rocker_radius_m", [2.0, 200.0], |form| form.rocker_radius_m),
+    ("section_radius_m", [1e-3, 0.05], |form| {
+        form.section_radius_m
+    }),
+    ("edge_radius_m", [5e-5, 5e-3], |form| form.edge_radius_m),
+    ("tilt_rad", [-0.1, 0.1], |form| form.tilt_rad),
+    ("fz_n", [50.0, 10_000.0], |form| form.fz_n),
+    ("curvature_1pm", [-0.02, 0.08], |form| form.curvature_1pm),
+    ("offset_x_m", [-0.4, 0.4], |form| form.offset_x_m),
+    ("hardness_pa", [5e6, ELASTIC_PA], |form| form.hardness_pa),
 ];
 /// End of the slider of the hardness [Pa], where no hardness is stated.
 const ELASTIC_PA: f64 = 1e9;
@@ -107,8 +111,8 @@ impl Form {
 
     /// The sliders' ends by name.
     pub fn ranges() -> BTreeMap<&'static str, [f64; 2]> {
-        let named = |(name, from, to)| (name, [from, to]);
-        RANGES.into_iter().map(named).collect()
+        let sliders = SLIDERS.into_iter();
+        sliders.map(|(name, ends, _)| (name, ends)).collect()
     }
 
     /// The case that the form states: `base` with the form's runner, track and load.
@@ -116,18 +120,8 @@ impl Form {
     /// # Errors
     /// A sentence where a number is outside its slider.
     pub fn case(&self, base: &Case) -> Result<Case, String> {
-        let values = [
-            self.rocker_radius_m,
-            self.section_radius_m,
-            self.edge_radius_m,
-            self.tilt_rad,
-            self.fz_n,
-            self.curvature_1pm,
-            self.offset_x_m,
-            self.hardness_pa,
-        ];
-        for ((name, from, to), value) in RANGES.iter().zip(values) {
-            let slack = 1e-9 * (to - from);
+        for (name, [from, to], value) in SLIDERS {
+            let (slack, value) = (1e-9 * (to - from), value(self));
             if !(from - slack..=to + slack).contains(&value) {
                 return Err(format!("{name} = {value}: expected {from} to {to}"));
             }

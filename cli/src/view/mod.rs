@@ -1,22 +1,25 @@
 //! `kufe view`: the page of a contact with a form that solves again, served to this machine alone.
 
 mod form;
-mod server;
 mod turn;
 
 use std::collections::BTreeMap;
-use std::net::{Ipv4Addr, TcpListener};
+use std::error::Error;
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 
-use kufe::jobs::{Failure, case_file::LoadedCase};
-use kufe::report::{Kind, page};
+use kufe::jobs::field::placed_hull;
+use kufe::jobs::{Contact, Failure, case_file::LoadedCase};
+use kufe::report::{ContactPage, Kind, page};
+use kufe_contact::{Options, pressure_maps};
 use serde::Serialize;
+use tiny_http::{Header, Request, Response};
 
 use crate::terminal::Global;
 use crate::view::form::Form;
-use crate::view::server::{Connections, Server, Solved, serve, solved};
 use crate::view::turn::Turn;
 
 /// Arguments of `kufe view`.
@@ -84,4 +87,279 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     global.answer(&listening, || format!("{}\n", listening.address))?;
     serve(&connections, &server);
     Ok(())
+}
+
+/// Points along and across of the map that a page is sent.
+const POINTS: [usize; 2] = [240, 150];
+/// Largest mesh: a larger one takes longer than a user waits for a slider.
+const MOST_DOFS: usize = 1_500_000;
+/// Longest body of a request [bytes].
+const LONGEST_BODY: usize = 4 << 10;
+/// Headers of every answer in addition to its type and the page's content security policy.
+const HEADERS: [(&str, &str); 6] = [
+    ("Cache-Control", "no-store"),
+    ("X-Content-Type-Options", "nosniff"),
+    ("X-Frame-Options", "DENY"),
+    ("Cross-Origin-Resource-Policy", "same-origin"),
+    ("Cross-Origin-Opener-Policy", "same-origin"),
+    ("Referrer-Policy", "no-referrer"),
+];
+
+/// An HTTP status that is no success, and the reason.
+type Refusal = (u16, String);
+
+/// What all requests share.
+struct Server {
+    /// The case to begin with.
+    base: LoadedCase,
+    /// The port that it listens on.
+    port: u16,
+    /// The page, with the first solve.
+    first: String,
+    /// The request that is solved now.
+    turn: Turn,
+}
+
+/// Connections of a listener.
+struct Connections {
+    http: tiny_http::Server,
+    /// Idle connections to itself, which occupy its first threads.
+    ///
+    /// tiny_http (0.12) may queue two new connections for one waiting thread: the second is then
+    /// answered when the first is closed, which a spare connection of a browser is not. A connection
+    /// that finds no waiting thread has a thread of its own.
+    _idle: Vec<TcpStream>,
+}
+
+impl Connections {
+    /// Accepts connections from now on.
+    ///
+    /// # Errors
+    /// The system's for a listener that cannot be used.
+    fn new(listener: TcpListener) -> Result<Self, Box<dyn Error + Send + Sync>> {
+        const FIRST_THREADS: usize = 4;
+        let address = listener.local_addr()?;
+        let http = tiny_http::Server::from_listener(listener, None)?;
+        let connection = |_| {
+            let connection = TcpStream::connect(address).ok();
+            std::thread::sleep(Duration::from_millis(25));
+            connection
+        };
+        // Its threads must wait by then.
+        std::thread::sleep(Duration::from_millis(25));
+        let _idle = (0..FIRST_THREADS).filter_map(connection).collect();
+        Ok(Self { http, _idle })
+    }
+}
+
+/// Answers requests until the process ends.
+fn serve(connections: &Connections, server: &Server) {
+    std::thread::scope(|scope| {
+        for request in connections.http.incoming_requests() {
+            // A reader that has gone away needs no answer. Where no thread can be started, tiny_http
+            // answers with an error.
+            let answer = || respond(server, request).ok();
+            let _ = std::thread::Builder::new().spawn_scoped(scope, answer);
+        }
+    });
+}
+
+fn respond(server: &Server, mut request: Request) -> std::io::Result<()> {
+    let (status, kind, body) = match answer(server, &mut request) {
+        Ok((kind, body)) => (200, kind, body),
+        Err((status, error)) => {
+            let body = serde_json::to_string(&Refused { error })?;
+            (status, "application/json", body)
+        }
+    };
+    let policy = Kind::View.policy() + "; frame-ancestors 'none'";
+    let own = [("Content-Type", kind), ("Content-Security-Policy", &policy)];
+    let headers = own.into_iter().chain(HEADERS);
+    let headers = headers.filter_map(|(name, value)| Header::from_bytes(name, value).ok());
+    // Every length is known: no answer is sent in chunks.
+    let plain = Response::from_data(body)
+        .with_status_code(status)
+        .with_chunked_threshold(usize::MAX);
+    request.respond(headers.fold(plain, Response::with_header))
+}
+
+/// The media type and the body of the answer.
+fn answer(server: &Server, request: &mut Request) -> Result<(&'static str, String), Refusal> {
+    let method = request.method().to_string();
+    // The only header of a name.
+    let header = |name: &str| {
+        let mut found = request.headers().iter();
+        let mut found = found
+            .by_ref()
+            .filter(|header| header.field.as_str().as_str().eq_ignore_ascii_case(name));
+        let first = found.next()?;
+        found.next().is_none().then(|| first.value.as_str())
+    };
+    check_origin(&method, server.port, header)?;
+    match (&*method, request.url()) {
+        ("GET", "/") => Ok(("text/html; charset=utf-8", server.first.clone())),
+        ("POST", "/solve") => Ok(("application/json", solve_again(server, &body(request)?)?)),
+        (_, "/" | "/solve") => Err((405, "expected GET / or POST /solve".into())),
+        _ => Err((404, "there is only / and /solve".into())),
+    }
+}
+
+/// The body of a request, of a stated length.
+fn body(request: &mut Request) -> Result<Vec<u8>, Refusal> {
+    match request.body_length() {
+        None => Err((411, "expected a content-length".into())),
+        Some(length) if length > LONGEST_BODY => Err((
+            413,
+            format!("expected a body of at most {LONGEST_BODY} bytes"),
+        )),
+        Some(length) => {
+            let mut body = vec![0; length];
+            let read = request.as_reader().read_exact(&mut body);
+            read.map(|()| body)
+                .map_err(|error| (408, error.to_string()))
+        }
+    }
+}
+
+/// Why there is no contact.
+#[derive(Serialize)]
+struct Refused {
+    error: String,
+}
+
+/// A contact for the page, with its case as a file would state it.
+#[derive(Serialize)]
+struct Solved {
+    /// The contact.
+    #[serde(flatten)]
+    page: ContactPage,
+    /// `case.toml`.
+    case_text: String,
+}
+
+/// Refuses requests that a page of another site, or another name for this machine, could send.
+///
+/// The host must be this machine's own name with the server's port, so that a name that is made to
+/// point here (DNS rebinding) gets no answer. A solve must be requested by a page of the same
+/// origin and as JSON, which no foreign form can send.
+fn check_origin<'a>(
+    method: &str,
+    port: u16,
+    header: impl Fn(&str) -> Option<&'a str>,
+) -> Result<(), Refusal> {
+    let names = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
+    let host = header("host").unwrap_or_default();
+    if !names.iter().any(|name| name == host) {
+        let [a, b] = names;
+        return Err((403, format!("host {host:?}: expected {a} or {b}")));
+    }
+    let site = header("sec-fetch-site");
+    if method == "GET" {
+        // A link of another site may lead here; its scripts may not read the answer.
+        let navigates = header("sec-fetch-mode") == Some("navigate");
+        return match site {
+            Some("cross-site" | "same-site") if !navigates => {
+                Err((403, "requested by a page of another site".into()))
+            }
+            _ => Ok(()),
+        };
+    }
+    let origin = header("origin").unwrap_or_default();
+    if origin != format!("http://{host}") || !matches!(site, None | Some("same-origin")) {
+        return Err((403, format!("origin {origin:?}: expected http://{host}")));
+    }
+    if header("content-type") != Some("application/json") {
+        return Err((415, "expected application/json".into()));
+    }
+    Ok(())
+}
+
+/// Solves what the form requests, unless a newer form arrives.
+fn solve_again(server: &Server, body: &[u8]) -> Result<String, Refusal> {
+    let form: Form =
+        serde_json::from_slice(body).map_err(|error| (400, format!("the form: {error}")))?;
+    let case = form.case(&server.base.case).map_err(|text| (422, text))?;
+    let loaded = LoadedCase {
+        case,
+        ..server.base.clone()
+    };
+    match server.turn.take(|stop| solved(loaded, stop)) {
+        None => Err((409, "a newer form came first".into())),
+        Some(Err(failure)) => Err((422, failure.to_string())),
+        Some(Ok(solved)) => {
+            serde_json::to_string(&solved).map_err(|error| (422, error.to_string()))
+        }
+    }
+}
+
+/// The data of a case's page, with the case as a file would state it.
+fn solved(loaded: LoadedCase, stop: &Arc<AtomicBool>) -> Result<Solved, Failure> {
+    let name = loaded.name.clone();
+    let options = Options {
+        stop: Some(stop.clone()),
+        max_dofs: MOST_DOFS,
+        ..Options::default()
+    };
+    let pressed = Contact::from(loaded).options(options).solve()?;
+    let maps = pressure_maps(&pressed.solution);
+    let hull = placed_hull(&pressed.problem, &pressed.solution);
+    let page = ContactPage::new(pressed.result(), &maps, hull.as_ref(), POINTS, name);
+    let case_text = pressed.loaded.case.to_toml().map_err(Failure::bad_input)?;
+    Ok(Solved { page, case_text })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn status(method: &str, headers: &[(&str, &'static str)]) -> u16 {
+        let header = |name: &str| {
+            let mut found = headers.iter().filter(|(known, _)| *known == name);
+            let first = found.next()?.1;
+            found.next().is_none().then_some(first)
+        };
+        check_origin(method, 4000, header).map_or_else(|refusal| refusal.0, |()| 200)
+    }
+
+    #[test]
+    fn only_this_servers_own_names_are_hosts() {
+        let of = |host| status("GET", &[("host", host)]);
+        assert_eq!(of("127.0.0.1:4000"), 200);
+        assert_eq!(of("localhost:4000"), 200);
+        for host in [
+            "127.0.0.1",
+            "127.0.0.1:4001",
+            "evil.example:4000",
+            "localhost:4000.evil.example",
+            "",
+        ] {
+            assert_eq!(of(host), 403, "{host}");
+        }
+        assert_eq!(status("GET", &[]), 403);
+        let twice = [("host", "127.0.0.1:4000"), ("host", "evil.example")];
+        assert_eq!(status("GET", &twice), 403);
+    }
+
+    #[test]
+    fn only_a_page_of_the_same_origin_may_request_work() {
+        let host = ("host", "127.0.0.1:4000");
+        let json = ("content-type", "application/json");
+        let own = ("origin", "http://127.0.0.1:4000");
+        let foreign = ("sec-fetch-site", "cross-site");
+        let post = |headers: &[(&str, &'static str)]| status("POST", headers);
+        assert_eq!(post(&[host, own, json]), 200);
+        assert_eq!(
+            post(&[host, own, json, ("sec-fetch-site", "same-origin")]),
+            200
+        );
+        for origin in ["null", "http://localhost:4000", "https://evil.example"] {
+            assert_eq!(post(&[host, json, ("origin", origin)]), 403, "{origin}");
+        }
+        assert_eq!(post(&[host, json]), 403);
+        assert_eq!(post(&[host, own, json, foreign]), 403);
+        assert_eq!(post(&[host, own, ("content-type", "text/plain")]), 415);
+        assert_eq!(status("GET", &[host, foreign]), 403);
+        let link = [host, foreign, ("sec-fetch-mode", "navigate")];
+        assert_eq!(status("GET", &link), 200);
+    }
 }

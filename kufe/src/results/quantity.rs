@@ -81,6 +81,12 @@ impl Description {
         format!("{} {}", self.number(value), self.unit)
     }
 
+    /// A value with its error [both SI] in the shown unit, both with the decimals of the value.
+    pub fn with_error(&self, value: f64, error: f64) -> String {
+        let error = format!("{:.*}", self.digits(value), self.times * error);
+        format!("{} +- {error}", self.amount(value))
+    }
+
     fn digits(&self, value: f64) -> usize {
         self.decimals[usize::from(self.times * value.abs() < 1.0)]
     }
@@ -88,9 +94,7 @@ impl Description {
 
 impl<Q: Quantity> fmt::Display for Measured<Q> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let shown = Q::DESCRIPTION;
-        let error = format!("{:.*}", shown.digits(self.value), shown.times * self.error);
-        write!(f, "{} +- {error}", shown.amount(self.value))
+        f.write_str(&Q::DESCRIPTION.with_error(self.value, self.error))
     }
 }
 

@@ -29,10 +29,9 @@ fn a_node_is_what_press_says_of_that_load_track_speed_and_ice() {
                 v_mps = { values = [6.0, 25.0] }\nice_c = { values = [-9.0, -4.0] }\n";
     let bench = bench("[sliding]\nv_mps = 11.0\nice_c = -2.0\n", axes);
     let said = bench.succeeds(&["lut", "table.toml", "-o", "front.lut", "--csv"]);
-    assert!(
-        said.contains("2 x 1 x 2 x 2 (fz_n x curvature_1pm x v_mps x ice_c)"),
-        "{said}"
-    );
+    for axis in ["fz_n: 2", "curvature_1pm: 1", "v_mps: 2", "ice_c: 2"] {
+        assert!(said.contains(&format!("{axis} points")), "{said}");
+    }
     bench.write(
         "case.toml",
         format!("{CASE}[sliding]\nv_mps = 25.0\nice_c = -4.0\n"),

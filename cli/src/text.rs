@@ -1,0 +1,168 @@
+//! Documents as text: what a command prints of its result.
+
+use kufe::jobs::{Failure, percent};
+use kufe::plot::{number4, quantity, unit_of};
+use kufe::results::{Data, Datum, QUANTITIES};
+use serde::Serialize;
+
+use crate::terminal::Global;
+
+/// A document as text: groups as indented `key: value` lines, lists of groups as tables, numbers
+/// with the units of their keys and with their errors.
+///
+/// # Errors
+/// [`Failure::BadInput`] for a document that JSON cannot state.
+pub fn document_text(document: &impl Serialize) -> Result<String, Failure> {
+    Ok(text(&Datum::of(document)?, 0))
+}
+
+/// Rows as a table of these columns, as far as the rows have them.
+///
+/// # Errors
+/// As [`document_text`].
+pub fn table_text(rows: &impl Serialize, columns: &[&str]) -> Result<String, Failure> {
+    Ok(table(Datum::of(rows)?.list(), columns, ""))
+}
+
+/// Prints what a command has done, as JSON or as text.
+///
+/// # Errors
+/// As [`document_text`].
+pub fn print_document(document: &impl Serialize, global: &Global) -> Result<(), Failure> {
+    let text = document_text(document)?;
+    global.print(document, || text)
+}
+
+fn text(datum: &Datum, depth: usize) -> String {
+    let indent = "  ".repeat(depth);
+    let data = match datum {
+        Datum::Group(data) => data,
+        Datum::List(list) if datum.is_table() => return table(list, &[], &indent),
+        Datum::List(list) => return list.iter().map(|one| text(one, depth)).collect(),
+        other => return format!("{indent}{other}\n"),
+    };
+    let line = |(key, datum): (&String, &Datum)| match amount(data, key) {
+        Some(amount) => format!("{indent}{key}: {amount}\n"),
+        None => format!("{indent}{key}:\n{}", text(datum, depth + 1)),
+    };
+    let shown = data.iter().filter(|(key, _)| !is_error(data, key));
+    shown.map(line).collect()
+}
+
+/// Rows as a table of these columns, or of all keys that have what fits on a line.
+fn table(rows: &[Datum], columns: &[&str], indent: &str) -> String {
+    let rows: Vec<&Data> = rows.iter().filter_map(Datum::group).collect();
+    let has = |key: &str| rows.iter().any(|row| row.get(key).is_some());
+    let mut columns: Vec<&str> = columns.iter().copied().filter(|key| has(key)).collect();
+    if columns.is_empty() {
+        let fits = |row: &&Data, key: &str| {
+            row.get(key).is_none() || amount(row, key).is_some() && !is_error(row, key)
+        };
+        for (key, _) in rows.iter().flat_map(|row| row.iter()) {
+            if !columns.contains(&&**key) && rows.iter().all(|row| fits(row, key)) {
+                columns.push(key);
+            }
+        }
+    }
+    let mut lines = vec![indent.to_owned(); rows.len() + 1];
+    for key in columns {
+        let cells = rows.iter().map(|row| amount(row, key).unwrap_or_default());
+        let cells: Vec<String> = std::iter::once(key.to_owned()).chain(cells).collect();
+        let wide = cells.iter().map(|cell| cell.chars().count()).max();
+        let wide = wide.unwrap_or_default();
+        for (line, cell) in lines.iter_mut().zip(&cells) {
+            *line += &format!("{cell:<wide$}  ");
+        }
+    }
+    let lines = lines.iter().map(|line| format!("{}\n", line.trim_end()));
+    lines.collect()
+}
+
+/// Whether a key is that of the error of another number.
+fn is_error(data: &Data, key: &str) -> bool {
+    let of = QUANTITIES.iter().find(|known| known.error_key == key);
+    of.is_some_and(|known| measured(data, known.key).is_some())
+}
+
+/// A number with its error in the unit that is usual for it.
+pub fn measured(data: &Data, key: &str) -> Option<String> {
+    let known = QUANTITIES.iter().find(|known| known.key == key)?;
+    let number = |key: &str| data.get(key)?.number();
+    Some(known.with_error(number(key)?, number(known.error_key)?))
+}
+
+/// What fits on a line: a number with its error, a single datum, a range, a list of such.
+fn amount(data: &Data, key: &str) -> Option<String> {
+    let datum = data.get(key)?;
+    let is_sentence = |datum: &Datum| datum.text().is_some_and(|text| text.contains(' '));
+    match datum {
+        Datum::Group(inner) => range(key, datum, inner),
+        Datum::List(list) if datum.is_table() || list.iter().any(is_sentence) => None,
+        other => Some(measured(data, key).unwrap_or_else(|| single(key, other))),
+    }
+}
+
+/// Single data on a line: words as they are, numbers with the unit of their key, lists of them.
+fn single(key: &str, datum: &Datum) -> String {
+    match datum {
+        Datum::List(list) if !list.is_empty() => {
+            let is_nested = list.iter().any(|one| !one.is_single());
+            let each: Vec<String> = list.iter().map(|one| single(key, one)).collect();
+            each.join(if is_nested { "; " } else { ", " })
+        }
+        other if other.is_empty() => "none".to_owned(),
+        other => match other.number() {
+            Some(number) => with_unit(key, number),
+            None => other.to_string(),
+        },
+    }
+}
+
+/// A number with the unit that its key ends in; whole ones without a unit in full.
+fn with_unit(key: &str, number: f64) -> String {
+    let is_whole = number.fract() == 0.0 && number.abs() < 1e15;
+    match &*unit_of(key) {
+        "" if is_whole => number.to_string(),
+        "" => number4(number),
+        "bytes" => format!("{number} bytes"),
+        "m" if number != 0.0 && number.abs() < 1e-3 => quantity(1e6 * number, "µm"),
+        "m2" if number != 0.0 && number.abs() < 1e-2 => quantity(1e6 * number, "mm²"),
+        unit => quantity(number, unit),
+    }
+}
+
+/// "2 points, from 12 m/s, to 31 m/s" of a range; "12 N (11 to 13 N)" of a value with its
+/// interval.
+fn range(key: &str, datum: &Datum, inner: &Data) -> Option<String> {
+    if let Some(interval) = datum.interval() {
+        let [value, low, high] = interval.map(|number| with_unit(key, number));
+        let unit = high.split_once(' ').map_or("", |(_, unit)| unit);
+        let low = low.strip_suffix(&format!(" {unit}")).unwrap_or(&low);
+        return Some(if interval[1] < interval[2] {
+            format!("{value} ({low} to {high})")
+        } else {
+            value
+        });
+    }
+    let part = |(name, datum): (&String, &Datum)| {
+        let number = datum.number();
+        Some(match &**name {
+            _ if datum.is_empty() => String::new(),
+            "points" | "missing" => format!("{datum} {name}"),
+            "from" | "to" | "min" | "max" => format!("{name} {}", with_unit(key, number?)),
+            "smooth_error" | "bilinear_error" => {
+                let (mode, _) = name.split_once('_')?;
+                format!("{mode} within {}", percent(number?))
+            }
+            "outside" => format!("outside: {datum}"),
+            _ => return None,
+        })
+    };
+    let mut parts = inner.iter().map(part).collect::<Option<Vec<String>>>()?;
+    parts.retain(|part| !part.is_empty());
+    Some(if parts.is_empty() {
+        "none".to_owned()
+    } else {
+        parts.join(", ")
+    })
+}
