@@ -17,10 +17,10 @@ use serde_json::value::RawValue;
 use crate::axes::{Axes, AxisKind, KINDS, MAX_AXIS, MAX_NODES, Outside, Point};
 use crate::error::Error;
 use crate::interpolator::Mode;
-use crate::quantity::{Method, Quantity};
+use crate::quantity::{Figures, Method, Quantity};
 use crate::reduced::CurvatureScaling;
 use crate::solve::Solve;
-use crate::table::{Column, InterpolationError, Origin, Table};
+use crate::table::{InterpolationError, Origin, Table};
 
 /// Most bytes that a reader of tables takes in.
 pub const MAX_FILE_BYTES: u64 = 384 << 20;
@@ -134,17 +134,19 @@ impl Table {
         let axes = axes.map(|((kind, _), named)| json(&self.axis(kind, named)));
         write_lines(writer, "axes", ['[', ']'], axes)?;
         let shape = self.axes().shape();
-        let columns = self.columns().iter().map(|(quantity, column)| {
+        let columns = self.quantities().iter().map(|&quantity| {
+            let nested = |list| Nested::new(&shape, list);
             let column = ColumnFile {
                 unit: quantity.unit().into(),
-                values: Nested::new(&shape, &column.values),
-                errors: column.errors.as_ref().map(|list| Nested::new(&shape, list)),
+                values: nested(self.values(quantity).unwrap_or_default()),
+                errors: self.errors(quantity).map(nested),
             };
             Ok(format!("\"{}\": {}", quantity.name(), json(&column)?))
         });
         write_lines(writer, "quantities", ['{', '}'], columns)?;
-        if self.methods().iter().any(|method| !method.is_default()) {
-            let methods = json(&Nested::new(&shape, self.methods()))?;
+        let methods = self.nodes().iter().map(|node| node.method);
+        if methods.clone().any(|method| !method.is_default()) {
+            let methods = json(&Nested::new(&shape, methods.collect()))?;
             write!(writer, ",\n\"method\": {methods}")?;
         }
         write_lines(writer, "checks", ['[', ']'], self.checks().iter().map(json))?;
@@ -157,12 +159,12 @@ impl Table {
         let curvatures = flush.map(|_| {
             let points = self.axes().points();
             let curvatures: Vec<f64> = points.iter().map(|point| point.curvature).collect();
-            Nested::new(&self.axes().shape(), &curvatures)
+            Nested::new(&self.axes().shape(), curvatures)
         });
         AxisFile {
             name: name.into(),
             unit: unit.into(),
-            values: Nested::new(&[values.len()], values),
+            values: Nested::new(&[values.len()], values.to_vec()),
             outside: self.axes().outside(kind),
             flush: flush.copied(),
             curvature_1pm: curvatures,
@@ -230,26 +232,40 @@ fn from_file(file: TableFile) -> Result<Table, Error> {
         let expected = names(expected.iter().collect());
         return Err(Error::format("quantities", &found, expected));
     }
-    let mut columns = BTreeMap::new();
-    for (quantity, column) in file.quantities {
-        columns.insert(quantity, from_column(quantity, column, &shape)?);
-    }
     let judged = Quantity::judged(sliding);
-    if columns[&judged].errors.is_none() {
+    if file.quantities[&judged].errors.is_none() {
         let key = format!("quantities.{}", judged.name());
         return Err(Error::format(&key, "no key errors", "estimated errors"));
     }
-    let methods = match file.method {
-        None => vec![Method::default(); axes.node_count()],
-        Some(methods) => methods.of_shape("method", &shape)?,
-    };
-    for (n, check) in file.checks.iter().enumerate() {
-        check_place(&format!("checks[{n}]"), &check.point, &axes)?;
-        if check.figures.is_sliding() != sliding {
-            return Err(Error::sliding_mixture(&check.point));
+    let mut nodes = vec![Figures::at_rest([f64::NAN; 6]); axes.node_count()];
+    for (quantity, column) in file.quantities {
+        let key = |of: &str| format!("quantities.{}.{of}", quantity.name());
+        if column.unit != quantity.unit() {
+            return Err(Error::format(&key("unit"), &column.unit, quantity.unit()));
+        }
+        let expectation = |value| quantity.expectation(value);
+        let values = numbers(&key("values"), column.values, &shape, expectation)?;
+        for (node, value) in nodes.iter_mut().zip(values) {
+            *node = node.with(quantity, value);
+        }
+        if let Some(errors) = column.errors {
+            let expectation = Quantity::error_expectation;
+            let errors = numbers(&key("errors"), errors, &shape, expectation)?;
+            for (node, error) in nodes.iter_mut().zip(errors) {
+                *node = node.with_error(quantity, error);
+            }
         }
     }
-    let mut table = Table::of_columns(axes, columns, methods, file.checks);
+    if let Some(methods) = file.method {
+        let methods: Vec<Method> = methods.of_shape("method", &shape)?;
+        for (node, method) in nodes.iter_mut().zip(methods) {
+            node.method = method;
+        }
+    }
+    for (n, check) in file.checks.iter().enumerate() {
+        check_place(&format!("checks[{n}]"), &check.point, &axes)?;
+    }
+    let mut table = Table::new(axes, &nodes, file.checks)?;
     table.interpolation_requested = file.accuracy.interpolation_requested;
     table.case = file.case.get().into();
     table.origin = origin;
@@ -306,28 +322,21 @@ fn from_axes(files: Vec<AxisFile>) -> Result<Axes, Error> {
     Ok(axes)
 }
 
-fn from_column(quantity: Quantity, file: ColumnFile, shape: &[usize]) -> Result<Column, Error> {
-    let key = |of: &str| format!("quantities.{}.{of}", quantity.name());
-    if file.unit != quantity.unit() {
-        return Err(Error::format(&key("unit"), &file.unit, quantity.unit()));
-    }
-    let values = file.values.of_shape(&key("values"), shape)?;
-    let errors = file.errors.map(|list| list.of_shape(&key("errors"), shape));
-    let errors = errors.transpose()?;
-    let place = |list: &str, n: usize| format!("{}, number {}", key(list), n + 1);
-    for (n, &value) in values.iter().enumerate() {
-        if let Some(expected) = quantity.expectation(value) {
-            let found = value.to_string();
-            return Err(Error::format(&place("values", n), &found, expected));
+/// The numbers of a list of this shape, each without an expectation that it does not meet.
+fn numbers(
+    key: &str,
+    list: Nested<f64>,
+    shape: &[usize],
+    expectation: impl Fn(f64) -> Option<&'static str>,
+) -> Result<Vec<f64>, Error> {
+    let numbers = list.of_shape(key, shape)?;
+    for (n, &number) in numbers.iter().enumerate() {
+        if let Some(expected) = expectation(number) {
+            let (key, found) = (format!("{key}, number {}", n + 1), number.to_string());
+            return Err(Error::format(&key, &found, expected));
         }
     }
-    for (n, &error) in errors.iter().flatten().enumerate() {
-        if let Some(expected) = Quantity::error_expectation(error) {
-            let found = error.to_string();
-            return Err(Error::format(&place("errors", n), &found, expected));
-        }
-    }
-    Ok(Column { values, errors })
+    Ok(numbers)
 }
 
 /// A check has a coordinate along each further axis, within it, and along no other.
@@ -387,12 +396,10 @@ struct Nested<T> {
     flat: Vec<T>,
 }
 
-impl<T: Clone> Nested<T> {
-    fn new(shape: &[usize], flat: &[T]) -> Self {
-        Nested {
-            shape: shape.to_vec(),
-            flat: flat.to_vec(),
-        }
+impl<T> Nested<T> {
+    fn new(shape: &[usize], flat: Vec<T>) -> Self {
+        let shape = shape.to_vec();
+        Nested { shape, flat }
     }
 
     /// The entries, where they have this shape.

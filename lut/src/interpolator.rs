@@ -306,13 +306,13 @@ impl Interpolator {
 /// The values at one rocker radius, of all values at the nodes.
 fn at_rocker(
     table: &Table,
-    all: &[f64],
+    all: Vec<f64>,
     mode: Mode,
     logarithmic: bool,
     rocker_radius: Option<f64>,
 ) -> Result<Vec<f64>, Error> {
     let (radii, radius) = match (table.axes().rocker_radius(), rocker_radius) {
-        (None, None) => return Ok(all.to_vec()),
+        (None, None) => return Ok(all),
         (Some(radii), None) => {
             return Err(Error::RockerNeeded {
                 low: radii[0],

@@ -1,7 +1,5 @@
 //! A table: axes, the figures at its nodes, the checks between them, and its origin.
 
-use std::collections::BTreeMap;
-
 use serde::{Deserialize, Serialize};
 
 use crate::axes::{Axes, AxisKind, Outside, Point};
@@ -78,22 +76,14 @@ impl Default for Origin {
     }
 }
 
-/// A quantity at all nodes.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Column {
-    /// Values in the order of the nodes.
-    pub values: Vec<f64>,
-    /// Estimated errors in the order of the nodes, where every node and check has one.
-    pub errors: Option<Vec<f64>>,
-}
-
 /// Contact figures over normal force, track curvature and further axes, with what is needed to
 /// trust them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     axes: Axes,
-    columns: BTreeMap<Quantity, Column>,
-    methods: Vec<Method>,
+    /// Figures in the order of the nodes; a quantity of which some node or check has no error has
+    /// none at any node.
+    nodes: Vec<Figures>,
     checks: Vec<Solve>,
     /// Relative interpolation error of the judged quantity that was requested, where one was.
     pub interpolation_requested: Option<f64>,
@@ -135,38 +125,23 @@ impl Table {
                 return Err(Error::sliding_mixture(&point));
             }
         }
-        let columns = Quantity::of(sliding).iter().map(|&quantity| {
-            let values = nodes.iter().filter_map(|node| node.get(quantity));
-            // Errors that some points do not have are none of the table.
-            let at_checks = checks.iter().map(|check| check.figures.error(quantity));
-            let errors: Option<Vec<f64>> = nodes.iter().map(|node| node.error(quantity)).collect();
-            let column = Column {
-                values: values.collect(),
-                errors: errors.filter(|_| at_checks.clone().all(|error| error.is_some())),
-            };
-            (quantity, column)
-        });
-        let columns = columns.collect();
-        let methods = nodes.iter().map(|node| node.method).collect();
-        Ok(Table::of_columns(axes, columns, methods, checks))
-    }
-
-    /// A table from checked columns.
-    pub(crate) fn of_columns(
-        axes: Axes,
-        columns: BTreeMap<Quantity, Column>,
-        methods: Vec<Method>,
-        checks: Vec<Solve>,
-    ) -> Self {
-        Table {
+        let mut nodes = nodes.to_vec();
+        for &quantity in Quantity::of(sliding) {
+            let at_checks = checks.iter().map(|check| &check.figures);
+            let mut all = nodes.iter().chain(at_checks);
+            if all.any(|figures| figures.error(quantity).is_none()) {
+                let without = nodes.iter().map(|node| node.with_error(quantity, f64::NAN));
+                nodes = without.collect();
+            }
+        }
+        Ok(Table {
             axes,
-            columns,
-            methods,
+            nodes,
             checks,
             interpolation_requested: None,
             case: "null".into(),
             origin: Origin::default(),
-        }
+        })
     }
 
     /// Breakpoints.
@@ -186,50 +161,33 @@ impl Table {
         &self.checks
     }
 
-    /// The methods that solved the nodes.
-    pub(crate) fn methods(&self) -> &[Method] {
-        &self.methods
-    }
-
-    /// The quantities with their values and errors.
-    pub(crate) fn columns(&self) -> &BTreeMap<Quantity, Column> {
-        &self.columns
-    }
-
     /// A quantity at the nodes, in the order of [`Axes::points`]; `None` where a table at rest has
     /// none.
-    pub fn values(&self, quantity: Quantity) -> Option<&[f64]> {
-        Some(&self.columns.get(&quantity)?.values)
+    pub fn values(&self, quantity: Quantity) -> Option<Vec<f64>> {
+        self.nodes.iter().map(|node| node.get(quantity)).collect()
     }
 
     /// Estimated solver errors of a quantity at the nodes; `None` where there are none.
-    pub fn errors(&self, quantity: Quantity) -> Option<&[f64]> {
-        self.columns.get(&quantity)?.errors.as_deref()
+    pub fn errors(&self, quantity: Quantity) -> Option<Vec<f64>> {
+        self.nodes.iter().map(|node| node.error(quantity)).collect()
     }
 
     /// The figures at the nodes, in the order of [`Axes::points`].
-    pub fn nodes(&self) -> impl Iterator<Item = Figures> {
-        (0..self.methods.len()).map(|n| {
-            let empty = Figures::at_rest([f64::NAN; 6]).by(self.methods[n]);
-            self.columns.iter().fold(empty, |figures, (&q, column)| {
-                let errors = column.errors.as_ref();
-                let error = errors.map_or(f64::NAN, |errors| errors[n]);
-                figures.with(q, column.values[n]).with_error(q, error)
-            })
-        })
+    pub fn nodes(&self) -> &[Figures] {
+        &self.nodes
     }
 
     /// Nodes and checks with their points.
     pub fn solves(&self) -> impl Iterator<Item = Solve> {
         let points = self.axes.points().into_iter();
-        let nodes = points.zip(self.nodes());
-        let nodes = nodes.map(|(point, figures)| Solve { point, figures });
+        let nodes = points.zip(&self.nodes);
+        let nodes = nodes.map(|(point, &figures)| Solve { point, figures });
         nodes.chain(self.checks.iter().copied())
     }
 
     /// Whether the contacts are those of a runner that slides.
     pub fn is_sliding(&self) -> bool {
-        self.columns.contains_key(&Quantity::Mu)
+        self.nodes[0].is_sliding()
     }
 
     /// The quantities that the table holds, in the order files list them.
@@ -245,15 +203,16 @@ impl Table {
 
     /// Number of nodes and checks that a method solved.
     pub fn solved_by(&self, method: Method) -> usize {
-        let checks = self.checks.iter().map(|check| check.figures.method);
-        let all = self.methods.iter().copied().chain(checks);
-        all.filter(|by| *by == method).count()
+        let checks = self.checks.iter().map(|check| &check.figures);
+        let all = self.nodes.iter().chain(checks);
+        all.filter(|figures| figures.method == method).count()
     }
 
     /// Largest estimated solver error of a quantity over the nodes, relative; `None` where there
     /// are none.
     pub fn solver_error_of(&self, quantity: Quantity) -> Option<f64> {
-        let pairs = self.errors(quantity)?.iter().zip(self.values(quantity)?);
+        let errors = self.errors(quantity)?.into_iter();
+        let pairs = errors.zip(self.values(quantity)?);
         Some(pairs.fold(0.0, |most, (error, value)| (error / value).abs().max(most)))
     }
 

@@ -62,7 +62,7 @@ impl Table {
         quantity: &str,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let quantity = self.named(quantity)?;
-        let values = self.table.values(quantity).unwrap_or_default().to_vec();
+        let values = self.table.values(quantity).unwrap_or_default();
         values.into_pyarray(py).reshape(self.table.axes().shape())
     }
 

@@ -184,7 +184,8 @@ impl TableInfo {
         let ranges = AxisRange::of(axes).collect();
         let mut quantities = Vec::new();
         for &quantity in table.quantities() {
-            let values = || table.values(quantity).unwrap_or_default().iter().copied();
+            let values = table.values(quantity).unwrap_or_default();
+            let values = || values.iter().copied();
             let range = QuantityRange {
                 min: values().fold(f64::INFINITY, f64::min),
                 max: values().fold(f64::NEG_INFINITY, f64::max),

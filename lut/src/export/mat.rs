@@ -241,7 +241,7 @@ impl Table {
             variables.push(("curvature_1pm".into(), over_nodes(&curvatures)));
         }
         let figures = self.figures().into_iter();
-        variables.extend(figures.map(|(key, values)| (key.into(), over_nodes(values))));
+        variables.extend(figures.map(|(key, values)| (key.into(), over_nodes(&values))));
         for (name, text) in [
             ("case_json", self.case.as_str()),
             ("case_sha256", self.origin.case_sha256()),

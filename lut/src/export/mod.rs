@@ -35,11 +35,12 @@ fn filled(template: &str, slots: &[(&str, &str)]) -> String {
 
 impl Table {
     /// The figures by their keys: values at the nodes, and errors where there are such.
-    fn figures(&self) -> Vec<(&'static str, &[f64])> {
-        let figures = self.columns().iter().flat_map(|(quantity, column)| {
-            let errors = column.errors.as_deref();
+    fn figures(&self) -> Vec<(&'static str, Vec<f64>)> {
+        let figures = self.quantities().iter().flat_map(|&quantity| {
+            let values = self.values(quantity).map(|values| (quantity.key(), values));
+            let errors = self.errors(quantity);
             let errors = errors.map(|errors| (quantity.error_key(), errors));
-            std::iter::once((quantity.key(), &*column.values)).chain(errors)
+            values.into_iter().chain(errors)
         });
         figures.collect()
     }

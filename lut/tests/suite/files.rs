@@ -32,7 +32,8 @@ fn by_both(rocker: bool) -> Table {
         0 => figures.by(Method::BoundaryElements),
         _ => figures,
     };
-    let nodes = of.nodes().enumerate().map(|(n, figures)| by(n, figures));
+    let nodes = of.nodes().iter().copied().enumerate();
+    let nodes = nodes.map(|(n, figures)| by(n, figures));
     let checks = of.checks().iter().map(|check| Solve {
         figures: by(0, check.figures),
         ..*check

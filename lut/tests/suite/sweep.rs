@@ -154,7 +154,7 @@ fn reduced_curvatures_resolve_a_v_that_moves_with_the_load() {
     }
     for (point, node) in swept.table.axes().points().iter().zip(swept.table.nodes()) {
         let found = lookup.at(Point::at_rest(point.fz, point.curvature)).value;
-        assert!((found / p_max(&node) - 1.0).abs() < 1e-9, "{point}");
+        assert!((found / p_max(node) - 1.0).abs() < 1e-9, "{point}");
     }
     assert!(
         lookup.at(Point::at_rest(300.0, 0.0834)).out_of_range
