@@ -25,18 +25,17 @@ impl Table {
     pub fn write_ctypes(&self, name: &str, writer: &mut dyn Write) -> Result<(), Error> {
         let symbols = self.symbols(name);
         let name = &symbols.name;
-        let listed = |names: Vec<&str>| {
-            let quoted: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
-            quoted.join(", ")
-        };
+        let quoted = |name: &str| format!("{name:?}");
+        let fields = FIELDS.map(quoted).join(", ");
+        let functions: Vec<String> = symbols.functions.iter().map(|own| quoted(own)).collect();
         let slots = [
             ("name", &**name),
             ("version", &comment(self.origin.version())),
             ("flags", FLAGS),
             ("arguments", &symbols.arguments.join(", ")),
             ("derivatives", DERIVATIVES),
-            ("fields", &listed(FIELDS.to_vec())),
-            ("functions", &listed(symbols.own_names().collect())),
+            ("fields", &fields),
+            ("functions", &functions.join(", ")),
             ("count", &symbols.arguments.len().to_string()),
         ];
         let text = filled(include_str!("bindings.py.txt"), &slots);
@@ -53,7 +52,7 @@ impl Table {
         let name = &symbols.name;
         let declared = symbols.declared();
         let mut functions = String::new();
-        for own in symbols.own_names() {
+        for own in &symbols.functions {
             for (ending, kind) in [("", "Interpolated"), (DERIVATIVES, "Derivatives")] {
                 functions += &format!(
                     "    [DllImport(\"{name}\", EntryPoint = \"{name}_{own}{ending}\", CallingConvention = CallingConvention.Cdecl)]\n    \

@@ -34,18 +34,8 @@ pub(super) fn comment(text: &str) -> String {
 /// Text within XML, as content or in double quotes; characters that XML excludes are omitted.
 pub(super) fn xml(text: &str) -> String {
     let excluded = |c: &char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}');
-    let mut safe = String::with_capacity(text.len());
-    for c in text.chars().filter(|c| !excluded(c)) {
-        match c {
-            '&' => safe += "&amp;",
-            '<' => safe += "&lt;",
-            '>' => safe += "&gt;",
-            '"' => safe += "&quot;",
-            '\'' => safe += "&apos;",
-            c => safe.push(c),
-        }
-    }
-    safe
+    let allowed: String = text.chars().filter(|c| !excluded(c)).collect();
+    quick_xml::escape::escape(&allowed).into_owned()
 }
 
 /// Letters, digits and underscores, not starting with a digit: an identifier of C and MATLAB.

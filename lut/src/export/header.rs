@@ -18,12 +18,12 @@ pub(crate) const EVALUATION: &str = include_str!("../../c/kufe_lut.h");
 
 /// The functions of a table in C: one for each quantity and mode, and one with derivatives.
 pub(crate) struct Symbols {
-    /// The table's name as an identifier.
+    /// The table's name as an identifier; the functions' names begin with it.
     pub name: String,
     /// Arguments in order.
     pub arguments: &'static [&'static str],
-    /// Names of the functions that return `kufe_lut_interpolated`; with [`DERIVATIVES`] behind them,
-    /// of those that return `kufe_lut_derivatives`.
+    /// Names, without that of the table, of the functions that return `kufe_lut_interpolated`; with
+    /// [`DERIVATIVES`] behind them, of those that return `kufe_lut_derivatives`.
     pub functions: Vec<String>,
 }
 
@@ -33,12 +33,6 @@ impl Symbols {
         let declared = self.arguments.iter();
         let declared: Vec<String> = declared.map(|name| format!("double {name}")).collect();
         declared.join(", ")
-    }
-
-    /// The functions' names without that of the table.
-    pub(crate) fn own_names(&self) -> impl Iterator<Item = &str> {
-        let start = self.name.len() + 1;
-        self.functions.iter().map(move |name| &name[start..])
     }
 }
 
@@ -51,20 +45,17 @@ pub(crate) const FIELDS: [&str; 5] = ["value", "d_fz", "d_curvature", "d_v", "d_
 impl Table {
     /// The functions that the header of this name has.
     pub(crate) fn symbols(&self, name: &str) -> Symbols {
-        let name = identifier(name);
         let functions = self.quantities().iter().flat_map(|quantity| {
-            Mode::ALL.map(|mode| format!("{name}_{}_{}", quantity.name(), mode.name()))
+            Mode::ALL.map(|mode| format!("{}_{}", quantity.name(), mode.name()))
         });
-        let functions = functions.collect();
-        let arguments: &[&str] = if self.axes().is_sliding() {
-            &["fz", "curvature", "v", "ice_c"]
-        } else {
-            &["fz", "curvature"]
-        };
         Symbols {
-            name,
-            arguments,
-            functions,
+            name: identifier(name),
+            arguments: if self.axes().is_sliding() {
+                &["fz", "curvature", "v", "ice_c"]
+            } else {
+                &["fz", "curvature"]
+            },
+            functions: functions.collect(),
         }
     }
 
@@ -109,7 +100,6 @@ impl Table {
                 format!("{name}_flush")
             }
         };
-        let mut functions = symbols.functions.iter();
         let declared = symbols.declared();
         let given = match symbols.arguments.len() {
             2 => "fz, curvature, 0.0, 0.0",
@@ -137,7 +127,8 @@ impl Table {
                 errors.join(", "),
                 u8::from(smooth.logarithmic)
             );
-            for (mode, function) in Mode::ALL.into_iter().zip(&mut functions) {
+            for mode in Mode::ALL {
+                let function = format!("{own}_{}", mode.name());
                 let smooth = u8::from(mode == Mode::Smooth);
                 text += &format!(
                     "KUFE_LUT_API kufe_lut_interpolated {function}({declared}) {{\n  \
