@@ -6,9 +6,8 @@ use kufe_sled::Saturation;
 use serde::Serialize;
 
 use crate::error::Error;
-use crate::mapping::{ClockWord, Mapping};
-use crate::plan::PlannedRun;
-use crate::relation::{LoggerSeries, Pair, Place, Relation, Sides, pairs};
+use crate::mapping::{ClockWord, Mapping, PlannedRun};
+use crate::relation::{Kind, Pair, Place, Relation, Series, Sides, pairs};
 
 /// A logger's clock relative to that of the runs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -43,7 +42,7 @@ pub struct LoggerClock {
 pub(crate) fn align(
     mapping: &Mapping,
     planned: &PlannedRun,
-    series: &[&LoggerSeries],
+    series: &[&Series],
 ) -> Result<(BTreeMap<String, LoggerClock>, Vec<String>), Error> {
     let (mut clocks, mut remarks) = (BTreeMap::new(), Vec::new());
     let mut open: Vec<&str> = Vec::new();
@@ -68,16 +67,16 @@ pub(crate) fn align(
     if open.is_empty() {
         return Ok((clocks, remarks));
     }
-    let series: Vec<LoggerSeries> = series.iter().map(|own| without_saturation(own)).collect();
+    let series: Vec<Series> = series.iter().map(|own| without_saturation(own)).collect();
     let place = |column: &str| {
         let [x, ..] = mapping.channels.get(column)?.place_m?;
         Some(x)
     };
-    let mut known: Vec<LoggerSeries> = Vec::new();
-    let add = |name: &str, delay_s: f64, known: &mut Vec<LoggerSeries>| {
+    let mut known: Vec<Series> = Vec::new();
+    let add = |name: &str, delay_s: f64, known: &mut Vec<Series>| {
         let own = series.iter().filter(|own| own.logger == name);
         known.extend(own.cloned().map(|mut own| {
-            own.series.time.iter_mut().for_each(|t| *t -= delay_s);
+            own.time.iter_mut().for_each(|t| *t -= delay_s);
             own
         }));
     };
@@ -90,7 +89,7 @@ pub(crate) fn align(
         let before = open.len();
         let mut still = Vec::new();
         for name in open {
-            let late: Vec<&LoggerSeries> = series.iter().filter(|own| own.logger == name).collect();
+            let late: Vec<&Series> = series.iter().filter(|own| own.logger == name).collect();
             match delay(&late, &known, &place, mapping.logger[name].largest_delay_s) {
                 Ok((clock, odd)) => {
                     add(name, clock.delay_s, &mut known);
@@ -129,9 +128,9 @@ const SAMPLES: f64 = 5.0;
 const LEAST: f64 = 0.5;
 
 /// A series without the samples at an end stop of its sensor, which follow no motion.
-fn without_saturation(series: &LoggerSeries) -> LoggerSeries {
+fn without_saturation(series: &Series) -> Series {
     let mut series = series.clone();
-    let values = &mut series.series.values;
+    let values = &mut series.values;
     // Two ends.
     for _ in 0..2 {
         let Some(stop) = Saturation::of(values) else {
@@ -160,8 +159,8 @@ const SATURATED: usize = 4;
 /// # Errors
 /// Why none is found, in words.
 fn delay(
-    late: &[&LoggerSeries],
-    known: &[LoggerSeries],
+    late: &[&Series],
+    known: &[Series],
     place: &Place,
     within: Option<f64>,
 ) -> Result<(LoggerClock, Vec<String>), String> {
@@ -176,7 +175,7 @@ fn delay(
     };
     let corners: Vec<f64> = pairs.iter().map(corner).collect();
     let (guess, first) = guess(&pairs, &corners, within)?;
-    let mut found: Vec<(&Pair, DelayEstimate)> = Vec::new();
+    let mut found: Vec<Relation> = Vec::new();
     let mut best = (0.0, "");
     for (pair, corner) in pairs.iter().zip(&corners) {
         let Some(refined) = sharpened(pair, guess, first, *corner) else {
@@ -186,7 +185,12 @@ fn delay(
             best = (refined.correlation, &pair.name);
         }
         if refined.correlation >= LEAST {
-            found.push((pair, refined));
+            found.push(Relation {
+                relation: pair.name.clone(),
+                delay_s: refined.delay_s,
+                delay_sd_s: refined.sd_s.hypot(pair.doubt_s).max(1e-9),
+                correlation: refined.correlation,
+            });
         }
     }
     if found.is_empty() {
@@ -195,10 +199,11 @@ fn delay(
             best.1, best.0
         ));
     }
-    let (clock, mut remarks) = mean(&found);
+    let (clock, mut remarks) = mean(found);
     // A column of the other sign fits at no delay.
-    for (pair, corner) in pairs.iter().zip(&corners) {
-        let sides = pair.column().and_then(|_| pair.sides(first.min(*corner)));
+    let same = pairs.iter().zip(&corners);
+    for (pair, corner) in same.filter(|(pair, _)| pair.kind == Kind::Same) {
+        let sides = pair.sides(first.min(*corner));
         let rho = sides.and_then(|sides| correlation(&sides, clock.delay_s, SAMPLES * first));
         if let Some(rho) = rho.filter(|rho| *rho < -OPPOSITE) {
             remarks.push(format!(
@@ -254,37 +259,27 @@ fn length(spans: &[[f64; 2]; 2]) -> f64 {
 
 /// The mean weighted by errors, which include the doubt of each relation. Where relations disagree
 /// the error of the mean grows by their scatter over their errors (Birge 1932).
-fn mean(found: &[(&Pair, DelayEstimate)]) -> (LoggerClock, Vec<String>) {
-    let sd =
-        |(pair, refined): &(&Pair, DelayEstimate)| f64::hypot(refined.sd_s, pair.doubt_s).max(1e-9);
-    let weight: f64 = found.iter().map(|one| sd(one).powi(-2)).sum();
-    let weighted = found.iter().map(|one| one.1.delay_s * sd(one).powi(-2));
-    let delay_s = weighted.sum::<f64>() / weight;
-    let sd_s = weight.sqrt().recip();
-    let relations: Vec<Relation> = found
-        .iter()
-        .map(|one| Relation {
-            relation: one.0.name.clone(),
-            delay_s: one.1.delay_s,
-            delay_sd_s: sd(one),
-            correlation: one.1.correlation,
-        })
-        .collect();
-    let far =
-        |one: &&Relation| (one.delay_s - delay_s).abs() > 4.0 * f64::hypot(one.delay_sd_s, sd_s);
+fn mean(relations: Vec<Relation>) -> (LoggerClock, Vec<String>) {
+    let weight = |one: &Relation| one.delay_sd_s.powi(-2);
+    let sum: f64 = relations.iter().map(weight).sum();
+    let weighted = relations.iter().map(|one| one.delay_s * weight(one));
+    let delay_s = weighted.sum::<f64>() / sum;
+    let sd_s = sum.sqrt().recip();
+    let off = |one: &Relation| one.delay_s - delay_s;
+    let far = |one: &&Relation| off(one).abs() > 4.0 * f64::hypot(one.delay_sd_s, sd_s);
     let apart = relations.iter().filter(far);
     let apart = apart.map(|one| format!("\"{}\" {:+.4} s", one.relation, one.delay_s));
     let apart: Vec<String> = apart.collect();
-    let chi2: f64 = found
-        .iter()
-        .map(|one| ((one.1.delay_s - delay_s) / sd(one)).powi(2))
-        .sum();
-    let scatter = (chi2 / (found.len() as f64 - 1.0)).sqrt();
-    let grown = if apart.is_empty() { 1.0 } else { scatter };
-    let remark = format!(
-        "its delay of {delay_s:+.4} s is not that of {}",
-        apart.join(", ")
-    );
+    let (mut grown, mut remarks) = (1.0, Vec::new());
+    if !apart.is_empty() {
+        let square = |one: &Relation| (off(one) / one.delay_sd_s).powi(2);
+        let squares: f64 = relations.iter().map(square).sum();
+        grown = (squares / (relations.len() as f64 - 1.0)).sqrt();
+        let apart = apart.join(", ");
+        remarks.push(format!(
+            "its delay of {delay_s:+.4} s is not that of {apart}"
+        ));
+    }
     let clock = LoggerClock {
         source: "found",
         delay_s,
@@ -292,8 +287,7 @@ fn mean(found: &[(&Pair, DelayEstimate)]) -> (LoggerClock, Vec<String>) {
         delay_includes: Some("the lag of the sensors that it was found from"),
         relations,
     };
-    let remark = Some(remark).filter(|_| !apart.is_empty());
-    (clock, remark.into_iter().collect())
+    (clock, remarks)
 }
 
 /// Most samples of a side in the first search: its cost grows with their square.

@@ -9,10 +9,9 @@ use serde::Serialize;
 use crate::delay::{LoggerClock, align};
 use crate::error::Error;
 use crate::log::{Channel, Log};
-use crate::mapping::{ChannelSource, LoggerFiles, Mapping};
-use crate::plan::PlannedRun;
+use crate::mapping::{ChannelSource, LoggerFiles, Mapping, PlannedRun};
 use crate::recording::read_log;
-use crate::relation::{LoggerSeries, Series};
+use crate::relation::Series;
 use crate::resample::{Base, resample};
 use crate::text::TextOptions;
 use crate::unit::{column_unit, conversion};
@@ -38,8 +37,9 @@ pub struct Imported {
 }
 
 /// A channel before it is resampled.
-struct ImportedChannel {
-    own: LoggerSeries,
+struct ImportedChannel<'a> {
+    series: Series,
+    source: &'a ChannelSource,
     recipe: Recipe,
     /// Whether the run has it as a column, rather than its logger's clock only.
     written: bool,
@@ -94,23 +94,16 @@ impl Importer {
                         remarks.push(text);
                     }
                 }
-                let own = LoggerSeries {
-                    logger: name.clone(),
-                    column: column.clone(),
-                    series,
-                };
                 read.push(ImportedChannel {
-                    own,
+                    series,
+                    source,
                     recipe,
                     written,
                 });
             }
             if let Some(rotation) = self.mapping.logger[name].rotation {
-                let own = read.iter_mut().map(|read| &mut read.own);
-                let own = own.filter(|own| own.logger == *name);
-                let own = own
-                    .map(|own| (own.column.as_str(), &mut own.series))
-                    .collect();
+                let own = read.iter_mut().map(|read| &mut read.series);
+                let own = own.filter(|own| own.logger == *name).collect();
                 rotate(own, rotation).map_err(|(found, expected)| Error::Key {
                     file: self.file.clone(),
                     key: format!("logger.{name}.rotation"),
@@ -121,22 +114,23 @@ impl Importer {
         }
         // After the rotation, which needs all three axes at the same times.
         for read in &mut read {
-            drop_repetitions(&mut read.own.series);
+            drop_repetitions(&mut read.series);
         }
-        let series: Vec<&LoggerSeries> = read.iter().map(|read| &read.own).collect();
+        let series: Vec<&Series> = read.iter().map(|read| &read.series).collect();
         let (clocks, odd) = align(&self.mapping, planned, &series)?;
         remarks.extend(odd);
         read.retain(|read| read.written);
-        for own in read.iter_mut().map(|read| &mut read.own) {
+        for own in read.iter_mut().map(|read| &mut read.series) {
             let delay = clocks[&own.logger].delay_s;
-            own.series.time.iter_mut().for_each(|t| *t -= delay);
+            own.time.iter_mut().for_each(|t| *t -= delay);
         }
         let base = self.base(planned, &read)?;
         let (mut columns, mut channels) = (Columns::new(), BTreeMap::new());
         for channel in read {
-            let (file, _) = &files[channel.own.logger.as_str()];
-            let column = channel.own.column.clone();
-            let note = self.resampled(channel, &base, &mut columns, file)?;
+            let (file, _) = &files[channel.series.logger.as_str()];
+            let column = channel.series.column.clone();
+            let (values, note) = resampled(channel, &base, file)?;
+            columns.insert(column.clone(), values);
             channels.insert(column, note);
         }
         let logger = |(name, (file, sha256)): (&str, (String, String))| {
@@ -236,35 +230,39 @@ impl Importer {
             )
         });
         let remarks = remark.into_iter().chain(saturated).collect();
-        Ok((recipe, Series { time, values }, remarks))
+        let series = Series {
+            logger: logger.to_string(),
+            column: column.to_string(),
+            time,
+            values,
+        };
+        Ok((recipe, series, remarks))
     }
 
     /// The rows of the run: from the last logger's first sample to the first logger's last one.
     fn base(&self, planned: &PlannedRun, read: &[ImportedChannel]) -> Result<Base, Error> {
         let mut spans: BTreeMap<&str, [f64; 2]> = BTreeMap::new();
-        for own in read.iter().map(|read| &read.own) {
+        let late = |read: &ImportedChannel| read.source.delay_s.unwrap_or(0.0);
+        for read in read {
             // A channel that is late does not move the logger's first sample.
-            let late = self.mapping.channels[&own.column].delay_s.unwrap_or(0.0);
+            let late = late(read);
             let none = [f64::INFINITY, f64::NEG_INFINITY];
-            let span = spans.entry(&own.logger).or_insert(none);
-            for t in own.series.time.iter().filter(|t| t.is_finite()) {
+            let span = spans.entry(&read.series.logger).or_insert(none);
+            for t in read.series.time.iter().filter(|t| t.is_finite()) {
                 *span = [span[0].min(*t + late), span[1].max(*t + late)];
             }
         }
         let rate = self.mapping.rate_hz;
         // A channel slower than the run ends before its logger, by less than its own step: there
         // the run ends too, and has no gap at its end.
-        for own in read.iter().map(|read| &read.own) {
-            let late = self.mapping.channels[&own.column].delay_s.unwrap_or(0.0);
-            let both = own.series.time.iter().zip(&own.series.values);
-            let both = both.filter(|(t, x)| t.is_finite() && x.is_finite());
-            let times: Vec<f64> = both.map(|(t, _)| t + late).collect();
+        for read in read {
+            let times: Vec<f64> = read.series.samples().map(|t| t + late(read)).collect();
             let (Some(first), Some(last)) = (times.first(), times.last()) else {
                 continue;
             };
             let step = (last - first) / (times.len() - 1).max(1) as f64;
             let short = 0.0..step.min(CUT_S);
-            let span = spans.get_mut(own.logger.as_str());
+            let span = spans.get_mut(read.series.logger.as_str());
             if let Some([_, end]) = span.filter(|[_, end]| short.contains(&(end - last)))
                 && step * rate > 1.5
             {
@@ -302,53 +300,46 @@ impl Importer {
             count: rows as usize,
         })
     }
+}
 
-    fn resampled(
-        &self,
-        ImportedChannel { own, recipe, .. }: ImportedChannel,
-        base: &Base,
-        columns: &mut Columns,
-        file: &str,
-    ) -> Result<ChannelNote, Error> {
-        let source = &self.mapping.channels[&own.column];
-        let times = || own.series.time.iter().filter(|t| t.is_finite());
-        let span = match (times().next(), times().next_back()) {
-            (Some(first), Some(last)) => last - first,
-            _ => 0.0,
-        };
-        let both = own.series.time.iter().zip(&own.series.values);
-        let samples = both.filter(|(t, x)| t.is_finite() && x.is_finite()).count();
-        let found = resample(&own.series.time, &own.series.values, base);
-        let few = "fewer than two samples".to_string();
-        let found =
-            found.ok_or_else(|| Error::channel(file, &source.from, few, "samples".into()))?;
-        let seconds = |row: usize| (row as f64 / base.rate_hz * 1e9).round() / 1e9;
-        let gaps = found.gaps.iter().take(LISTED_GAPS);
-        let note = ChannelNote {
-            logger: own.logger,
-            from: source.from.clone(),
-            unit: recipe.unit,
-            unit_from: recipe.unit_from,
-            factor: recipe.factor,
-            offset: recipe.offset,
-            sign: source.sign.unwrap_or(1.0),
-            delay_s: source.delay_s.unwrap_or(0.0),
-            place_m: source.place_m,
-            rate_hz: found.rate_hz,
-            samples,
-            expected_samples: ((span * found.rate_hz).round() as usize + 1).max(samples),
-            jitter_steps: found.jitter,
-            filter_hz: found.filter_hz,
-            interpolated: found.interpolated,
-            missing_rows: found.gaps.iter().map(|gap| gap.rows).sum(),
-            gap_count: found.gaps.len(),
-            gaps_s: gaps
-                .map(|gap| [seconds(gap.row), seconds(gap.row + gap.rows - 1)])
-                .collect(),
-        };
-        columns.insert(own.column, found.values);
-        Ok(note)
-    }
+/// A channel on the run's base of times, and how that was done.
+fn resampled(
+    channel: ImportedChannel,
+    base: &Base,
+    file: &str,
+) -> Result<(Vec<f64>, ChannelNote), Error> {
+    let (series, source) = (channel.series, channel.source);
+    let times = || series.time.iter().filter(|t| t.is_finite());
+    let span = match (times().next(), times().next_back()) {
+        (Some(first), Some(last)) => last - first,
+        _ => 0.0,
+    };
+    let samples = series.samples().count();
+    let found = resample(&series.time, &series.values, base);
+    let few = "fewer than two samples".to_string();
+    let found = found.ok_or_else(|| Error::channel(file, &source.from, few, "samples".into()))?;
+    let seconds = |row: usize| (row as f64 / base.rate_hz * 1e9).round() / 1e9;
+    let gaps = found.gaps.iter().take(LISTED_GAPS);
+    let note = ChannelNote {
+        logger: series.logger,
+        from: source.from.clone(),
+        recipe: channel.recipe,
+        sign: source.sign.unwrap_or(1.0),
+        delay_s: source.delay_s.unwrap_or(0.0),
+        place_m: source.place_m,
+        rate_hz: found.rate_hz,
+        samples,
+        expected_samples: ((span * found.rate_hz).round() as usize + 1).max(samples),
+        jitter_steps: found.jitter,
+        filter_hz: found.filter_hz,
+        interpolated: found.interpolated,
+        missing_rows: found.gaps.iter().map(|gap| gap.rows).sum(),
+        gap_count: found.gaps.len(),
+        gaps_s: gaps
+            .map(|gap| [seconds(gap.row), seconds(gap.row + gap.rows - 1)])
+            .collect(),
+    };
+    Ok((found.values, note))
 }
 
 /// Turns the vectors of a sensor box into the sled's axes: `R_z(yaw) R_y(pitch) R_x(roll)` times
@@ -357,7 +348,7 @@ impl Importer {
 /// # Errors
 /// What is found instead of all three axes at the same times, and what is expected.
 fn rotate(
-    mut series: BTreeMap<&str, &mut Series>,
+    mut series: Vec<&mut Series>,
     [roll, pitch, yaw]: [f64; 3],
 ) -> Result<(), (String, String)> {
     const VECTORS: [[&str; 3]; 2] = [
@@ -372,8 +363,10 @@ fn rotate(
     ];
     let mut turned = 0;
     for axes in VECTORS {
-        let mut vector: Vec<&mut Series> =
-            axes.iter().filter_map(|axis| series.remove(axis)).collect();
+        let mut vector = Vec::new();
+        for axis in axes {
+            vector.extend(series.extract_if(.., |own| own.column == axis));
+        }
         let count = vector.len();
         let expected = || format!("{} in this logger, at the same times", axes.join(", "));
         let [x, y, z] = &mut vector[..] else {
@@ -406,7 +399,7 @@ fn rotate(
 /// Leaves one sample of each value that a logger repeats until a slower sensor sends the next: the
 /// repetitions would make the channel late by half that sensor's step.
 fn drop_repetitions(series: &mut Series) {
-    let Series { time, values } = series;
+    let Series { time, values, .. } = series;
     let Some(rows) = rows_held(std::iter::once(values.as_slice())) else {
         return;
     };
@@ -424,11 +417,15 @@ fn drop_repetitions(series: &mut Series) {
 }
 
 /// How a channel becomes a column.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Recipe {
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Recipe {
+    /// The channel's unit.
     pub unit: String,
+    /// Where it is stated: "mapping" or "file".
     pub unit_from: &'static str,
+    /// `column = factor * value + offset`.
     pub factor: f64,
+    /// See `factor`.
     pub offset: f64,
 }
 
@@ -611,14 +608,9 @@ pub struct ChannelNote {
     pub logger: String,
     /// The channel's name there.
     pub from: String,
-    /// Its unit there.
-    pub unit: String,
-    /// Where it is stated: "mapping" or "file".
-    pub unit_from: &'static str,
-    /// `column = factor * value + offset`.
-    pub factor: f64,
-    /// See `factor`.
-    pub offset: f64,
+    /// How it becomes a column.
+    #[serde(flatten)]
+    pub recipe: Recipe,
     /// 1 or -1; `factor` has it.
     pub sign: f64,
     /// By how much the channel is late against its logger's clock, as stated [s].

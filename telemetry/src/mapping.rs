@@ -35,7 +35,7 @@ pub struct Mapping {
     pub index: IndexValues,
     /// Runs of their own: other files, other lines of `runs.csv`, delays stated by hand.
     #[serde(default)]
-    pub run: Vec<RunTable>,
+    pub run: Vec<PlannedRun>,
 }
 
 fn default_rate() -> f64 {
@@ -148,13 +148,13 @@ pub struct IndexValues {
     pub covariates: BTreeMap<String, String>,
 }
 
-/// One run that differs from the others.
+/// One run to import; in the mapping one that differs from the others.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct RunTable {
-    /// The run's name.
+pub struct PlannedRun {
+    /// The run's name, that of its files too.
     pub name: String,
-    /// Its files by logger, where no pattern finds them.
+    /// Its recordings by logger, where no pattern finds them.
     #[serde(default)]
     pub files: BTreeMap<String, PathBuf>,
     /// Delays of loggers in this run, stated instead of found [s].
@@ -361,7 +361,7 @@ impl Check<'_> {
         Ok(())
     }
 
-    fn run(&self, run: &RunTable) -> Result<(), Error> {
+    fn run(&self, run: &PlannedRun) -> Result<(), Error> {
         let runs = self.mapping.run.iter();
         let same = runs.filter(|other| other.name == run.name).count();
         let found = format!("{} twice", run.name);

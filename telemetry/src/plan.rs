@@ -11,23 +11,10 @@ use kufe_sled::{
 use serde::Serialize;
 
 use crate::error::Error;
-use crate::mapping::{IndexValues, Mapping, place_of, plain_name};
+use crate::mapping::{IndexValues, Mapping, PlannedRun, place_of, plain_name};
 
 /// Longest table of runs [bytes].
 const LONGEST_TABLE: u64 = 1 << 24;
-
-/// One run to import.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlannedRun {
-    /// Its name, that of its files too.
-    pub name: String,
-    /// Its recording by logger.
-    pub files: BTreeMap<String, PathBuf>,
-    /// Delays stated for this run [s].
-    pub delay_s: BTreeMap<String, f64>,
-    /// What `runs.csv` says of it.
-    pub index: IndexValues,
-}
 
 /// A run that is not imported.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -131,9 +118,9 @@ pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Plan, Error>
         let row = row.map_or(IndexValues::default(), |(_, values)| values.clone());
         plan.runs.push(PlannedRun {
             index: mapping.index.below(&row).below(&own.index),
-            delay_s: own.delay_s,
             name,
             files,
+            ..own
         });
     }
     match first {

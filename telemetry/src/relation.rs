@@ -6,24 +6,26 @@ use serde::Serialize;
 
 use crate::resample::{Stretch, stretches};
 
-/// Values at times.
+/// A column as a logger recorded it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Series {
-    /// Times [s], increasing; NaN where a sample cannot be placed.
-    pub time: Vec<f64>,
-    /// Values in the unit of their column.
-    pub values: Vec<f64>,
-}
-
-/// A column as a logger recorded it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LoggerSeries {
     /// The logger.
     pub logger: String,
     /// The column.
     pub column: String,
-    /// Its samples by the logger's clock.
-    pub series: Series,
+    /// Times by the logger's clock [s], increasing; NaN where a sample cannot be placed.
+    pub time: Vec<f64>,
+    /// Values in the unit of the column.
+    pub values: Vec<f64>,
+}
+
+impl Series {
+    /// Times of the samples that have a value [s].
+    pub fn samples(&self) -> impl Iterator<Item = f64> {
+        let both = self.time.iter().zip(&self.values);
+        let both = both.filter(|(t, x)| t.is_finite() && x.is_finite());
+        both.map(|(t, _)| *t)
+    }
 }
 
 /// A delay by one relation between channels.
@@ -88,12 +90,9 @@ const PLACE: f64 = 0.2;
 /// [s].
 const SLIP: f64 = 0.03;
 
-/// End of the name of a relation of a column with itself.
-const IN_BOTH: &str = " in both";
-
 /// What is compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
+pub(crate) enum Kind {
     /// A column with itself.
     Same,
     /// `a_x` with `dv/dt`.
@@ -104,9 +103,24 @@ enum Kind {
     Vertical,
 }
 
+/// The motions of a rigid body: their names, and the columns of both sides.
+const MOTIONS: [(Kind, &str, [&str; 2]); 3] = [
+    (Kind::Longitudinal, "ax = dv/dt", ["ax_mps2", "v_mps"]),
+    (
+        Kind::Lateral,
+        "ay = yaw rate * v",
+        ["ay_mps2", "yaw_rate_radps"],
+    ),
+    (
+        Kind::Vertical,
+        "az = g - pitch rate * v",
+        ["az_mps2", "pitch_rate_radps"],
+    ),
+];
+
 /// One relation between two loggers.
 pub(crate) struct Pair<'a> {
-    kind: Kind,
+    pub kind: Kind,
     pub name: String,
     lhs: &'a Series,
     main: &'a Series,
@@ -136,68 +150,57 @@ pub(crate) type Place<'a> = dyn Fn(&str) -> Option<f64> + 'a;
 /// The pairs between one logger and those whose clocks are known, whose series are in the clock of
 /// the runs.
 pub(crate) fn pairs<'a>(
-    late: &'a [&'a LoggerSeries],
-    known: &'a [LoggerSeries],
+    late: &'a [&'a Series],
+    known: &'a [Series],
     place: &Place,
 ) -> Vec<Pair<'a>> {
     let mut pairs = Vec::new();
-    let in_late = |column: &str| late.iter().find(|s| s.column == column).map(|s| &s.series);
-    let in_known = |column: &str| known.iter().find(|s| s.column == column).map(|s| &s.series);
+    let in_late = |column: &str| late.iter().find(|s| s.column == column).copied();
+    let in_known = |column: &str| known.iter().find(|s| s.column == column);
     for own in late {
         if let Some(other) = in_known(&own.column) {
-            let name = format!("{}{IN_BOTH}", own.column);
-            pairs.push(Pair::new(Kind::Same, name, other, &own.series, false));
+            let name = format!("{} in both", own.column);
+            pairs.push(Pair::new(Kind::Same, name, other, own, false));
         }
     }
     for lhs_late in [false, true] {
-        let side = |column: &str, late: bool| {
-            if late {
+        let side = |column: &str, is_lhs: bool| {
+            if is_lhs == lhs_late {
                 in_late(column)
             } else {
                 in_known(column)
             }
         };
-        let lhs = |column: &str| side(column, lhs_late);
-        let rhs = |column: &str| side(column, !lhs_late);
-        if let (Some(ax), Some(v)) = (lhs("ax_mps2"), rhs("v_mps")) {
-            let name = "ax = dv/dt".to_string();
-            pairs.push(Pair::new(Kind::Longitudinal, name, ax, v, lhs_late));
-        }
-        for (kind, name) in [
-            (Kind::Lateral, "ay = yaw rate * v"),
-            (Kind::Vertical, "az = g - pitch rate * v"),
-        ] {
-            let is_lateral = kind == Kind::Lateral;
-            let acceleration = if is_lateral { "ay_mps2" } else { "az_mps2" };
-            let rate = if is_lateral {
-                "yaw_rate_radps"
-            } else {
-                "pitch_rate_radps"
-            };
-            let speed = rhs("v_mps").map(|v| (v, false));
-            let speed = speed.or(lhs("v_mps").map(|v| (v, true)));
-            let (Some(a), Some(w), Some(speed)) = (lhs(acceleration), rhs(rate), speed) else {
+        for (kind, name, [acceleration, main]) in MOTIONS {
+            let (Some(lhs), Some(rhs)) = (side(acceleration, true), side(main, false)) else {
                 continue;
             };
-            let slip = rhs("alpha_rad").filter(|_| is_lateral);
-            let mean = mean(speed.0).abs().max(1.0);
-            // The slip sensor's velocity is that of its own place.
-            let at = slip.map_or(Some(0.0), |_| place("alpha_rad"));
-            let sensor = place(acceleration);
-            let ahead = sensor.zip(at).map(|(sensor, at)| sensor - at);
-            let unknown_place = if ahead.is_some() { 0.0 } else { PLACE / mean };
-            let unknown_slip = if slip.is_none() && is_lateral {
-                SLIP
-            } else {
-                0.0
-            };
-            pairs.push(Pair {
-                speed: Some(speed),
-                slip,
-                ahead_m: ahead.unwrap_or(0.0),
-                doubt_s: f64::hypot(unknown_place, unknown_slip),
-                ..Pair::new(kind, name.to_string(), a, w, lhs_late)
-            });
+            let mut pair = Pair::new(kind, name.to_string(), lhs, rhs, lhs_late);
+            if kind != Kind::Longitudinal {
+                let speed = side("v_mps", false).map(|v| (v, false));
+                let Some(speed) = speed.or(side("v_mps", true).map(|v| (v, true))) else {
+                    continue;
+                };
+                let is_lateral = kind == Kind::Lateral;
+                let slip = side("alpha_rad", false).filter(|_| is_lateral);
+                // The slip sensor's velocity is that of its own place.
+                let at = slip.map_or(Some(0.0), |_| place("alpha_rad"));
+                let ahead = place(acceleration).zip(at).map(|(sensor, at)| sensor - at);
+                let unknown_place = match ahead {
+                    Some(_) => 0.0,
+                    None => PLACE / mean(speed.0).abs().max(1.0),
+                };
+                let unknown_slip = if slip.is_none() && is_lateral {
+                    SLIP
+                } else {
+                    0.0
+                };
+                pair.speed = Some(speed);
+                pair.slip = slip;
+                pair.ahead_m = ahead.unwrap_or(0.0);
+                pair.doubt_s = f64::hypot(unknown_place, unknown_slip);
+            }
+            pairs.push(pair);
         }
     }
     pairs
@@ -228,12 +231,6 @@ impl<'a> Pair<'a> {
             lhs_late,
             doubt_s: 0.0,
         }
-    }
-
-    /// The column that both loggers record, where the relation is that of a column with itself.
-    pub fn column(&self) -> Option<&str> {
-        let is_same = self.kind == Kind::Same;
-        is_same.then(|| self.name.trim_end_matches(IN_BOTH))
     }
 
     /// Both sides through a low pass; `None` where a series is too short.

@@ -100,7 +100,7 @@ fn units_signs_zeros_and_delays_give_the_truth_back() {
             assert_eq!(said.filter_hz, filtered.then_some(40.0));
         }
         assert!((run.column("track_c").unwrap()[500] + 10.0).abs() < 1e-9);
-        assert_eq!(note.channels["az_mps2"].unit_from, "file");
+        assert_eq!(note.channels["az_mps2"].recipe.unit_from, "file");
         assert_eq!(note.channels["ay_mps2"].sign, -1.0);
         assert_eq!(note.channels["ax_mps2"].place_m, Some([-0.35, 0.0, 0.12]));
         assert_eq!(note.loggers["box"].sha256.len(), 64);
