@@ -3,6 +3,8 @@
 
 use std::io::Read;
 
+use chrono::NaiveDate;
+
 use crate::error::Error;
 use crate::log::{Channel, Log};
 use crate::unit::{is_unit, name_unit};
@@ -54,20 +56,22 @@ struct Text<R> {
     rest: Vec<u8>,
     /// What is decoded and not yet used.
     text: String,
-    started: bool,
     ended: bool,
 }
 
 impl<R: Read> Text<R> {
-    fn new(reader: R) -> Text<R> {
-        Text {
+    fn new(mut reader: R) -> std::io::Result<Text<R>> {
+        let mut rest = Vec::new();
+        reader.by_ref().take(4).read_to_end(&mut rest)?;
+        let (wide, mark) = encoding(&rest);
+        rest.drain(..mark);
+        Ok(Text {
             reader,
-            wide: None,
-            rest: Vec::new(),
+            wide,
+            rest,
             text: String::new(),
-            started: false,
             ended: false,
-        }
+        })
     }
 
     /// Reads and decodes a block, or several where much is there already: long rows need few.
@@ -76,12 +80,6 @@ impl<R: Read> Text<R> {
         let mut block = self.reader.by_ref().take(wanted as u64);
         let count = block.read_to_end(&mut self.rest)?;
         self.ended = count < wanted;
-        if !self.started {
-            self.started = true;
-            let mark;
-            (self.wide, mark) = encoding(&self.rest);
-            self.rest.drain(..mark);
-        }
         let decoded = match self.wide {
             Some(unit) => decode_wide(&self.rest, unit, self.ended, &mut self.text),
             None => decode_narrow(&self.rest, self.ended, &mut self.text),
@@ -143,55 +141,49 @@ fn decode_wide(bytes: &[u8], unit: Unit, ended: bool, text: &mut String) -> usiz
 
 /// A number in a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Cell {
-    /// NaN where there is none.
-    Number(f64),
-    /// A time of the day, or a date with one [s].
-    Clock(f64),
-    Text,
+struct Number {
+    /// NaN where the cell says that there is none.
+    value: f64,
+    /// Whether it is a time of the day, or a date with one [s].
+    is_clock: bool,
 }
 
-impl Cell {
-    fn of(cell: &str, decimal_comma: bool) -> Cell {
+impl Number {
+    /// The number of a cell; none where it holds other text.
+    fn of(cell: &str, decimal_comma: bool) -> Option<Number> {
+        let plain = |value| {
+            let is_clock = false;
+            Some(Number { value, is_clock })
+        };
         let cell = cell.trim();
         if let Ok(value) = cell.parse::<f64>() {
             // `inf` marks a missing value; a number too large for its type is none.
             if value.is_infinite() && cell.contains(|c: char| c.is_ascii_digit()) {
-                return Cell::Text;
+                return None;
             }
-            return Cell::Number(if value.is_finite() { value } else { f64::NAN });
+            return plain(if value.is_finite() { value } else { f64::NAN });
         }
         let small = cell.to_lowercase();
         let missing = MISSING.split(' ').any(|word| word == small);
         if missing || cell.is_empty() || cell.ends_with("1.#INF") {
-            return Cell::Number(f64::NAN);
+            return plain(f64::NAN);
         }
         let comma = cell.rfind(',').filter(|place| place + 1 < cell.len());
-        let plain = match (comma, cell.rfind('.')) {
+        let number = match (comma, cell.rfind('.')) {
             // The last of both marks the decimals, the other one thousands.
             (Some(comma), Some(point)) if comma < point => cell.replace(',', ""),
             (Some(_), Some(_)) if decimal_comma => cell.replace('.', "").replacen(',', ".", 1),
             (Some(_), None) if decimal_comma => cell.replacen(',', ".", 1),
-            _ => cell.to_string(),
+            _ => String::new(),
         };
-        if comma.is_some()
-            && let Ok(value) = plain.parse::<f64>()
+        if let Ok(value) = number.parse::<f64>()
             && value.is_finite()
         {
-            return Cell::Number(value);
+            return plain(value);
         }
-        if cell.contains(':') {
-            let time = cell.replacen(',', ".", usize::from(decimal_comma));
-            return clock(&time).map_or(Cell::Text, Cell::Clock);
-        }
-        Cell::Text
-    }
-
-    fn value(self) -> Option<f64> {
-        match self {
-            Cell::Number(value) | Cell::Clock(value) => Some(value),
-            Cell::Text => None,
-        }
+        let time = cell.replacen(',', ".", usize::from(decimal_comma));
+        let is_clock = true;
+        clock(&time).map(|value| Number { value, is_clock })
     }
 }
 
@@ -250,26 +242,16 @@ fn days(date: &str) -> Option<f64> {
     let [first, second, third] = parts[..] else {
         return None;
     };
-    let number = |text: &str| text.parse::<i64>().ok();
     let (year, month, day) = if first.len() == 4 {
-        (number(first)?, number(second)?, number(third)?)
+        (first.parse(), second.parse(), third.parse())
     } else if date.contains('.') {
-        (number(third)?, number(second)?, number(first)?)
+        (third.parse(), second.parse(), first.parse())
     } else {
-        number(first).and(number(second)).and(number(third))?;
-        return Some(0.0);
+        let numbers = parts.iter().all(|part| part.parse::<i64>().is_ok());
+        return numbers.then_some(0.0);
     };
-    if !((1..=12).contains(&month) && (1..=31).contains(&day) && (0..10_000).contains(&year)) {
-        return None;
-    }
-    // Years that begin in March have their leap day last.
-    let (year, month) = if month > 2 {
-        (year, month - 3)
-    } else {
-        (year - 1, month + 9)
-    };
-    let leaps = year.div_euclid(4) - year.div_euclid(100) + year.div_euclid(400);
-    Some((365 * year + leaps + (153 * month + 2) / 5 + day - 1 - 719_468) as f64)
+    let date = NaiveDate::from_ymd_opt(year.ok()?, month.ok()?, day.ok()?)?;
+    Some(f64::from(date.to_epoch_days()))
 }
 
 /// Rows of a text, split into cells.
@@ -380,10 +362,9 @@ struct Layout {
 fn contents(cells: &[&str]) -> (usize, usize) {
     let (mut numbers, mut words) = (0, 0);
     for cell in cells {
-        match Cell::of(cell, true) {
-            Cell::Text => words += 1,
-            Cell::Number(value) | Cell::Clock(value) if value.is_finite() => numbers += 1,
-            _ => {}
+        match Number::of(cell, true) {
+            None => words += 1,
+            Some(number) => numbers += usize::from(number.value.is_finite()),
         }
     }
     (numbers, words)
@@ -517,64 +498,62 @@ const VBOX_UNITS: [(&[&str], &str); 3] = [
 /// The layout of a file in sections, `[header]`, `[column names]` and `[data]`, as programs of Race
 /// Logic write it (`.vbo`).
 fn sections(text: &str) -> Option<Layout> {
-    let mut at = 0;
-    let mut section = String::new();
-    let [mut titles, mut units, mut names]: [Vec<&str>; 3] = Default::default();
-    for (number, line) in text.split_inclusive('\n').enumerate().take(10_000) {
-        let bare = line.trim();
-        at += line.len();
-        if bare.starts_with('[') && bare.ends_with(']') {
-            section = bare[1..bare.len() - 1].to_lowercase();
-            if section != "data" {
-                continue;
-            }
-            let width = names.len();
-            if !(2..=MOST_COLUMNS).contains(&width) {
-                return None;
-            }
-            let unit_of = |i: usize, name: &str| -> Option<String> {
-                let known = VBOX_UNITS.iter();
-                let mut known = known.filter(|(names, _)| names.contains(&&*name.to_lowercase()));
-                if let Some((_, unit)) = known.next() {
-                    return Some(unit.to_string());
-                }
-                // Units of the last channels, which the user added, or the last word of a title.
-                let added = (i + units.len()).checked_sub(width);
-                let added = added.map(|place| units[place].to_string());
-                let title = titles.get(i).filter(|_| titles.len() == width);
-                let title = title.copied().unwrap_or_default();
-                let last = || Some(title.rsplit_once(' ')?.1.to_string());
-                let last = channel(title).unit.or_else(last);
-                let unit = |unit: &String| is_unit(unit);
-                added.filter(unit).or(last.filter(unit))
-            };
-            let of = |(i, name): (usize, &&str)| Channel {
-                name: name.to_string(),
-                unit: unit_of(i, name),
-                ..Channel::default()
-            };
-            let mut first_rows = text[at..].lines().take(WINDOW);
-            return Some(Layout {
-                delimiter: b' ',
-                decimal_comma: first_rows.any(|line| line.contains(',')),
-                channels: names.iter().enumerate().map(of).collect(),
-                sources: vec![String::new(); width],
-                head: Vec::new(),
-                start: at,
-                first_row: number as u64 + 2,
-                score: 1,
-                vbox: true,
-            });
-        }
-        match section.as_str() {
-            _ if bare.is_empty() => {}
-            "header" => titles.push(bare),
-            "channel units" => units.push(bare),
-            "column names" => names.extend(bare.split_whitespace()),
-            _ => {}
-        }
+    let head: Vec<&str> = text.split_inclusive('\n').take(10_000).collect();
+    let title = |line: &str| {
+        let title = line.trim().strip_prefix('[')?.strip_suffix(']')?;
+        Some(title.to_lowercase())
+    };
+    let begin = |name: &str| {
+        let own = |line: &&str| title(line).as_deref() == Some(name);
+        head.iter().position(own).map(|line| line + 1)
+    };
+    let lines = |name: &str| -> Vec<&str> {
+        let from = begin(name).unwrap_or(head.len());
+        let own = head[from..].iter().take_while(|line| title(line).is_none());
+        let bare = own.map(|line| line.trim());
+        bare.filter(|line| !line.is_empty()).collect()
+    };
+    let rows = begin("data")?;
+    let names = lines("column names").join(" ");
+    let names: Vec<&str> = names.split_whitespace().collect();
+    let (width, titles, units) = (names.len(), lines("header"), lines("channel units"));
+    if !(2..=MOST_COLUMNS).contains(&width) {
+        return None;
     }
-    None
+    let unit_of = |i: usize, name: &str| -> Option<String> {
+        let mut known = VBOX_UNITS.iter();
+        let known = known.find(|(names, _)| names.contains(&&*name.to_lowercase()));
+        if let Some((_, unit)) = known {
+            return Some(unit.to_string());
+        }
+        // Units of the last channels, which the user added, or the last word of a title.
+        let added = (i + units.len()).checked_sub(width);
+        let added = added.map(|place| units[place].to_string());
+        let title = titles.get(i).filter(|_| titles.len() == width);
+        let title = title.copied().unwrap_or_default();
+        let last = || Some(title.rsplit_once(' ')?.1.to_string());
+        let last = channel(title).unit.or_else(last);
+        let unit = |unit: &String| is_unit(unit);
+        added.filter(unit).or(last.filter(unit))
+    };
+    let of = |(i, name): (usize, &&str)| Channel {
+        name: name.to_string(),
+        unit: unit_of(i, name),
+        ..Channel::default()
+    };
+    let start = head[..rows].iter().map(|line| line.len()).sum();
+    let mut first_rows = text[start..].lines().take(WINDOW);
+    Some(Layout {
+        delimiter: b' ',
+        decimal_comma: first_rows.any(|line| line.contains(',')),
+        channels: names.iter().enumerate().map(of).collect(),
+        sources: vec![String::new(); width],
+        head: Vec::new(),
+        start,
+        first_row: rows as u64 + 1,
+        score: 1,
+        vbox: true,
+    })
 }
 
 /// `Speed [km/h]` is Speed in km/h; without brackets a name has the unit that it ends in.
@@ -632,7 +611,7 @@ pub fn read_text(
     file: &str,
 ) -> Result<Log, Error> {
     let failure = |error: std::io::Error| Error::file(file, error);
-    let mut source = Text::new(reader);
+    let mut source = Text::new(reader).map_err(failure)?;
     while !source.ended && source.text.len() < LONGEST_WINDOW {
         source.read_more().map_err(failure)?;
     }
@@ -776,11 +755,10 @@ impl<'a> Columns<'a> {
             if !self.read[i] {
                 continue;
             }
-            let number = Cell::of(cell, self.layout.decimal_comma);
-            self.clocks[i] |= matches!(number, Cell::Clock(_));
             let channel = &mut self.log.channels[i];
-            if let Some(value) = number.value() {
-                channel.values.push(value);
+            if let Some(number) = Number::of(cell, self.layout.decimal_comma) {
+                self.clocks[i] |= number.is_clock;
+                channel.values.push(number.value);
             } else if self.any {
                 let name = &channel.name;
                 let reason = || format!("column {name:?} has {cell:?} in row {line}");
@@ -893,7 +871,7 @@ mod tests {
 
     #[test]
     fn cells_are_numbers_times_nothing_or_text() {
-        let number = |cell, comma| Cell::of(cell, comma).value();
+        let number = |cell, comma| Number::of(cell, comma).map(|number| number.value);
         for (cell, comma, value) in [
             (" -1.5e-3", false, Some(-1.5e-3)),
             ("-0,75", true, Some(-0.75)),
@@ -940,7 +918,7 @@ mod tests {
             wide("s°/s", u16::to_be_bytes),
             wide("s°/s", u16::to_le_bytes),
         ] {
-            let mut text = Text::new(&bytes[..]);
+            let mut text = Text::new(&bytes[..]).unwrap();
             text.read_more().unwrap();
             assert_eq!(text.text, "s°/s", "{bytes:?}");
         }
