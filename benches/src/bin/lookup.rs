@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let (fz, curvature) = (table.axes().fz(), table.axes().curvature());
         let values = table.values(Quantity::PMax).unwrap_or_default();
         let grids = [fz, curvature];
-        let other = MultilinearRectilinear::<f64, 2>::new(&grids, values)?;
+        let other = MultilinearRectilinear::<f64, 2>::new(&grids, &values)?;
         report(&nodes, "interpn bilinear", &queries, |fz, k| {
             other.interp_one([fz, k]).unwrap_or(f64::NAN)
         });
