@@ -58,7 +58,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 fn read_run(index: &str, folder: &Path, entry: &GlideEntry) -> Result<GlideRun, Failure> {
     let path = folder.join(&entry.file);
     let reader =
-        open(&path).map_err(|failure| failure.within(&format!("{index}, run {}", entry.run)))?;
+        open(&path).map_err(|failure| failure.within(format!("{index}, run {}", entry.run)))?;
     let name = path.display().to_string();
     let trace = read_glide(&name, reader)?;
     evaluate_glide(entry, &trace).map_err(of_file(&path))
