@@ -78,7 +78,7 @@ fn law(setting: &Setting, rows: &[Row], first: &Fit) -> Picture {
             let pressure: Vec<f64> = rows.iter().map(|r| 1e-6 * r.pressure).collect();
             let low = pressure.iter().copied().fold(f64::INFINITY, f64::min);
             let high = pressure.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            // Extends the curve a little beyond the points.
+            // Extends the curve a little past the points.
             let margin = (0.06 * (high - low)).max(1e-9 * high.abs()).max(1e-12);
             let (low, high) = (low - margin, high + margin);
             let point = |k| {

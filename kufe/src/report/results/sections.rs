@@ -197,7 +197,7 @@ fn records(rows: &[Datum]) -> String {
         for ((entry, (row, all)), texts) in column.iter().zip(rows).zip(&mut texts) {
             texts.push(match entry {
                 Some(entry) if is_own => {
-                    // The row's figures of this unit are read beside one another.
+                    // The row's figures of this unit are compared with one another.
                     let unit = own_unit(row, entry);
                     let alike = all.iter().filter(|other| own_unit(row, other) == unit);
                     let largest = alike.map(Entry::largest).fold(0.0, f64::max);

@@ -156,7 +156,7 @@ fn examine_run(run: &Run, faults: Vec<Fault>) -> Examination {
             saturation: run.saturated.get(name).copied(),
             ..profile
         };
-        // A low pass overshoots beside an end stop.
+        // A low pass overshoots next to an end stop.
         let stills = odd.iter().filter(|(kind, _)| *kind == OddKind::Still);
         let still = stills.max_by_key(|(_, still)| still.len());
         let value = still.map_or(0.0, |(_, still)| column[still.start].abs());

@@ -94,7 +94,7 @@ impl Profile {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum OddKind {
-    /// A channel has no value, or the sled stands still: no channel takes part.
+    /// A channel has no value, or the sled is at rest: no channel takes part.
     Gap,
     /// Equal values at an end of the channel's range.
     Saturated,

@@ -4,9 +4,9 @@ use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::evidence::runs::fit::gauss_newton::stepped;
-use crate::evidence::runs::fit::noise_products::{corrected, mean_noise_products};
+use crate::evidence::runs::fit::noise_products::{corrected, fitted_products, mean_noise_products};
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
-use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
+use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
@@ -172,18 +172,11 @@ pub fn estimate(rows: &FittedRows, pairs: &[u64], trust: f64, settle: bool) -> F
             local: &[],
             windows: &[],
         };
-        let p = design.fitted();
         let products = design.products(frames);
         let noise = mean_noise_products(&design, frames, simulator, drawn..drawn + pairs);
         drawn += pairs;
-        let fitted = |all: &DMatrix<f64>| {
-            let own = all.view((OWN_LEVELS, OWN_LEVELS), (p + 1, p + 1));
-            own.into_owned()
-        };
-        let both = products.iter().zip(&noise);
-        let both: Vec<_> = both.map(|(x, d)| [&x.full, d].map(fitted)).collect();
         let prior = design.prior();
-        let runs = corrected(&both, &prior);
+        let runs = corrected(&fitted_products(&design, &products, &noise), &prior);
         let solved = solve(&runs, &prior);
         if round + 1 == rounds {
             let score = |cluster: &[usize]| score_without(&runs, cluster, &solved);

@@ -7,7 +7,7 @@ use crate::evidence::runs::campaign::{Campaign, INSTALLATION_PAIRS, RunFit};
 use crate::evidence::runs::contacts::own::without_contacts;
 use crate::evidence::runs::fit::estimate::{FIRST_ROUND, solve};
 use crate::evidence::runs::fit::gauss_newton::{residuals, stepped};
-use crate::evidence::runs::fit::noise_products::{corrected, mean_noise_products};
+use crate::evidence::runs::fit::noise_products::{corrected, fitted_products, mean_noise_products};
 use crate::evidence::runs::fit::row_noise::model_error;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS, Products};
 use crate::evidence::runs::model::discrepancy::Discrepancy;
@@ -155,7 +155,7 @@ impl Campaign<'_> {
             let products = design.products(&frames);
             let noise = self.noise_of(&design, &frames);
             let prior = design.prior();
-            let runs = corrected(&fitted_products(&design, &products, noise), &prior);
+            let runs = corrected(&fitted_products(&design, &products, &noise), &prior);
             let step = solve(&runs, &prior).0;
             given = stepped(&given, &[], step.as_slice(), 1.0);
         }
@@ -178,7 +178,7 @@ impl Campaign<'_> {
             free_products.column_mut(part).fill(0.0);
         }
         PartProducts {
-            by_run: fitted_products(&design, &products, noise),
+            by_run: fitted_products(&design, &products, &noise),
             free_products,
         }
     }
@@ -247,18 +247,6 @@ impl Campaign<'_> {
             windows: &[],
         }
     }
-}
-
-/// Products of the fitted columns and the residual by run, and their bias by noise.
-fn fitted_products(
-    design: &Design,
-    products: &[Products],
-    noise: Vec<DMatrix<f64>>,
-) -> Vec<[DMatrix<f64>; 2]> {
-    let n = design.fitted() + 1;
-    let fitted = |all: &DMatrix<f64>| all.view((OWN_LEVELS, OWN_LEVELS), (n, n)).into_owned();
-    let runs = products.iter().zip(&noise);
-    runs.map(|(x, d)| [&x.full, d].map(fitted)).collect()
 }
 
 /// Products of installation errors after projection on the complement of the base.

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 use crate::evidence::runs::fit::piece::piece;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
-use crate::evidence::runs::model::design::Design;
+use crate::evidence::runs::model::design::{Design, OWN_LEVELS, Products};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::regression::gram::squares;
 use crate::regression::prior::Prior;
@@ -51,6 +51,18 @@ pub fn noise_products(
             design.without_noise((mean - square(&pair.truth)) * share)
         })
         .collect()
+}
+
+/// Products of the fitted columns and the residual by run, and their bias by noise.
+pub fn fitted_products(
+    design: &Design,
+    products: &[Products],
+    noise: &[DMatrix<f64>],
+) -> Vec<[DMatrix<f64>; 2]> {
+    let n = design.fitted() + 1;
+    let fitted = |all: &DMatrix<f64>| all.view((OWN_LEVELS, OWN_LEVELS), (n, n)).into_owned();
+    let runs = products.iter().zip(noise);
+    runs.map(|(x, d)| [&x.full, d].map(fitted)).collect()
 }
 
 /// Largest share of a combination of columns that is taken to be noise. Chosen: the correction at

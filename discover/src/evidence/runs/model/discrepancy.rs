@@ -161,13 +161,13 @@ impl Discrepancy {
     /// deviation there.
     fn scaled_splines(&self, frame: &Frame, span: &Span) -> [Vec<(usize, [f64; 4])>; BALANCES] {
         let (places, scales) = (frame.rows(&frame.s), frame.row_scales());
+        let splines: Vec<_> = places.iter().map(|s| self.spline(span, *s)).collect();
         std::array::from_fn(|c| {
-            let at = |(i, s): (usize, &f64)| {
+            let at = |(i, (first, values)): (usize, &(usize, [f64; 4]))| {
                 let scale = scales.get(i).map_or(1.0, |scales| scales[c]);
-                let (first, values) = self.spline(span, *s);
-                (first, values.map(|value| value / scale))
+                (*first, values.map(|value| value / scale))
             };
-            places.iter().enumerate().map(at).collect()
+            splines.iter().enumerate().map(at).collect()
         })
     }
 
@@ -251,13 +251,13 @@ impl Discrepancy {
         let of_balance = |b: usize| at + first + b * span.splines;
         for (b, (c, shares)) in balances.iter().enumerate() {
             let splines = &splines[*c];
-            for (b2, (other, others)) in balances.iter().enumerate() {
+            for (b2, (other, others)) in balances.iter().enumerate().take(b + 1) {
                 let by: f64 = blocks.iter().map(|c| shares[*c] * others[*c]).sum();
-                all.view_mut(
-                    (of_balance(b), of_balance(b2)),
-                    (span.splines, span.splines),
-                )
-                .copy_from(&(own(*c, *other) * by));
+                let (both, size) = (own(*c, *other) * by, (span.splines, span.splines));
+                let mut view =
+                    |at, products: &DMatrix<f64>| all.view_mut(at, size).copy_from(products);
+                view((of_balance(b2), of_balance(b)), &both.transpose());
+                view((of_balance(b), of_balance(b2)), &both);
             }
             for k in 0..m {
                 let mut sums = vec![0.0; span.splines];
@@ -318,46 +318,18 @@ impl Discrepancy {
 
 #[cfg(test)]
 mod tests {
-    use kufe_sled::{Entry, Gaps, Run};
-
     use super::*;
-    use crate::evidence::runs::recordings::smooth_run::{frame, signal_kernel};
-    use crate::evidence::runs::recordings::survey::Surveys;
+    use crate::evidence::runs::recordings::smooth_run::steady_run;
     use crate::null::random::{normal, stream};
-    use crate::procedure::rules::Rules;
 
     const USED: [bool; 4] = [true, false, true, false];
 
     /// Six runs of 1800 m, three on each of two tracks.
     fn frames() -> Vec<Frame> {
         let of = |k: usize| {
-            let n = 6000;
-            let column = |name: &str| -> Vec<f64> {
-                let value = |i: usize| match name {
-                    "s_m" => 0.3 * i as f64 + k as f64,
-                    "v_mps" => 30.0,
-                    _ => 0.1,
-                };
-                (0..n).map(value).collect()
-            };
-            let names = kufe_sled::COLUMNS.iter().chain(&["s_m"]);
-            let run = Run {
-                entry: Entry {
-                    track: ["east", "west"][k % 2].to_owned(),
-                    ..Entry::default()
-                },
-                t0_s: 0.0,
-                dt_s: 0.01,
-                columns: names
-                    .map(|name| ((*name).to_owned(), column(name)))
-                    .collect(),
-                gaps: Gaps::none(n),
-                saturated: BTreeMap::new(),
-                remarks: Vec::new(),
-            };
-            let rules = Rules::default().runs.recordings;
-            let kernel = signal_kernel(run.dt_s, &rules);
-            frame(&run, &kernel, &Surveys::new(), &rules).expect("a run of a minute")
+            let mut frame = steady_run(["east", "west"][k % 2], 6000);
+            frame.s.iter_mut().for_each(|s| *s += k as f64);
+            frame
         };
         (0..6).map(of).collect()
     }

@@ -17,6 +17,8 @@
 
 use std::collections::BTreeMap;
 
+use kufe_sled::median;
+
 use crate::evidence::runs::recordings::frame::Frame;
 
 /// Number of force balances.
@@ -29,12 +31,6 @@ const FREEDOM: f64 = 4.0;
 pub struct PlaceScales {
     width_m: f64,
     tracks: BTreeMap<String, BTreeMap<i64, [f64; BALANCES]>>,
-}
-
-/// Median; 0 for no values.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 impl PlaceScales {
@@ -62,9 +58,9 @@ impl PlaceScales {
         for (c, squares) in squares.into_iter().enumerate() {
             let places = squares.into_iter();
             let places: Vec<_> = places
-                .map(|(at, (runs, n))| (at, median(runs), n))
+                .map(|(at, (runs, n))| (at, median(runs).unwrap_or(0.0), n))
                 .collect();
-            let most = median(places.iter().map(|(_, q, _)| *q).collect());
+            let most = median(places.iter().map(|(_, q, _)| *q)).unwrap_or(0.0);
             for ((track, bin), q, n) in places.into_iter().filter(|_| most > 0.0) {
                 let bins = tracks.entry(track.to_owned()).or_default();
                 let scale = ((FREEDOM + n * q / most) / (FREEDOM + n)).sqrt();
@@ -90,45 +86,9 @@ impl PlaceScales {
 
 #[cfg(test)]
 mod tests {
-    use kufe_sled::{Entry, Gaps, Run};
-
     use super::*;
-    use crate::evidence::runs::recordings::smooth_run::{frame, signal_kernel};
-    use crate::evidence::runs::recordings::survey::Surveys;
+    use crate::evidence::runs::recordings::smooth_run::steady_run;
     use crate::null::random::{normal, stream};
-    use crate::procedure::rules::Rules;
-
-    /// Runs of 900 m on one track.
-    fn frames() -> Vec<Frame> {
-        let n = 3000;
-        let column = |name: &str| -> Vec<f64> {
-            let value = |i: usize| match name {
-                "s_m" => 0.3 * i as f64,
-                "v_mps" => 30.0,
-                _ => 0.1,
-            };
-            (0..n).map(value).collect()
-        };
-        let names = kufe_sled::COLUMNS.iter().chain(&["s_m"]);
-        let run = Run {
-            entry: Entry {
-                track: "east".to_owned(),
-                ..Entry::default()
-            },
-            t0_s: 0.0,
-            dt_s: 0.01,
-            columns: names
-                .map(|name| ((*name).to_owned(), column(name)))
-                .collect(),
-            gaps: Gaps::none(n),
-            saturated: BTreeMap::new(),
-            remarks: Vec::new(),
-        };
-        let rules = Rules::default().runs.recordings;
-        let kernel = signal_kernel(run.dt_s, &rules);
-        let run = frame(&run, &kernel, &Surveys::new(), &rules).expect("a run of half a minute");
-        vec![run; 9]
-    }
 
     /// Noise, five times as large behind 700 m in the longitudinal balance of all runs, and behind
     /// 300 m in the lateral balance of two.
@@ -151,7 +111,8 @@ mod tests {
     /// A bin has some 60 rows of 9 runs: medians of mean squares scatter by a fifth.
     #[test]
     fn scales_follow_what_most_runs_share() {
-        let frames = frames();
+        // Of 900 m.
+        let frames = vec![steady_run("east", 3000); 9];
         let scales = PlaceScales::estimate(&frames, &rows(&frames), 20.0);
         let at = |s: f64, c: usize| scales.along("east", &[s])[0][c];
         for s in [210.0, 410.0, 610.0] {

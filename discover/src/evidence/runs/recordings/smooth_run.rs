@@ -182,6 +182,37 @@ fn is_integrated(s: &[f64], summed: &[f64]) -> bool {
     apart.fold(0.0, f64::max) < SAME_PLACE_M
 }
 
+/// A run at 30 m/s along a track, for tests.
+#[cfg(test)]
+pub fn steady_run(track: &str, samples: usize) -> Frame {
+    let column = |name: &str| -> Vec<f64> {
+        let value = |i: usize| match name {
+            "s_m" => 0.3 * i as f64,
+            "v_mps" => 30.0,
+            _ => 0.1,
+        };
+        (0..samples).map(value).collect()
+    };
+    let names = kufe_sled::COLUMNS.iter().chain(&["s_m"]);
+    let run = Run {
+        entry: kufe_sled::Entry {
+            track: track.to_owned(),
+            ..Default::default()
+        },
+        t0_s: 0.0,
+        dt_s: 0.01,
+        columns: names
+            .map(|name| ((*name).to_owned(), column(name)))
+            .collect(),
+        gaps: kufe_sled::Gaps::none(samples),
+        saturated: BTreeMap::new(),
+        remarks: Vec::new(),
+    };
+    let rules = crate::procedure::rules::Rules::default().runs.recordings;
+    let kernel = signal_kernel(run.dt_s, &rules);
+    frame(&run, &kernel, &Surveys::new(), &rules).expect("half a minute")
+}
+
 #[cfg(test)]
 mod tests {
     use kufe_sled::{Conditions, Entry, Gaps};
