@@ -87,7 +87,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         | "off" => Datum::of(&hull(path)?),
         "lut" => table(&read_table(path)?, None)?,
         "fmu" => {
-            let file = open_regular(path).map_err(unreadable)?;
+            let file = open_regular(path).map_err(of_file(path))?;
             let unit = read_fmu(BufReader::new(file)).map_err(of_file(path))?;
             table(&unit.table, Some(unit.platforms.join(", ")))?
         }

@@ -22,5 +22,5 @@ mod whole;
 
 pub use apart::{leads_out, outputs_apart, resolved, same_file};
 pub use leftovers::clear_temporaries;
-pub use read::{open_regular, read_regular, sha256, sha256_of_file, text_of_regular};
+pub use read::{broken_at, open_regular, read_regular, sha256, sha256_of_file, text_of_regular};
 pub use whole::{TEMPORARY, write_whole};

@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result};
+use std::ops::Range;
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
@@ -14,7 +15,10 @@ use crate::place::kind;
 /// [`ErrorKind::InvalidInput`] for a folder, a device, a pipe and a longer file, with what was
 /// found; the system's where the file cannot be read.
 pub fn read_regular(path: &Path, most: u64) -> Result<Vec<u8>> {
-    let file = open_regular(path)?;
+    bytes_of(open_regular(path)?, most).map_err(unreadable)
+}
+
+fn bytes_of(file: File, most: u64) -> Result<Vec<u8>> {
     let long = |found: u64| {
         let text = format!("{found} bytes or more: expected at most {most}");
         Error::new(ErrorKind::InvalidInput, text)
@@ -38,7 +42,32 @@ pub fn read_regular(path: &Path, most: u64) -> Result<Vec<u8>> {
 /// As [`read_regular`]; [`ErrorKind::InvalidData`] where the bytes are no UTF-8.
 pub fn text_of_regular(path: &Path, most: u64) -> Result<String> {
     String::from_utf8(read_regular(path, most)?)
-        .map_err(|error| Error::new(ErrorKind::InvalidData, error.utf8_error()))
+        .map_err(|error| unreadable(Error::new(ErrorKind::InvalidData, error.utf8_error())))
+}
+
+/// An error of the same kind that says what failed.
+fn unreadable(error: Error) -> Error {
+    Error::new(error.kind(), format!("cannot be read: {error}"))
+}
+
+/// Why a text could not be parsed, on one line: the line at which it broke, what stands there and
+/// the parser's message.
+pub fn broken_at(text: &str, span: Option<Range<usize>>, message: &str) -> String {
+    let start = span.map_or(0, |span| span.start.min(text.len()));
+    let before = &text.as_bytes()[..start];
+    let line = before.iter().filter(|&&byte| byte == b'\n').count();
+    let found = text.lines().nth(line).unwrap_or_default().trim();
+    let found: String = found.chars().take(120).collect();
+    let found = match &*found {
+        "" => found,
+        found => format!("`{found}`: "),
+    };
+    let message = message.lines().collect::<Vec<_>>().join("; ");
+    let message = message
+        .replace("invalid type: string", "found")
+        .replace("invalid value: string", "found")
+        .replace("expected f64", "expected a number");
+    format!("line {}: {found}{message}", line + 1)
 }
 
 /// Opens a regular file; a pipe is refused before it is opened, which would wait for its writer.
@@ -47,6 +76,10 @@ pub fn text_of_regular(path: &Path, most: u64) -> Result<String> {
 /// [`ErrorKind::InvalidInput`] for a folder, a device and a pipe; the system's where it cannot be
 /// opened.
 pub fn open_regular(path: &Path) -> Result<File> {
+    opened(path).map_err(unreadable)
+}
+
+fn opened(path: &Path) -> Result<File> {
     let refuse = |found: std::fs::FileType| {
         let text = format!("it is {}, expected a file", kind(found));
         Error::new(ErrorKind::InvalidInput, text)
@@ -99,7 +132,10 @@ mod tests {
         assert_eq!(read_regular(&path, 10).unwrap(), b"0123456789");
         assert_eq!(text_of_regular(&path, 10).unwrap(), "0123456789");
         let error = read_regular(&path, 9).unwrap_err().to_string();
-        assert_eq!(error, "10 bytes or more: expected at most 9");
+        assert_eq!(
+            error,
+            "cannot be read: 10 bytes or more: expected at most 9"
+        );
         assert!(
             read_regular(folder.path(), 9)
                 .unwrap_err()

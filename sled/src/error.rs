@@ -28,7 +28,7 @@ pub enum Error {
         expected: &'static str,
     },
     /// A required column is absent.
-    #[error("{file}: column {column} is missing{}; the file has: {found}", needs(*.needed_by))]
+    #[error("{file}: column {column} is missing{}; the file has {found}", needs(*.needed_by))]
     MissingColumn {
         /// The file.
         file: String,
@@ -202,7 +202,10 @@ impl Error {
         Error::MissingColumn {
             file: file.to_string(),
             column: column.to_string(),
-            found: found.join(", "),
+            found: match &found[..] {
+                [] => "none".to_string(),
+                found => found.join(", "),
+            },
             needed_by: None,
         }
     }

@@ -187,8 +187,10 @@ impl Mapping {
     /// # Errors
     /// [`Error::File`] with the line where it is no TOML or a key is unknown; [`Error::Key`].
     pub fn parse(text: &str, file: &str) -> Result<Mapping, Error> {
-        let mapping: Mapping = toml::from_str(text)
-            .map_err(|error| Error::file(file, error.to_string().trim_end().replace('\n', " ")))?;
+        let mapping: Mapping = toml::from_str(text).map_err(|error| {
+            let reason = kufe_files::broken_at(text, error.span(), error.message());
+            Error::file(file, reason)
+        })?;
         check(&mapping, file)?;
         Ok(mapping)
     }

@@ -53,7 +53,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 /// Opens a table, with a warning where it may be cut.
 fn open(path: &Path) -> Result<BufReader<File>, Failure> {
     let file = kufe_files::open_regular(path);
-    let file = file.map_err(|error| Failure::unreadable(path, error))?;
+    let file = file.map_err(|error| Failure::in_file(path, error))?;
     warn_if_cut(path);
     Ok(BufReader::new(file))
 }

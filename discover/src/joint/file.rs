@@ -34,8 +34,9 @@ impl CampaignFile {
         let refused = |reason: &str| Error::file(path, reason.trim());
         let text = kufe_files::text_of_regular(path, MOST_BYTES);
         let text = text.map_err(|error| refused(&error.to_string()))?;
-        let mut campaign: Self =
-            toml::from_str(&text).map_err(|error| refused(&error.to_string()))?;
+        let mut campaign: Self = toml::from_str(&text).map_err(|error: toml::de::Error| {
+            refused(&kufe_files::broken_at(&text, error.span(), error.message()))
+        })?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut seen: Vec<(&str, PathBuf)> = Vec::new();
         for (key, file) in [

@@ -8,15 +8,8 @@ use crate::case::range::Range;
 #[derive(Debug, thiserror::Error)]
 pub enum CaseError {
     /// The text is no TOML, a key is unknown or missing, or a value is of the wrong kind.
-    #[error("line {line}: `{found}`: {message}")]
-    Syntax {
-        /// Line, counted from 1.
-        line: usize,
-        /// The line.
-        found: String,
-        /// What is wrong with it.
-        message: String,
-    },
+    #[error("{0}")]
+    Syntax(String),
     /// A value is outside its range.
     #[error("{}{key} = {value}: expected {expected}", place(*line))]
     OutOfRange {
@@ -95,18 +88,7 @@ impl CaseError {
         if let Some(wrong) = root.and_then(|root| text_for_number(root.get_ref(), "", &span)) {
             return wrong.locate(text);
         }
-        let line = line_at(text, span);
-        let found = text.lines().nth(line - 1).unwrap_or_default().trim();
-        let message: Vec<&str> = error.message().lines().collect();
-        CaseError::Syntax {
-            line,
-            found: found.chars().take(120).collect(),
-            message: message
-                .join("; ")
-                .replace("invalid type: string", "found")
-                .replace("invalid value: string", "found")
-                .replace("expected f64", "expected a number"),
-        }
+        CaseError::Syntax(kufe_files::broken_at(text, Some(span), error.message()))
     }
 
     /// The same error with the line of its key in `text`.

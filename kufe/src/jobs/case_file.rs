@@ -56,7 +56,7 @@ impl LoadedCase {
             );
             return Err(Failure::in_file(path, reason));
         }
-        let text = text_of_regular(path, LONGEST).readable(path)?;
+        let text = text_of_regular(path, LONGEST).in_file(path)?;
         let base = path.parent().unwrap_or(Path::new(""));
         LoadedCase::parse(&path.display().to_string(), base, &text)
     }
@@ -125,7 +125,7 @@ impl LoadedCase {
             digests.push(sha256(&bytes));
         }
         for (key, file) in self.files()? {
-            let bytes = read_regular(&file, LARGEST).readable(&file);
+            let bytes = read_regular(&file, LARGEST).in_file(&file);
             let bytes = bytes.map_err(|failure| failure.within(key).within(&self.name))?;
             digests.push(sha256(&bytes));
         }

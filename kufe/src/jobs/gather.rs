@@ -115,7 +115,7 @@ enum Kind {
 
 fn kind(path: &Path) -> Result<Kind, Failure> {
     let names: Vec<String> = if path.extension().is_some_and(|ending| ending == "csv") {
-        let file = kufe_files::open_regular(path).readable(path)?;
+        let file = kufe_files::open_regular(path).in_file(path)?;
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .from_reader(std::io::Read::take(file, 1 << 16));
@@ -210,7 +210,7 @@ pub fn track_tables(
                 let reason = "a link that leads out of its folder";
                 return Err(Failure::in_file(&path, reason));
             }
-            let bytes = kufe_files::read_regular(&path, LONGEST).readable(&path)?;
+            let bytes = kufe_files::read_regular(&path, LONGEST).in_file(&path)?;
             let known = tables.entry(name.clone());
             let (first, known) = known.or_insert_with(|| (path.clone(), bytes.clone()));
             if *known != bytes {

@@ -15,11 +15,11 @@ use crate::jobs::{Failure, failure::Located, table::read_table};
 use crate::report::contact::{ContactPage, SeriesPage};
 use crate::report::index::index_page;
 use crate::report::page::{Kind, page};
-use crate::report::results::label::name_of;
 use crate::report::results::sections::capital;
 use crate::report::results::{Picture, picture_url, results_page};
 use crate::report::table::TablePage;
 use crate::report::viewer::{Stretch, VIEWER, ViewedPart, address, linked_to};
+use crate::results::label::name_of;
 use crate::results::{
     ContactResult, Datum, DocumentKind, Evaluation, LateralFitDocument, SeriesRow, Validation,
 };
@@ -68,7 +68,7 @@ const MOST_PICTURES: usize = 12;
 /// # Errors
 /// [`Failure::BadInput`] with the file and the key.
 pub fn read_json<T: DeserializeOwned>(path: &Path, longest: u64) -> Result<T, Failure> {
-    let text = text_of_regular(path, longest).readable(path)?;
+    let text = text_of_regular(path, longest).in_file(path)?;
     serde_json::from_str(&text).in_file(path)
 }
 
@@ -186,7 +186,7 @@ fn without_page(folder: &Path, files: &[PathBuf]) -> String {
 /// The page `name` that a command has written itself, with its links to the viewer's address.
 fn written(folder: &Path, name: &str, viewer: Option<&str>) -> Result<String, Failure> {
     let path = folder.join(name);
-    let page = text_of_regular(&path, LONGEST_PAGE).readable(&path)?;
+    let page = text_of_regular(&path, LONGEST_PAGE).in_file(&path)?;
     Ok(match viewer {
         Some(viewer) => linked_to(&page, viewer),
         None => page,
@@ -204,7 +204,7 @@ fn contact(folder: &Path) -> Result<String, Failure> {
         None
     };
     let hull = hull.filter(|hull| hull.triangles.len() <= MOST_TRIANGLES);
-    let data = ContactPage::new(result, &maps, hull.as_ref(), POINTS, folder_name(folder));
+    let data = ContactPage::new(result, &maps, hull.as_ref(), POINTS, folder_name(folder))?;
     Ok(page(Kind::Press, &data.title, &data))
 }
 
@@ -282,7 +282,7 @@ fn picture(path: &Path) -> Result<Option<Vec<u8>>, Failure> {
     if !path.is_file() {
         return Ok(None);
     }
-    let bytes = read_regular(path, LONGEST_PICTURE).readable(path)?;
+    let bytes = read_regular(path, LONGEST_PICTURE).in_file(path)?;
     Ok(Some(bytes).filter(|bytes| bytes.starts_with(b"\x89PNG\r\n\x1a\n")))
 }
 

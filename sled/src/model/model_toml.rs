@@ -93,9 +93,8 @@ impl Model {
     /// [`Error::File`], [`Error::KeyRange`].
     pub fn from_toml(text: &str, file: &str) -> Result<Model, Error> {
         let model: Model = toml::from_str(text).map_err(|error| {
-            let reason = error.to_string().replace("invalid type: string", "found");
-            let reason = reason.replace("expected f64", "expected a number");
-            Error::file(file, reason.trim_end())
+            let reason = kufe_files::broken_at(text, error.span(), error.message());
+            Error::file(file, reason)
         })?;
         model.check(file)?;
         Ok(model)

@@ -19,6 +19,6 @@ pub use spec::{TableSpec, schema};
 /// # Errors
 /// [`Failure::BadInput`] with the file and the place in it.
 pub fn read_table(path: &Path) -> Result<kufe_lut::Table, Failure> {
-    let mut file = kufe_files::open_regular(path).readable(path)?;
+    let mut file = kufe_files::open_regular(path).in_file(path)?;
     kufe_lut::Table::read(&mut file).in_file(path)
 }

@@ -72,7 +72,7 @@ impl PlanFile {
     /// [`Failure::BadInput`] with the file and the place in it.
     pub fn read(folder: &Path) -> Result<Self, Failure> {
         let path = folder.join(PlanFile::NAMES[0]);
-        let bytes = kufe_files::read_regular(&path, MAX_BYTES).readable(&path)?;
+        let bytes = kufe_files::read_regular(&path, MAX_BYTES).in_file(&path)?;
         let damaged = |reason: String| Failure::in_file(&path, format_args!("damaged: {reason}"));
         let plan: serde_json::Result<PlanFile> = serde_json::from_slice(&bytes);
         let plan = plan.map_err(|error| damaged(error.to_string()))?;

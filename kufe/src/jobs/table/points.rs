@@ -112,7 +112,7 @@ impl PointStore {
         let file = match kufe_files::open_regular(path) {
             // An equal command has finished and removed it.
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
-            opened => opened.readable(path)?,
+            opened => opened.in_file(path)?,
         };
         let mut reader = BufReader::new(file);
         let beginning = reader.fill_buf().readable(path)?;

@@ -134,16 +134,13 @@ impl TableSpec {
     /// # Errors
     /// [`Failure::BadInput`] naming the file, the key, what was found and what was expected.
     pub fn read(path: &Path) -> Result<TableSpec, Failure> {
-        let text = text_of_regular(path, LONGEST).readable(path)?;
+        let text = text_of_regular(path, LONGEST).in_file(path)?;
         TableSpec::parse(path, &text).in_file(path)
     }
 
     fn parse(path: &Path, text: &str) -> Result<TableSpec, String> {
-        let file: TableToml = toml::from_str(text).map_err(|error| {
-            let start = error.span().map_or(0, |span| span.start.min(text.len()));
-            let line = text[..start].matches('\n').count() + 1;
-            format!("line {line}: {}", error.message())
-        })?;
+        let file: TableToml = toml::from_str(text)
+            .map_err(|error| kufe_files::broken_at(text, error.span(), error.message()))?;
         let plan = plan(&file)?;
         let outside = file.axes.outside()?;
         plan.check().map_err(|error| match line_of(text, &error) {
