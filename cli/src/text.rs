@@ -1,13 +1,13 @@
 //! Documents as text: what a command prints of its result.
 
-use kufe::jobs::{Failure, percent};
-use kufe::plot::{number4, quantity, unit_of};
-use kufe::results::{Data, Datum, QUANTITIES};
+use kufe::jobs::Failure;
+use kufe::plot::{Scale, number4, percent, quantity};
+use kufe::results::{Data, Datum, QUANTITIES, measured_in, name_of, unit_in};
 use serde::Serialize;
 
 use crate::terminal::Global;
 
-/// A document as text: groups as indented `key: value` lines, lists of groups as tables, numbers
+/// A document as text: groups as indented `name: value` lines, lists of groups as tables, numbers
 /// with the units of their keys and with their errors.
 ///
 /// # Errors
@@ -42,8 +42,8 @@ fn text(datum: &Datum, depth: usize) -> String {
         other => return format!("{indent}{other}\n"),
     };
     let line = |(key, datum): (&String, &Datum)| match amount(data, key) {
-        Some(amount) => format!("{indent}{key}: {amount}\n"),
-        None => format!("{indent}{key}:\n{}", text(datum, depth + 1)),
+        Some(amount) => format!("{indent}{}: {amount}\n", name_of(key)),
+        None => format!("{indent}{}:\n{}", name_of(key), text(datum, depth + 1)),
     };
     let shown = data.iter().filter(|(key, _)| !is_error(data, key));
     shown.map(line).collect()
@@ -64,13 +64,23 @@ fn table(rows: &[Datum], columns: &[&str], indent: &str) -> String {
             }
         }
     }
-    let mut lines = vec![indent.to_owned(); rows.len() + 1];
-    for key in columns {
-        let cells = rows.iter().map(|row| amount(row, key).unwrap_or_default());
-        let cells: Vec<String> = std::iter::once(key.to_owned()).chain(cells).collect();
-        let wide = cells.iter().map(|cell| cell.chars().count()).max();
+    let head = columns.iter().map(|key| (*key).to_owned()).collect();
+    let cells = |row: &&Data| {
+        let cells = columns.iter().map(|key| amount(row, key));
+        cells.map(Option::unwrap_or_default).collect()
+    };
+    let lines: Vec<Vec<String>> = [head].into_iter().chain(rows.iter().map(cells)).collect();
+    aligned(&lines, indent)
+}
+
+/// Rows of cells, each column as wide as the widest of its cells.
+pub fn aligned(rows: &[impl AsRef<[String]>], indent: &str) -> String {
+    let mut lines = vec![indent.to_owned(); rows.len()];
+    for column in 0..rows.first().map_or(0, |row| row.as_ref().len()) {
+        let cells = rows.iter().map(|row| row.as_ref()[column].as_str());
+        let wide = cells.clone().map(|cell| cell.chars().count()).max();
         let wide = wide.unwrap_or_default();
-        for (line, cell) in lines.iter_mut().zip(&cells) {
+        for (line, cell) in lines.iter_mut().zip(cells) {
             *line += &format!("{cell:<wide$}  ");
         }
     }
@@ -81,67 +91,55 @@ fn table(rows: &[Datum], columns: &[&str], indent: &str) -> String {
 /// Whether a key is that of the error of another number.
 fn is_error(data: &Data, key: &str) -> bool {
     let of = QUANTITIES.iter().find(|known| known.error_key == key);
-    of.is_some_and(|known| measured(data, known.key).is_some())
-}
-
-/// A number with its error in the unit that is usual for it.
-pub fn measured(data: &Data, key: &str) -> Option<String> {
-    let known = QUANTITIES.iter().find(|known| known.key == key)?;
-    let number = |key: &str| data.get(key)?.number();
-    Some(known.with_error(number(key)?, number(known.error_key)?))
+    of.is_some_and(|known| measured_in(data, known.key).is_some())
 }
 
 /// What fits on a line: a number with its error, a single datum, a range, a list of such.
 fn amount(data: &Data, key: &str) -> Option<String> {
-    let datum = data.get(key)?;
+    let (datum, unit) = (data.get(key)?, unit_in(data, key));
     let is_sentence = |datum: &Datum| datum.text().is_some_and(|text| text.contains(' '));
     match datum {
-        Datum::Group(inner) => range(key, datum, inner),
+        Datum::Group(inner) => range(&unit, datum, inner),
         Datum::List(list) if datum.is_table() || list.iter().any(is_sentence) => None,
-        other => Some(measured(data, key).unwrap_or_else(|| single(key, other))),
+        other => Some(measured_in(data, key).unwrap_or_else(|| single(&unit, other))),
     }
 }
 
-/// Single data on a line: words as they are, numbers with the unit of their key, lists of them.
-fn single(key: &str, datum: &Datum) -> String {
+/// Single data on a line: words as they are, numbers with their unit, lists of them.
+fn single(unit: &str, datum: &Datum) -> String {
     match datum {
         Datum::List(list) if !list.is_empty() => {
             let is_nested = list.iter().any(|one| !one.is_single());
-            let each: Vec<String> = list.iter().map(|one| single(key, one)).collect();
+            let each: Vec<String> = list.iter().map(|one| single(unit, one)).collect();
             each.join(if is_nested { "; " } else { ", " })
         }
         other if other.is_empty() => "none".to_owned(),
         other => match other.number() {
-            Some(number) => with_unit(key, number),
+            Some(number) => with_unit(unit, number),
             None => other.to_string(),
         },
     }
 }
 
-/// A number with the unit that its key ends in; whole ones without a unit in full.
-fn with_unit(key: &str, number: f64) -> String {
-    let is_whole = number.fract() == 0.0 && number.abs() < 1e15;
-    match &*unit_of(key) {
-        "" if is_whole => number.to_string(),
+/// A number with its unit; whole ones without a unit in full.
+fn with_unit(unit: &str, number: f64) -> String {
+    match unit {
+        "" if number.fract() == 0.0 && number.abs() < 1e15 => number.to_string(),
         "" => number4(number),
-        "bytes" => format!("{number} bytes"),
-        "m" if number != 0.0 && number.abs() < 1e-3 => quantity(1e6 * number, "µm"),
-        "m2" if number != 0.0 && number.abs() < 1e-2 => quantity(1e6 * number, "mm²"),
         unit => quantity(number, unit),
     }
 }
 
 /// "2 points, from 12 m/s, to 31 m/s" of a range; "12 N (11 to 13 N)" of a value with its
 /// interval.
-fn range(key: &str, datum: &Datum, inner: &Data) -> Option<String> {
-    if let Some(interval) = datum.interval() {
-        let [value, low, high] = interval.map(|number| with_unit(key, number));
-        let unit = high.split_once(' ').map_or("", |(_, unit)| unit);
-        let low = low.strip_suffix(&format!(" {unit}")).unwrap_or(&low);
-        return Some(if interval[1] < interval[2] {
-            format!("{value} ({low} to {high})")
+fn range(unit: &str, datum: &Datum, inner: &Data) -> Option<String> {
+    if let Some([value, low, high]) = datum.interval() {
+        let scale = Scale::of(unit, value.abs().max(high.abs()));
+        let [value, low, high] = [value, low, high].map(|number| scale.number(number));
+        return Some(if low == high {
+            scale.with_unit(&value)
         } else {
-            value
+            scale.with_unit(&format!("{value} ({low} to {high})"))
         });
     }
     let part = |(name, datum): (&String, &Datum)| {
@@ -149,7 +147,7 @@ fn range(key: &str, datum: &Datum, inner: &Data) -> Option<String> {
         Some(match &**name {
             _ if datum.is_empty() => String::new(),
             "points" | "missing" => format!("{datum} {name}"),
-            "from" | "to" | "min" | "max" => format!("{name} {}", with_unit(key, number?)),
+            "from" | "to" | "min" | "max" => format!("{name} {}", with_unit(unit, number?)),
             "smooth_error" | "bilinear_error" => {
                 let (mode, _) = name.split_once('_')?;
                 format!("{mode} within {}", percent(number?))

@@ -61,7 +61,7 @@ function bilinear(grid, values) {
 function figure(value, digits = 4) {
   if (value === null || value === undefined) return "none";
   if (!Number.isFinite(value)) return value > 0 ? "inf" : value < 0 ? "-inf" : "none";
-  if (value === 0) return "0";
+  if (Number.isInteger(value) && Math.abs(value) < 1e7) return String(value + 0);
   const size = Math.floor(Math.log10(Math.abs(value)));
   if (size < -4 || size > 8) return value.toExponential(digits - 1);
   return value.toFixed(Math.max(0, digits - 1 - size));

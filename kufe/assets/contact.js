@@ -5,10 +5,12 @@
 
 /** Below this part of the peak a place counts as outside the contact. */
 const EDGE = 0.01;
+/** So many figures are shown at once. */
+const FIRST = 8;
 
 /** Builds the page in `main`; the answer's `show(data)` fills it, again and again. */
 function contactPage(main, between = null) {
-  const head = el("header"), warnings = el("div"), headline = el("ul", { class: "figures" });
+  const head = el("header"), warnings = el("div"), headline = el("ul", { class: "figures" }), further = el("div");
   const view = contactView();
   const readout = el("output", { class: "readout", id: "readout" }, "");
   const part = el("select", { "aria-label": "part of the contact", onchange: () => choose(Number(part.value)) });
@@ -20,7 +22,7 @@ function contactPage(main, between = null) {
   const history = el("div"), caseTable = el("div"), mounts = el("div");
   const mountsPanel = panel("What the runner pushes its mount with", mounts);
   main.replaceChildren(
-    head, warnings, headline, ...(between ? [between] : []),
+    head, warnings, headline, el("details", {}, el("summary", {}, "Further figures"), further), ...(between ? [between] : []),
     el("div", { class: "panels" },
       panel("Hull, ice and pressure", view.box, view.tools),
       panel("Contact pressure", map.box, readout, el("div", { class: "tools" }, partLabel, el("span", {}, "Click or use the arrow keys to move the cuts."))),
@@ -99,7 +101,8 @@ function contactPage(main, between = null) {
     document.title = data.title;
     head.replaceChildren(el("h1", {}, data.title), el("p", { class: "soft" }, data.name));
     warnings.replaceChildren(...data.result.warnings.map((text) => el("p", { class: "warning" }, text)));
-    headline.replaceChildren(...figures(headlineOf(data)));
+    headline.replaceChildren(...figures(data.figures.slice(0, FIRST).map(({ name, text, note }) => [text, note ? `${name}: ${note}` : name])));
+    further.replaceChildren(table(["", "", ""], data.figures.slice(FIRST).map(({ name, text, note }) => [name, text, note])));
     partLabel.hidden = data.maps.length < 2;
     part.replaceChildren(...data.maps.map((grid, k) => el("option", { value: k }, `${k + 1}: x ${figure(1e3 * grid.x0, 3)} to ${figure(1e3 * (grid.x0 + grid.nx * grid.dx), 3)} mm`)));
     const highest = (grid) => grid.p.low + 65534 * grid.p.step;
@@ -107,15 +110,12 @@ function contactPage(main, between = null) {
     part.value = first;
     choose(first);
     convergence(data, charts, history);
-    caseTable.replaceChildren(caseOf(data.result.case, fitOf(data.result.hull_fit)));
+    caseTable.replaceChildren(caseOf(data.result.case));
     mountsPanel.hidden = !data.result.mounts?.length;
     if (!mountsPanel.hidden) mounts.replaceChildren(...mountsOf(data.result.mounts));
   }
   return { show };
 }
-
-/** How far the surface fitted through a hull's vertices stays from them. */
-const fitOf = (fit) => (fit ? [["hull's fit", `${metres(fit.residual_rms_m)} from its vertices`]] : []);
 
 /** What each part of a mount bears. */
 function mountsOf(mounts) {
@@ -130,73 +130,6 @@ function mountsOf(mounts) {
     ]),
     el("p", { class: "soft" }, "Moments are about the middle of each part of the mount. All is of the last mesh; at the rim of what is held the steel's stress grows with finer meshes."),
   ];
-}
-
-/** The stress under the peak, where it was asked for. */
-function shearOf(under) {
-  if (!Number.isFinite(under?.max_shear_pa)) return [];
-  const depth = `${metres(under.max_shear_depth_m)} under the peak${within(1e3 * under.max_shear_depth_error_m, "mm")}`;
-  return [[`${figure(1e-6 * under.max_shear_pa)} MPa`, `largest shear${within(1e-6 * under.max_shear_error_pa, "MPa")}, ${depth}`]];
-}
-
-/** What an elastic runner adds to the headline. */
-function steelOf(result) {
-  if (!Number.isFinite(result.runner_von_mises_max_pa)) return [];
-  const [x, , z] = result.runner_von_mises_at_m;
-  return [[`${figure(1e-6 * result.runner_von_mises_max_pa)} MPa`, `largest von Mises stress of the runner, at x = ${figure(1e3 * x, 3)} mm, ${metres(z)} above its lowest point`]];
-}
-
-function headlineOf({ result, maps, peak_error_pa, peak_error_parts }) {
-  const parts = maps.length, angle = (value) => (Math.abs(value) < 1e-9 ? "0" : figure(1e3 * value, 3));
-  const peak = `${figure(1e-6 * result.p_max_pa)} MPa`, error = within(1e-6 * peak_error_pa, "MPa");
-  return [
-    [peak, `peak pressure${error || ", one mesh only"}${partsOf(peak_error_parts)}`],
-    ...checkOf(result),
-    [`${figure(1e-6 * result.p_mean_pa)} MPa`, `mean pressure${within(1e-6 * result.p_mean_error_pa, "MPa")}`],
-    [`${metres(result.length_m)} \u00d7 ${metres(result.width_m)}`, `contact, ${parts > 1 ? "from end to end" : "length"}${within(1e3 * result.length_error_m, "mm").slice(1)} \u00d7 width${within(1e3 * result.width_error_m, "mm").slice(1)}`],
-    [`${figure(1e6 * result.area_m2)} mm\u00b2`, `contact area${within(1e6 * result.area_error_m2, "mm\u00b2")}`],
-    [metres(result.approach_m, 4), `approach${within(1e6 * result.approach_error_m, "\u00b5m")}`],
-    [`${figure(result.fz_n)} N`, "normal force"],
-    [`${angle(result.pitch_rad)}, ${angle(result.roll_rad)} mrad`, `pitch${within(1e3 * result.pitch_error_rad, "mrad")}, roll${within(1e3 * result.roll_error_rad, "mrad")}`],
-    ...shearOf(result.subsurface),
-    ...steelOf(result),
-    ...slidingOf(result),
-    [`${figure(result.seconds, 3)} s`, `${result.dofs} unknowns, ${result.iterations} iterations`],
-  ];
-}
-
-/** A figure's error, where it has one. */
-const within = (error, unit) => (Number.isFinite(error) && error > 0 ? `, \u00b1 ${figure(error, 2)} ${unit}` : "");
-
-/** What the error of the peak consists of, where it has several parts. */
-const partsOf = (parts) => (parts.length < 2 ? "" : `: ${parts.map(({ source, error }) => `${source} ${figure(1e-6 * error, 2)}`).join(", ")}`);
-
-/** The second answer, where there is one. */
-function checkOf(result) {
-  const peak = result.check_p_max_pa;
-  if (!Number.isFinite(peak)) return [];
-  return [[`${figure(1e-6 * peak)} MPa`, `peak by boundary elements${within(1e-6 * result.check_p_max_error_pa, "MPa")}`]];
-}
-
-/** What steady sliding adds to the headline. */
-function slidingOf(result) {
-  if (!Number.isFinite(result.mu)) return [];
-  const part = (name) => figure(1e3 * result[name], 3), error = (value) => figure(value, 2);
-  return [
-    [`\u03bc ${figure(1e3 * result.mu, 4)}e-3`, `friction, \u00b1 ${error(1e3 * result.mu_error)}e-3: ploughing ${part("mu_ploughing")}, film ${part("mu_viscous")}${result.mu_boundary > 0 ? `, boundary ${part("mu_boundary")} on ${figure(100 * result.boundary_share, 3)} % of the patch` : ""}`],
-    ...(result.mu_sensitivity ? [followsOf(result.mu_sensitivity)] : []),
-    [`${figure(1e-6 * result.hardness_pa, 4)} MPa`, `hardness (${result.hardness_from ?? "stated"})`],
-    [metres(result.groove_depth_m, 4), `groove left, \u00b1 ${metres(result.groove_depth_error_m, 2)}`],
-    [metres(result.load_ahead_m, 4), "load ahead of the lowest point"],
-    [metres(result.film_mean_m, 3), `melt film on average, at most ${metres(result.film_max_m, 3)}`],
-  ];
-}
-
-/** How friction follows what it depends on. */
-function followsOf(by) {
-  const per = (value) => `${value >= 0 ? "+" : "\u2212"}${figure(Math.abs(value), 2)} %`;
-  const boundary = Number.isFinite(by.dlnmu_dlnroughness) ? `, ${per(by.dlnmu_dlnroughness)} of roughness, ${per(by.dlnmu_dlnboundary_shear)} of boundary shear` : "";
-  return [per(by.dlnmu_dlnv), `friction for 1 % of speed; ${per(by.dlnmu_dlnhardness)} for 1 % of hardness, ${per(by.dlnmu_dlnviscosity)} for 1 % of viscosity${boundary}, ${per(1e2 * by.dlnmu_dice_c)} for 1 K`];
 }
 
 /** The meshes of a sliding contact, whose peak is the ice's hardness on each. */

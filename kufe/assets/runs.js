@@ -148,7 +148,7 @@ function runsPage(main, data) {
     el("header", {}, el("h1", {}, `${runs.length} ${runs.length === 1 ? "run" : "runs"} on ${tracks.map((track) => track ?? "a track without a name").join(", ")}`), el("p", { class: "soft" }, [data.index, data.model && `model ${data.model}`].filter(Boolean).join("; "))),
     el("ul", { class: "figures" }, figures([
       [least === most ? `${figure(least)} s` : `${figure(least)} to ${figure(most)} s`, "length"],
-      [`${figure(Math.max(...runs.map((run) => run.place[run.count - 1] - run.place[0])))} m`, "longest way"],
+      [`${figure(Math.max(...runs.map((run) => run.place[run.count - 1] - run.place[0])))} m`, "longest distance"],
       ...(proven > 0 ? [[String(proven), "provably wrong"]] : []),
     ])),
     ...data.left_out.map(([run, reason]) => el("p", { class: "warning" }, `${run}: ${reason}`)),

@@ -74,13 +74,18 @@ function valuesOf(rows, key) {
   return values.length <= 4 ? values.join(", ") : `${values[0]} to ${values[values.length - 1]}`;
 }
 
+/** A value and two digits of its error, both with the same decimals. */
+function measured(value, error) {
+  if (!(error > 0 && error < Infinity)) return figure(value);
+  const decimals = Math.max(0, 1 - Math.floor(Math.log10(Number(error.toPrecision(2)))));
+  return decimals > 6 ? `${figure(value)} \u00b1 ${error.toExponential(1)}` : `${value.toFixed(decimals)} \u00b1 ${error.toFixed(decimals)}`;
+}
+
 function everyContact(data, there) {
   // A step short of its accuracy has a map all the same.
   const link = (row) => (!Number.isFinite(row.p_max_pa) ? String(row.step) : el("a", { href: `${encodeURIComponent(row.folder)}/pressure.png` }, String(row.step)));
   const cell = (row, { key, times, error_key: error }) => {
-    if (!Number.isFinite(row[key])) return "";
-    const stated = Number.isFinite(row[error]) ? ` \u00b1 ${figure(times * row[error], 2)}` : "";
-    return figure(times * row[key]) + stated;
+    return Number.isFinite(row[key]) ? measured(times * row[key], times * row[error]) : "";
   };
   return table(["map", ...data.keys, ...there.map(({ label, unit }) => `${label} [${unit}]`)],
     data.rows.map((row) => [link(row), ...data.keys.map((key) => String(row[key])), ...there.map((one) => cell(row, one))]));

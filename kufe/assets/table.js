@@ -1,18 +1,10 @@
 // The page of a lookup table.
 //
 // Data: { name, axes: [{ name, points, from, to, outside }], fz, curvature, flush or null, layers: [name] or null, nodes, thinned, check_count,
-// checks: [{ fz, curvature, layer }], by_boundary_elements, quantities: [{ name, unit, errors: { mode: number }, values:
+// checks: [{ fz, curvature, layer }], by_boundary_elements, quantities: [{ name, label, unit, times, errors: { mode: number }, values:
 // [layer][fz][curvature], solver: the same or null, check_errors: [number or null] }], solver_error, judged, interpolation_requested, case, case_sha256, version }.
 // A layer is one of the runner's rocker radii, speeds and temperatures of the ice; judged is the quantity that the errors are asked of.
 // With flush [curvature, scale, from, to] the numbers in `curvature` are reduced curvatures, 0 to 1.
-
-const UNITS = {
-  p_max: ["peak pressure", "MPa", 1e-6], p_mean: ["mean pressure", "MPa", 1e-6], area: ["contact area", "mm\u00b2", 1e6],
-  length: ["contact length", "mm", 1e3], width: ["contact width", "mm", 1e3], approach: ["approach", "\u00b5m", 1e6],
-  mu: ["coefficient of friction", "10\u207b\u00b3", 1e3], mu_ploughing: ["friction of ploughing", "10\u207b\u00b3", 1e3], mu_viscous: ["friction of the melt film", "10\u207b\u00b3", 1e3],
-  mu_boundary: ["friction of boundary contact", "10\u207b\u00b3", 1e3],
-  groove_depth: ["depth of the groove", "\u00b5m", 1e6], film_mean: ["mean thickness of the film", "\u00b5m", 1e6],
-};
 
 const AXES = {
   fz_n: ["normal force", "N"], curvature_1pm: ["track curvature", "1/m"], rocker_radius_m: ["rocker radius", "m"],
@@ -26,7 +18,7 @@ function tablePage(main, data) {
   const ends = data.flush ? data.flush.slice(2) : [data.curvature[0], data.curvature[data.curvature.length - 1]];
   const space = stage("the quantity over force and curvature; drag to turn, scroll to come closer");
   const readout = el("output", { class: "readout", id: "readout" }, "");
-  const quantity = el("select", { id: "quantity", onchange: () => draw() }, data.quantities.map((q, k) => el("option", { value: k }, UNITS[q.name]?.[0] ?? q.name)));
+  const quantity = el("select", { id: "quantity", onchange: () => draw() }, data.quantities.map((q, k) => el("option", { value: k }, q.label)));
   const layer = el("select", { onchange: () => draw() }, (data.layers ?? [""]).map((name, k) => el("option", { value: k }, name)));
   const judged = data.quantities.findIndex((q) => q.name === data.judged), ofJudged = data.judged === "mu" ? "friction" : "peak";
   quantity.value = judged;
@@ -54,14 +46,14 @@ function tablePage(main, data) {
       panel("Stated error", errorMap.box, errorReadout, fact("Colour: the solver's relative error, between the nodes. Large dots: relative error of smooth interpolation at the solves between nodes, of all layers.")),
       panel("Over normal force", overForce.box),
       panel("Over track curvature", overCurvature.box),
-      panel("Interpolation", table(["quantity", "smooth", "bilinear"], data.quantities.map((q) => [UNITS[q.name]?.[0] ?? q.name, percent(q.errors.smooth), percent(q.errors.bilinear)])),
+      panel("Interpolation", table(["quantity", "smooth", "bilinear"], data.quantities.map((q) => [q.label, percent(q.errors.smooth), percent(q.errors.bilinear)])),
         fact(`Largest relative error at ${data.check_count} solves that are no nodes${data.interpolation_requested ? `; asked of the ${ofJudged}: ${percent(data.interpolation_requested)}` : ""}.`)),
       panel("The case", caseOf(data.case, [["sha256 of case and hull", data.case_sha256], ["made by", `kufe ${data.version}`]]))),
   );
 
   let at = null;
   function say(fz, curvature) {
-    const value = at(fz, curvature), [, unit, times] = unitOf();
+    const value = at(fz, curvature), { unit, times } = data.quantities[quantity.value];
     const radius = curvature === 0 ? "straight" : `radius ${figure(1 / curvature, 4)} m`;
     readout.textContent = `Fz ${figure(fz, 5)} N, curvature ${figure(curvature, 4)} 1/m (${radius}): ${figure(times * value, 5)} ${unit}`;
   }
@@ -72,17 +64,16 @@ function tablePage(main, data) {
     const between = worst < 0 ? "" : `; interpolation: up to ${percent(shown[worst])}, at ${placeOf(data.checks[worst])}`;
     errorReadout.textContent = `Fz ${figure(fz, 5)} N, curvature ${figure(curvature, 4)} 1/m: solver ${Number.isFinite(solver) ? percent(solver) : "not stated"}${between}`;
   }
-  const unitOf = () => UNITS[data.quantities[quantity.value].name] ?? [data.quantities[quantity.value].name, data.quantities[quantity.value].unit, 1];
 
   function draw() {
-    const [title, unit, times] = unitOf(), values = data.quantities[quantity.value].values[layer.value];
+    const { label, unit, times, values: layers } = data.quantities[quantity.value], values = layers[layer.value], title = unit ? `${label} [${unit}]` : label;
     const all = values.flat().map((value) => times * value), [low, high] = [Math.min(...all), Math.max(...all)];
     const held = (fz) => Math.min(Math.max(fz, data.fz[0]), data.fz[data.fz.length - 1]), inTable = between(data.fz, data.curvature, values);
     at = (fz, curvature) => inTable(fz, reduced(held(fz), curvature));
     const [xs, ys] = [data.fz, ends].map(span), [nx, ny] = [200, data.flush ? 280 : 140];
     const x = (i) => xs[0] + (i + 0.5) / nx * (xs[1] - xs[0]), y = (j) => ys[0] + (j + 0.5) / ny * (ys[1] - ys[0]);
     map.draw({
-      x: [...xs, "normal force [N]"], y: [...ys, "track curvature [1/m]"], bar: [low, high, `${title} [${unit}]`],
+      x: [...xs, "normal force [N]"], y: [...ys, "track curvature [1/m]"], bar: [low, high, title],
       image: { nx, ny, x: xs, y: ys, value: (i, j) => times * at(x(i), y(j)), draws: Number.isFinite },
       dots: data.fz.flatMap((f) => data.curvature.map((c) => [f, curvatureAt(f, c)])),
     });
@@ -100,7 +91,7 @@ function tablePage(main, data) {
     });
     errorMap.point(...middle);
     sayError(...middle);
-    const colours = ["accent", "second", "third", "fourth"].map((name) => `var(--${name})`), axis = { title: `${title} [${unit}]` };
+    const colours = ["accent", "second", "third", "fourth"].map((name) => `var(--${name})`), axis = { title };
     const alongForce = few(data.curvature, 4).map((j, n) => {
       const curvature = curvatureAt(middleForce, data.curvature[j]);
       return { x: data.fz, y: data.fz.map((fz) => times * at(fz, curvature)), points: !data.flush && data.fz.length < 25, name: `${figure(curvature, data.flush ? 4 : 2)} 1/m`, colour: colours[n] };

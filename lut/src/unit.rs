@@ -59,6 +59,8 @@ fn ending(name: &str) -> &'static str {
     let name = match name {
         // A coefficient, whatever its name ends in: mu_zeta_c is no temperature.
         coefficient if coefficient.starts_with("mu_") => return "",
+        // By the temperature of the ice.
+        "dlnmu_dice_c" => return "1/K",
         "seconds" => "_seconds",
         "bytes" => "_bytes",
         other => other,

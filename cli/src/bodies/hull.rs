@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 use kufe::jobs::{ExaminedHull, Failure, check_hull};
+use kufe::plot::{measured, percent, quantity};
 use kufe::results::{ResolvedLoad, Sampling};
 use kufe_mesh::{
     BobRunner, Estimate, HullFormat, LugeSteel, MeshError, Rocker, Section, Swept, load_points,
@@ -205,50 +206,40 @@ fn examine(check: &Check, global: &Global) -> Result<(), Failure> {
     global.print(&found.result, || text(&found))
 }
 
-/// Degrees with as many digits as the uncertainty has.
-fn degrees(angle: Estimate) -> String {
-    let [value, error] = [angle.value, angle.error].map(f64::to_degrees);
-    let digits = (1.0 - error.log10().floor()).clamp(0.0, 6.0) as usize;
-    format!("{value:.digits$} +- {error:.digits$} degrees")
-}
-
 fn text(examined: &ExaminedHull) -> String {
     let found = &examined.result;
-    let [length, width, height, section] = [
-        found.length_m,
-        found.width_m,
-        found.height_m,
-        found.section_radius_m,
-    ]
-    .map(|m| 1e3 * m);
+    let metres = |value| quantity(value, "m");
+    let [length, width, height] = [found.length_m, found.width_m, found.height_m].map(metres);
+    let [rocker, section] = [found.rocker_radius_m, found.section_radius_m].map(metres);
     let (file, vertices, triangles) = (found.file.display(), found.vertices, found.triangles);
     let (scale, up, forward, backward) =
         (found.scale, &found.up, &found.forward, examined.backward());
-    let rocker = found.rocker_radius_m;
     let mut lines = vec![
         format!("{file}: {vertices} vertices, {triangles} triangles"),
         format!("scale {scale}, up {up}, forward {forward} or {backward}: its shape does not tell"),
-        format!(
-            "{length:.1} x {width:.2} x {height:.2} mm; rocker radius {rocker:.2} m, section radius {section:.3} mm"
-        ),
+        format!("{length} x {width} x {height}; rocker radius {rocker}, section radius {section}"),
     ];
     if examined.oriented {
-        let shown =
-            |angle: Option<Estimate>| angle.map_or("not shown by its shape".into(), degrees);
+        let shown = |angle: Option<Estimate>| {
+            angle.map_or("not shown by its shape".into(), |angle| {
+                let [value, error] = [angle.value, angle.error].map(f64::to_degrees);
+                measured(value, error, "deg")
+            })
+        };
         let [yaw, pitch, roll] = [found.yaw_rad, found.pitch_rad, found.roll_rad].map(shown);
         lines.push(format!(
             "into runner axes by yaw {yaw}, pitch {pitch}, roll {roll}"
         ));
     }
     lines.extend(found.strips_m.map(strips_warning));
-    let noise = match (1e6 * found.noise_m, 1e6 * found.unseen_noise_m) {
+    let noise = match (found.noise_m, found.unseen_noise_m) {
         (0.0, 0.0) => "none".to_owned(),
-        (0.0, unseen) => format!("none; less than {unseen:.3} µm would not show"),
-        (noise, _) => format!("{noise:.3} µm"),
+        (0.0, unseen) => format!("none; less than {} would not show", metres(unseen)),
+        (noise, _) => metres(noise),
     };
-    let spacing = 1e3 * found.spacing_m;
+    let spacing = metres(found.spacing_m);
     lines.push(format!(
-        "near the keel: triangles of {spacing:.3} mm, noise {noise}"
+        "near the keel: triangles of {spacing}, noise {noise}"
     ));
     if let (Some(_), [Some(x), Some(y)]) = (found.beyond_origin_m, examined.offset_m) {
         lines.push(format!(
@@ -267,8 +258,8 @@ fn text(examined: &ExaminedHull) -> String {
 }
 
 fn verdict(load: &ResolvedLoad) -> String {
-    let (fz, error, known) = (load.fz_n, 1e6 * load.error_m, 1e2 * load.p_max_error);
-    let approach = 1e6 * load.approach_m;
+    let (fz, known) = (quantity(load.fz_n, "N"), percent(load.p_max_error));
+    let surface = measured(load.approach_m, load.error_m, "m");
     let verdict = if load.resolved {
         "fine enough"
     } else {
@@ -276,14 +267,16 @@ fn verdict(load: &ResolvedLoad) -> String {
     };
     let by = |sampling: &Sampling| {
         let noise = sampling.noise_m;
-        let noise = noise.map_or(String::new(), |n| format!("noise of {:.2} µm or ", 1e6 * n));
-        format!("{noise}triangles of {:.3} mm", 1e3 * sampling.spacing_m)
+        let noise = noise.map_or(String::new(), |n| {
+            format!("noise of {} or ", quantity(n, "m"))
+        });
+        format!("{noise}triangles of {}", quantity(sampling.spacing_m, "m"))
     };
     let enough = load.enough.as_ref();
     let enough = enough.map_or(String::new(), |enough| format!("; {} would do", by(enough)));
     let halves = by(&load.halves);
     format!(
-        "{fz} N: {verdict}: the peak is known to {known:.1} %, the surface to {error:.2} of {approach:.1} µm approach{enough}; half of \
+        "{fz}: {verdict}: the peak is known to {known}, the approach is {surface} by the surface{enough}; half of \
          that error with {halves}"
     )
 }

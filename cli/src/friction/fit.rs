@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use kufe::charts::mu_picture;
 use kufe::jobs::Failure;
+use kufe::plot::measured;
 use kufe::results::PressureFit;
 use kufe_sled::friction::{
     LongitudinalKeys, MuFit, PressureLaw, Weighting, ZetaActsOn, fit_mu, read_experiments,
@@ -70,16 +71,18 @@ fn model_form(law: &PressureLaw) -> Result<String, toml::ser::Error> {
 }
 
 fn summary(fit: &MuFit) -> String {
-    let [b_sd, c_sd, d_sd] = [0, 1, 2].map(|k| fit.covariance[(k, k)].sqrt());
-    let (b, c, d) = (fit.b, fit.c, fit.d);
+    let values = [fit.b, fit.c, fit.d].into_iter().enumerate();
+    let values = values.map(|(k, value)| measured(value, fit.covariance[(k, k)].sqrt(), ""));
+    let letters = ["b", "c", "d"].into_iter();
+    let lines: String = letters
+        .zip(values)
+        .map(|(name, value)| format!("  {name}  {value}\n"))
+        .collect();
     let weighting = match fit.weighting {
         Weighting::Both => "weighted by the errors of mu and p",
         Weighting::None => "unweighted",
     };
-    let mut text = format!(
-        "mu = 1e-3 (b p^2 - c p + d), p in MPa, {weighting}\n  \
-         b  {b:8.4} +- {b_sd:.4}\n  c  {c:8.3} +- {c_sd:.3}\n  d  {d:8.2} +- {d_sd:.2}\n"
-    );
+    let mut text = format!("mu = 1e-3 (b p^2 - c p + d), p in MPa, {weighting}\n{lines}");
     if let Some(p) = fit.p_value {
         let verdict = if p < 0.05 {
             "a quadratic does not describe these data within their stated errors"

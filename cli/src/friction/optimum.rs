@@ -7,7 +7,8 @@ use kufe::jobs::Failure;
 use kufe::jobs::case_file::LoadedCase;
 use kufe::jobs::slide::{Optimum, Parameter, optimise};
 use kufe::plot::{
-    Axis, Cells, Colour, ColourBar, Figure, Layer, PALETTE, Panel, Point, contour, extent, viridis,
+    Axis, Cells, Colour, ColourBar, Figure, Layer, PALETTE, Panel, Point, contour, extent, percent,
+    quantity, shown_unit, viridis,
 };
 use kufe::results::FrictionOptimum;
 use kufe_contact::Options;
@@ -95,26 +96,24 @@ fn write_csv(file: impl Write, found: &Optimum) -> io::Result<()> {
 
 fn text(found: &FrictionOptimum) -> Result<String, Failure> {
     let (speed, ice) = (found.v_mps, found.ice_c);
-    let [mu, error] = [found.mu.value, found.mu.error].map(|mu| 1e3 * mu);
+    let shown = |mu| quantity(mu, &shown_unit("mu"));
     let [ploughing, viscous, boundary] =
-        [found.mu_ploughing, found.mu_viscous, found.mu_boundary].map(|mu| 1e3 * mu);
-    let parameters = document_text(&found.parameters)?;
-    let (count, scatter) = (found.solved.len() + 1, 1e2 * found.response_scatter);
-    let miss = 1e2 * found.response_miss;
+        [found.mu_ploughing, found.mu_viscous, found.mu_boundary].map(shown);
+    let (mu, parameters) = (&found.mu, document_text(&found.parameters)?);
+    let (count, scatter) = (found.solved.len() + 1, percent(found.response_scatter));
+    let miss = percent(found.response_miss);
     Ok(format!(
-        "least friction at {speed} m/s and {ice} C: mu {mu:.3} +- {error:.3}e-3 (ploughing {ploughing:.3}, film {viscous:.3}, boundary {boundary:.3})\n\
+        "least friction at {speed} m/s and {ice} °C: mu {mu} (ploughing {ploughing}, film {viscous}, boundary {boundary})\n\
          {parameters}from flat_from to flat_to all is as good within the errors\n\
-         {count} runners solved; they scatter by {scatter:.2} % about a smooth surface, which misses the best by {miss:.2} %\n"
+         {count} runners solved; they scatter by {scatter} about a smooth surface, which misses the best by {miss}\n"
     ))
 }
 
 /// What was found over its one or two parameters.
 fn picture(found: &Optimum) -> Figure {
     let title = format!(
-        "mu at {} m/s and {} C, least {:.3}e-3",
-        found.result.v_mps,
-        found.result.ice_c,
-        1e3 * found.result.mu.value
+        "mu at {} m/s and {} °C, least {}",
+        found.result.v_mps, found.result.ice_c, found.result.mu
     );
     let figure = Figure::new(900.0, title);
     match found.result.parameters.len() {

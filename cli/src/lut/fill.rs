@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use kufe::jobs::Failure;
 use kufe::jobs::table::{Solver, TableSpec};
-use kufe::jobs::{Failure, percent};
-use kufe::plot::short;
+use kufe::plot::{percent, short};
 use kufe::results::{TableInfo, TableSummary};
 use kufe_files::resolved;
 use kufe_lut::{Mode, Point, Quantity, SweepResult, Table};

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use kufe::jobs::{Failure, table::read_table};
-use kufe::plot::short;
+use kufe::plot::{measured, short, shown_unit};
 use kufe::results::{Description, TableLookup};
 use kufe_lut::{Axes, AxisKind, MIN_SPEED, Mode, Outside, Point, curvature_from_pitch};
 
@@ -58,8 +58,8 @@ pub struct Args {
 /// Interpolates every quantity and prints it.
 ///
 /// # Errors
-/// [`Failure::Usage`] where the track is not given, [`Failure::BadInput`] for the table, and for a
-/// force that presses nothing.
+/// [`Failure::Usage`] where the track is not given, and for a force that presses nothing;
+/// [`Failure::BadInput`] for the table.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let usage = |text: &str| Err(Failure::Usage(text.into()));
     let (fz, v) = (args.fz_n, args.v_mps);
@@ -80,16 +80,15 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             );
         }
     };
-    for (name, value) in [("force", fz), ("curvature", curvature)] {
-        if !value.is_finite() {
-            let text = format!("{name} {value}: expected a finite number");
-            return Err(Failure::BadInput(text));
-        }
+    if !curvature.is_finite() {
+        return usage(&format!(
+            "track curvature of {curvature} 1/m: expected a finite one, and no radius of 0"
+        ));
     }
-    if fz <= 0.0 {
-        return Err(Failure::BadInput(format!(
-            "--fz-n {fz}: expected a force above 0 N: without one there is no contact"
-        )));
+    if !(fz > 0.0 && fz.is_finite()) {
+        return usage(&format!(
+            "--fz-n {fz}: expected a finite number above 0 N: without a force there is no contact"
+        ));
     }
     let table = read_table(&args.table)?;
     let at = Point {
@@ -154,22 +153,18 @@ fn outside(axes: &Axes, at: &Point) -> Vec<OutOfRange> {
 fn text(found: &TableLookup, axes: &Axes, outside: &[OutOfRange]) -> String {
     let mut text = String::new();
     for one in &found.values {
-        let shown = Description::of(one.quantity);
-        let amount = shown.amount(one.value);
-        let error = one
-            .error
-            .map(|error| format!(" (+- {})", shown.number(error)));
-        let error = error.unwrap_or_default();
-        text += &format!("{:<28} {amount}{error}\n", shown.label);
+        let unit = shown_unit(one.quantity.key());
+        let amount = measured(one.value, one.error.unwrap_or(0.0), &unit);
+        text += &format!("{:<28} {amount}\n", Description::of(one.quantity).label);
     }
     let with = found.values.iter().filter(|one| one.includes_solver);
     let with = with.map(|one| Description::of(one.quantity).label);
     let with: Vec<&str> = with.collect();
     text += &if with.len() == found.values.len() {
-        "in brackets: interpolation and the solver's error\n".to_owned()
+        "errors: interpolation and the solver\n".to_owned()
     } else {
         format!(
-            "in brackets: interpolation, and the solver's error too for the {}\n",
+            "errors: interpolation, and the solver too for the {}\n",
             with.join(", ")
         )
     };

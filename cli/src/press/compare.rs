@@ -4,28 +4,19 @@ use std::path::{Path, PathBuf};
 
 use kufe::jobs::Failure;
 use kufe::jobs::field::{ComparedMaps, read_map};
+use kufe::plot::{measured, quantity, shown_unit};
 use kufe::report::{Picture, read_json, results_page};
 use kufe::results::{
-    ComparedQuantity, Comparison, ContactResult, Datum, Description, PeakPressure, QUANTITIES,
-    Quantity, compared_quantities,
+    ComparedQuantity, Comparison, ContactResult, Datum, PeakPressure, Quantity, compared_quantities,
 };
 use kufe_contact::PressureMap;
 
 use crate::output::OutputDir;
 use crate::terminal::{Global, warn};
+use crate::text::aligned;
 
 /// Longest result [bytes].
 const LONGEST: u64 = 1 << 25;
-
-/// The only quantity that is compared and has no error.
-const NORMAL_FORCE: Description = Description {
-    key: "fz_n",
-    error_key: "",
-    label: "normal force",
-    unit: "N",
-    times: 1.0,
-    decimals: [1, 1],
-};
 
 /// Arguments of `kufe compare`.
 #[derive(clap::Args, Debug)]
@@ -53,10 +44,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let maps = [read_map(first_map)?, read_map(second_map)?];
     if let Some([x, y]) = apart(maps.each_ref()) {
         warn(&format!(
-            "the maps do not overlap: their middles are {:.1} mm apart along and {:.1} mm across, and their difference says nothing; \
+            "the maps do not overlap: their middles are {} apart along and {} across, and their difference says nothing; \
              give both hulls one origin",
-            1e3 * x,
-            1e3 * y
+            quantity(x, "m"),
+            quantity(y, "m")
         ));
     }
     let compared = ComparedMaps::new(maps.each_ref());
@@ -104,9 +95,9 @@ fn title(document: &Comparison) -> String {
     let Some((row, error)) = row.and_then(|row| Some((row, row.difference_error?))) else {
         return names;
     };
-    let [first, error] = [row.first, error].map(|value| peak.number(value));
-    let [second, difference] = [row.second, row.difference.abs()].map(|value| peak.amount(value));
-    format!("{names}: peaks of {first} and {second}, {difference} ± {error} apart")
+    let [first, second] = [row.first, row.second].map(|peak| quantity(peak, "Pa"));
+    let difference = measured(row.difference.abs(), error, "Pa");
+    format!("{names}: peaks of {first} and {second}, {difference} apart")
 }
 
 /// The folder without a stroke at its end.
@@ -120,40 +111,25 @@ fn name_of(folder: &Path) -> String {
 
 fn text(document: &Comparison) -> String {
     let (first, second) = (&document.first, &document.second);
-    let head = format!("{:38} {first:>22} {second:>22} {:>22}\n", "", "difference");
-    let rows: String = document.quantities.iter().map(row).collect();
+    let rows = document.quantities.iter().map(row);
+    let head = ["", first, second, "difference", ""].map(str::to_owned);
+    let table = aligned(&[head].into_iter().chain(rows).collect::<Vec<_>>(), "");
     let map = &document.map;
-    let (most, x, y) = (
-        map.largest_pa / 1e6,
-        1e3 * map.largest_x_m,
-        1e3 * map.largest_y_m,
-    );
-    let moved = map.moved_n;
-    format!(
-        "{head}{rows}the maps differ by up to {most:.2} MPa, at x = {x:.2} mm, y = {y:.3} mm; {moved:.1} N act elsewhere\n"
-    )
+    let [x, y] = [map.largest_x_m, map.largest_y_m].map(|place| quantity(place, "m"));
+    let (most, moved) = (quantity(map.largest_pa, "Pa"), quantity(map.moved_n, "N"));
+    format!("{table}the maps differ by up to {most}, at x = {x}, y = {y}; {moved} act elsewhere\n")
 }
 
-/// A quantity in its usual unit, with errors; a star where the difference exceeds them.
-fn row(quantity: &ComparedQuantity) -> String {
-    let mut known = QUANTITIES.iter().filter(|known| known.key == quantity.key);
-    let known = known.next().unwrap_or(&NORMAL_FORCE);
-    let shown = |value: f64, error: Option<f64>| {
-        let within = |error: f64| match known.number(error) {
-            // An error that the usual digits do not show.
-            text if error > 0.0 && !text.contains(|c| ('1'..='9').contains(&c)) => {
-                format!(" +- {:.0e}", known.times * error)
-            }
-            text => format!(" +- {text}"),
-        };
-        known.number(value) + &error.map_or(String::new(), within)
-    };
-    let name = format!("{} [{}]", known.label, known.unit);
-    let name = name.trim_end_matches(" []");
+/// A quantity with its errors; a star where the difference exceeds them.
+fn row(quantity: &ComparedQuantity) -> [String; 5] {
+    let unit = shown_unit(&quantity.key);
+    let shown = |value: f64, error: Option<f64>| measured(value, error.unwrap_or(0.0), &unit);
     let exceeds = quantity.exceeds_errors == Some(true);
-    let star = if exceeds { " *" } else { "" };
-    let first = shown(quantity.first, quantity.first_error);
-    let second = shown(quantity.second, quantity.second_error);
-    let difference = shown(quantity.difference, quantity.difference_error);
-    format!("{name:38} {first:>22} {second:>22} {difference:>22}{star}\n")
+    [
+        kufe::results::name_of(&quantity.key),
+        shown(quantity.first, quantity.first_error),
+        shown(quantity.second, quantity.second_error),
+        shown(quantity.difference, quantity.difference_error),
+        if exceeds { "*" } else { "" }.to_owned(),
+    ]
 }

@@ -105,14 +105,16 @@ pub fn draw_tables(
     vehicle: &Vehicle,
     samples: &[Vec<Point>; 2],
 ) -> Result<(), Failure> {
-    for ((name, table), requested) in TABLE_PICTURES.iter().zip(vehicle.tables()).zip(samples) {
+    let runners = TABLE_PICTURES.iter().zip(["front", "rear"]);
+    for (((name, runner), table), requested) in runners.zip(vehicle.tables()).zip(samples) {
         let Some(file) = table.map(|table| PathBuf::from(&table.file)) else {
             continue;
         };
         let table = read_table(&file)?;
         let picture = table_picture(&table, table.judged(), Point::default(), requested);
-        let picture = picture.map_err(of_file(&file))?;
-        output.picture(name, &picture.figure)?;
+        let mut figure = picture.map_err(of_file(&file))?.figure;
+        figure.title = format!("{runner} runner: {}", figure.title);
+        output.picture(name, &figure)?;
     }
     Ok(())
 }

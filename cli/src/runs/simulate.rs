@@ -8,6 +8,7 @@ use kufe::jobs::runs::{run_inputs, write_runs, write_track};
 use kufe::jobs::simulate::{DrivenRuns, NamedDriver, SimulatedDrives, stated_conditions};
 use kufe::jobs::view_runs::ViewOptions;
 use kufe::jobs::{Failure, channel_series};
+use kufe::plot::quantity;
 use kufe::results::SampleTruth;
 use kufe_sled::sample_data::{drive_sample, sample_plan, sample_track};
 use kufe_sled::{
@@ -287,10 +288,10 @@ fn entry(args: &Args, file: &Path, track: &Track) -> Result<Entry, Failure> {
 fn summary(done: &Replay) -> Result<String, Failure> {
     let (run, track, from, to) = (&done.run, &done.track, done.from_m.round() + 0.0, done.to_m);
     let (differences, sections) = (&done.differences, &done.sections);
-    let missing = done.mean_force_n;
+    let missing = quantity(done.mean_force_n, "N");
     Ok(format!(
         "{run} on {track}, {from:.0} to {to:.0} m, measured minus model\n{}{}\
-         mean force along the sled missing from the model: {missing:.1} N\n",
+         mean force along the sled missing from the model: {missing}\n",
         document_text(differences)?,
         document_text(sections)?
     ))

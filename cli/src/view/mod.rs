@@ -303,7 +303,7 @@ fn solved(loaded: LoadedCase, stop: &Arc<AtomicBool>) -> Result<Solved, Failure>
     let pressed = Contact::from(loaded).options(options).solve()?;
     let maps = pressure_maps(&pressed.solution);
     let hull = placed_hull(&pressed.problem, &pressed.solution);
-    let page = ContactPage::new(pressed.result(), &maps, hull.as_ref(), POINTS, name);
+    let page = ContactPage::new(pressed.result(), &maps, hull.as_ref(), POINTS, name)?;
     let case_text = pressed.loaded.case.to_toml().map_err(Failure::bad_input)?;
     Ok(Solved { page, case_text })
 }

@@ -5,10 +5,9 @@ use std::collections::BTreeSet;
 use kufe_lut::{AxisKind, Interpolator, Mode, Quantity, Table};
 
 use crate::plot::{
-    Axis, Cells, Colour, ColourBar, Figure, INK, Layer, Panel, Point, Symbol, Ticks, axis_ticks,
-    contour, extent, short,
+    Axis, Cells, Colour, ColourBar, Figure, INK, Layer, Panel, Point, Scale, Symbol, Ticks,
+    axis_ticks, contour, extent, percent, short, shown_unit,
 };
-use crate::results::Description;
 
 /// Cells of the map along each axis.
 const CELLS: usize = 240;
@@ -73,7 +72,6 @@ pub fn table_picture(
 ) -> Result<TablePicture, kufe_lut::Error> {
     let slice = slice_of(table, slice);
     let interpolator = Interpolator::new(table, quantity, Mode::Smooth, slice.rocker_radius)?;
-    let shown = Description::of(quantity);
     let axes = table.axes();
     let forces = axes.fz();
     let fz = wider([forces[0], forces[forces.len() - 1]], 0.1 * forces[0]);
@@ -88,13 +86,17 @@ pub fn table_picture(
             curvature,
             ..slice
         };
-        shown.times * interpolator.at(node).value
+        interpolator.at(node).value
     });
     let nodes: Vec<f64> = nodes.collect();
-    let value = |column: usize, row: usize| nodes[row * (CELLS + 1) + column];
     let [low, high] = extent(nodes.iter().copied());
+    let unit = shown_unit(quantity.key());
+    let scale = Scale::of(&unit, low.abs().max(high.abs()));
+    let nodes: Vec<f64> = nodes.iter().map(|value| scale.times * value).collect();
+    let value = |column: usize, row: usize| nodes[row * (CELLS + 1) + column];
+    let [low, high] = [low, high].map(|value| scale.times * value);
     let range = [low, if high > low { high } else { low + 1.0 }];
-    let name = format!("{} [{}]", quantity.title(), shown.unit);
+    let name = scale.label(quantity.title());
     let bar = ColourBar::viridis(&*name, range);
     let cells = Cells::new([CELLS; 2], |column, row| {
         let corners = [(0, 0), (1, 0), (0, 1), (1, 1)];
@@ -116,10 +118,12 @@ pub fn table_picture(
     let mut errors: Vec<(f64, Point)> = errors.filter_map(|(e, at)| Some((e?, at))).collect();
     errors.sort_by(|a, b| b.0.total_cmp(&a.0));
     layers.push(Layer::symbols(Symbol::Cross, 4.0, checks, WHITE));
-    layers.extend(errors.into_iter().take(LABELS).map(|(error, at)| {
-        let text = format!("{} %", short(100.0 * error));
-        Layer::text(at, text, [0.0, 1.6], WHITE)
-    }));
+    layers.extend(
+        errors
+            .into_iter()
+            .take(LABELS)
+            .map(|(error, at)| Layer::text(at, percent(error), [0.0, 1.6], WHITE)),
+    );
     let placed = Samples::new(samples, &interpolator, fz, curvature);
     layers.push(Layer::dots(1.0, placed.inside, INSIDE));
     layers.push(Layer::dots(2.0, placed.outside, OUTSIDE));

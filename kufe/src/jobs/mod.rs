@@ -51,9 +51,7 @@ pub use failure::{Failure, write_whole};
 pub use hull_check::{ExaminedHull, check_hull};
 pub use law_friction::{DrivingConditions, FrictionLaw};
 pub use meshes::{CaseMeshes, write_mesh_quality};
-pub use press::{
-    Contact, Prepared, SolvedContact, newtons, percent, press_prepared, time_left, with_progress,
-};
+pub use press::{Contact, Prepared, SolvedContact, press_prepared, time_left, with_progress};
 pub use series::Step;
 pub use watch::Watch;
 

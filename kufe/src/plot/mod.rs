@@ -11,7 +11,8 @@
 //! | [`PALETTE`], [`viridis`], [`diverging`] | colours that colour-blind readers can distinguish |
 //! | [`contour`] | contour lines of values on a grid |
 //! | [`axis_ticks`], [`tick_text`], [`short`] | round tick positions and their texts |
-//! | [`number4`], [`quantity`], [`usual`], [`unit_of`] | numbers and units as people read them |
+//! | [`quantity`], [`measured`], [`Scale`], [`shown_unit`] | quantities with the unit and digits that suit them |
+//! | [`number4`], [`percent`], [`sign`], [`unit_of`] | plain numbers, shares and units |
 //! | [`escape`] | text as text in HTML and SVG |
 //!
 //! ```
@@ -41,7 +42,7 @@ pub use figure::{
     Axis, ColourBar, Figure, Layer, Mark, Panel, Point, Row, Scales, Symbol, Ticks, broken,
 };
 pub use kufe_lut::unit_of;
-pub use number::{number4, quantity, usual};
+pub use number::{Scale, measured, number4, percent, quantity, shown_unit, sign};
 pub use shape::Cells;
 pub use svg::escape;
 pub use ticks::{axis_ticks, extent, short, tick_text};

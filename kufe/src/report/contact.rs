@@ -4,9 +4,10 @@ use kufe_contact::PressureMap;
 use kufe_mesh::Hull;
 use serde::Serialize;
 
+use crate::plot::{Scale, quantity, shown_unit};
 use crate::report::grid::PackedGrid;
 use crate::results::{
-    ContactResult, Description, ErrorPart, Packed, SeriesResult, SeriesRow, pack,
+    ContactResult, Datum, Description, Figure, Packed, SeriesResult, SeriesRow, pack,
 };
 
 /// Data of the page of one contact.
@@ -18,10 +19,8 @@ pub struct ContactPage {
     pub name: String,
     /// The contact; its case without what has no effect.
     pub result: ContactResult,
-    /// Total error of the peak pressure [Pa].
-    pub peak_error_pa: f64,
-    /// The parts of that error.
-    pub peak_error_parts: Vec<ErrorPart>,
+    /// The figures as people read them.
+    pub figures: Vec<Figure>,
     /// The map of each part of the contact.
     pub maps: Vec<PackedGrid>,
     /// The hull in place.
@@ -43,32 +42,32 @@ pub struct PackedHull {
 
 impl ContactPage {
     /// The data of a contact, on about `points` points along and across of all maps together.
+    ///
+    /// # Errors
+    /// Those of a number that JSON cannot state.
     pub fn new(
         mut result: ContactResult,
         maps: &[PressureMap],
         hull: Option<&Hull>,
         points: [usize; 2],
         name: String,
-    ) -> Self {
+    ) -> serde_json::Result<Self> {
+        let figures = result.figures()?;
         result.case = std::mem::take(&mut result.case).effective();
-        let (peak, load) = (1e-6 * result.p_max.value, result.fz_n);
-        // Where its digits show it.
-        let error = Some(1e-6 * result.peak().error).filter(|error| *error >= 0.05);
-        let error = error.map_or(String::new(), |error| format!(" ± {error:.1}"));
-        let mu = result.sliding.as_ref().map(|s| 1e3 * s.friction.mu.value);
-        let mu = mu.map_or(String::new(), |mu| format!(", µ {mu:.2} · 10⁻³"));
+        let (peak, load) = (result.peak(), quantity(result.fz_n, "N"));
+        let mu = result.sliding.as_ref().map(|sliding| sliding.friction.mu);
+        let mu = mu.map_or(String::new(), |mu| format!(", µ {mu}"));
         let share = (maps.len() as f64).sqrt();
         let most = points.map(|count| (count as f64 / share) as usize);
         let packed = maps.iter().map(|map| PackedGrid::thinned(map, most));
-        ContactPage {
-            title: format!("{peak:.1}{error} MPa{mu} under {load:.0} N"),
+        Ok(ContactPage {
+            title: format!("{peak}{mu} under {load}"),
             name,
-            peak_error_pa: result.peak().error,
-            peak_error_parts: result.peak_error_parts(),
+            figures,
             result,
             maps: packed.collect(),
             hull: hull.map(PackedHull::from),
-        }
+        })
     }
 }
 
@@ -84,6 +83,18 @@ impl From<&Hull> for PackedHull {
     }
 }
 
+/// A quantity that a page draws.
+#[derive(Clone, Debug, Serialize)]
+pub struct DrawnQuantity {
+    /// Its keys and its label.
+    #[serde(flatten)]
+    pub of: Description,
+    /// The unit in which its largest value is at least 1.
+    pub unit: String,
+    /// How many of that make one SI unit.
+    pub times: f64,
+}
+
 /// Data of the page of a series.
 #[derive(Clone, Debug, Serialize)]
 pub struct SeriesPage {
@@ -92,7 +103,7 @@ pub struct SeriesPage {
     /// The varied keys.
     pub keys: Vec<&'static str>,
     /// The numbers that the page offers to draw.
-    pub quantities: [Description; 11],
+    pub quantities: Vec<DrawnQuantity>,
     /// The contacts.
     pub rows: Vec<SeriesRow>,
 }
@@ -101,10 +112,20 @@ impl SeriesPage {
     /// The data of a series; all rows vary the keys of the first.
     pub fn new(name: String, rows: Vec<SeriesRow>) -> Self {
         let varied = rows.first().map(|row| row.varied.named());
+        let data = rows.iter().filter_map(|row| Datum::of(row).ok());
+        let data: Vec<Datum> = data.collect();
+        let quantities = SeriesResult::DRAWN.map(|of| {
+            let values = data
+                .iter()
+                .filter_map(|row| row.group()?.get(of.key)?.number());
+            let largest = values.fold(0.0, |most: f64, value| most.max(value.abs()));
+            let Scale { unit, times } = Scale::of(&shown_unit(of.key), largest);
+            DrawnQuantity { of, unit, times }
+        });
         SeriesPage {
             name,
             keys: varied.into_iter().flatten().map(|(key, _)| key).collect(),
-            quantities: SeriesResult::DRAWN,
+            quantities: quantities.into(),
             rows,
         }
     }

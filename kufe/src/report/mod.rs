@@ -35,7 +35,6 @@ mod page;
 mod record;
 mod results;
 mod runs;
-mod sign;
 mod table;
 mod viewer;
 

@@ -6,8 +6,8 @@ use kufe_sled::{COLUMNS, distinct};
 use serde::Serialize;
 
 use crate::jobs::view_runs::{BEHIND, ViewedRuns};
-use crate::report::results::label::{name_of, unit_of};
-use crate::report::sign::sign;
+use crate::plot::{shown_unit, sign};
+use crate::results::label::name_of;
 
 /// Data of the page of recorded runs.
 #[derive(Serialize)]
@@ -60,7 +60,7 @@ impl RunsPage {
 /// Label and unit; angles in degrees, as charts show them.
 fn channel(key: &str) -> Channel {
     let degrees = f64::to_degrees(1.0);
-    let (unit, times) = match &*unit_of(key) {
+    let (unit, times) = match &*shown_unit(key) {
         "rad" => ("°".to_owned(), degrees),
         "rad/s" => ("°/s".to_owned(), degrees),
         unit => (sign(unit), 1.0),

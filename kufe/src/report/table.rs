@@ -6,7 +6,8 @@ use std::collections::BTreeMap;
 use kufe_lut::{Axes, CurvatureScaling, Error, Method, Mode, Point, Quantity, Table};
 use serde::Serialize;
 
-use crate::results::{AxisRange, CaseRecord};
+use crate::plot::{Scale, shown_unit};
+use crate::results::{AxisRange, CaseRecord, Description};
 
 /// Most forces, curvatures and layers (rocker radii, speeds, temperatures of the ice) that the page
 /// carries; more are thinned.
@@ -46,7 +47,10 @@ pub struct TablePage<'a> {
 #[derive(Clone, Debug, Serialize)]
 struct QuantityData {
     name: &'static str,
-    unit: &'static str,
+    label: &'static str,
+    /// What the page shows its numbers in, and how many of it make one SI unit.
+    unit: String,
+    times: f64,
     /// Largest measured error by mode.
     errors: BTreeMap<&'static str, Option<f64>>,
     /// Values by layer, force and curvature.
@@ -109,9 +113,13 @@ impl<'a> TablePage<'a> {
             let relative = |errors: &[f64], node: usize| (errors[node] / values[node]).abs();
             let solver = table.errors(quantity);
             let solver = solver.map(|errors| cube(axes, &taken, |node| relative(&errors, node)));
+            let largest = values.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+            let Scale { unit, times } = Scale::of(&shown_unit(quantity.key()), largest);
             Ok(QuantityData {
                 name: quantity.name(),
-                unit: quantity.unit(),
+                label: Description::of(quantity).label,
+                unit,
+                times,
                 errors,
                 values: cube(axes, &taken, |node| values[node]),
                 solver,

@@ -26,7 +26,7 @@
 //! ```
 //! use kufe::results::{Measured, PeakPressure};
 //! let peak = Measured::<PeakPressure>::new(138.5e6, 0.4e6);
-//! assert_eq!(peak.to_string(), "138.50 MPa +- 0.40");
+//! assert_eq!(peak.to_string(), "138.50 ± 0.40 MPa");
 //! assert_eq!(serde_json::to_string(&peak)?, r#"{"p_max_pa":138500000.0,"p_max_error_pa":400000.0}"#);
 //! # Ok::<(), serde_json::Error>(())
 //! ```
@@ -36,8 +36,10 @@ mod comparison;
 mod contact;
 mod datum;
 mod document;
+mod figures;
 pub mod finding;
 mod friction;
+pub(crate) mod label;
 mod pack;
 mod quantity;
 mod record;
@@ -50,7 +52,9 @@ pub use comparison::*;
 pub use contact::*;
 pub use datum::{Data, Datum};
 pub use document::DocumentKind;
+pub use figures::{Figure, measured_in};
 pub use friction::*;
+pub use label::{name_of, unit_in};
 pub use pack::{Packed, pack};
 pub use quantity::*;
 pub use record::{CaseRecord, write_csv};

@@ -8,7 +8,9 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
-/// Key, label and shown unit of a quantity.
+use crate::plot::{measured, shown_unit};
+
+/// Keys and label of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Description {
     /// Key of the value; its ending is the SI unit.
@@ -17,13 +19,6 @@ pub struct Description {
     pub error_key: &'static str,
     /// Name for readers.
     pub label: &'static str,
-    /// Unit in which it is shown.
-    pub unit: &'static str,
-    /// Shown units in one SI unit.
-    pub times: f64,
-    /// Decimals of a shown value of 1 or more, and of a smaller one.
-    #[serde(skip)]
-    pub decimals: [usize; 2],
 }
 
 /// A kind of number that results hold, as a type.
@@ -70,31 +65,12 @@ impl Description {
         let found = QUANTITIES.iter().find(|one| one.key == quantity.key());
         *found.expect("every quantity of a table is one of a result")
     }
-
-    /// A value [SI] in the shown unit, without the unit.
-    pub fn number(&self, value: f64) -> String {
-        format!("{:.*}", self.digits(value), self.times * value)
-    }
-
-    /// A value [SI] with the shown unit.
-    pub fn amount(&self, value: f64) -> String {
-        format!("{} {}", self.number(value), self.unit)
-    }
-
-    /// A value with its error [both SI] in the shown unit, both with the decimals of the value.
-    pub fn with_error(&self, value: f64, error: f64) -> String {
-        let error = format!("{:.*}", self.digits(value), self.times * error);
-        format!("{} +- {error}", self.amount(value))
-    }
-
-    fn digits(&self, value: f64) -> usize {
-        self.decimals[usize::from(self.times * value.abs() < 1.0)]
-    }
 }
 
 impl<Q: Quantity> fmt::Display for Measured<Q> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&Q::DESCRIPTION.with_error(self.value, self.error))
+        let unit = shown_unit(Q::DESCRIPTION.key);
+        f.write_str(&measured(self.value, self.error, &unit))
     }
 }
 
@@ -177,18 +153,8 @@ impl<Q: Quantity> JsonSchema for Measured<Q> {
     }
 }
 
-/// Shown unit, shown units in one SI unit, decimals above and below 1.
-type Shown = (&'static str, f64, [usize; 2]);
-
-const MEGAPASCALS: Shown = ("MPa", 1e-6, [2, 2]);
-const MILLIMETRES: Shown = ("mm", 1e3, [2, 4]);
-const MICROMETRES: Shown = ("µm", 1e6, [3, 3]);
-const RADIANS: Shown = ("rad", 1.0, [6, 6]);
-const THOUSANDTHS: Shown = ("10⁻³", 1e3, [3, 3]);
-const PURE: Shown = ("", 1.0, [2, 2]);
-
 macro_rules! quantities {
-    ($($name:ident: $key:literal, $error:literal, $label:literal, $shown:expr;)*) => {
+    ($($name:ident: $key:literal, $error:literal, $label:literal;)*) => {
         $(
             #[doc = concat!("`", $key, "`: ", $label, ".")]
             #[derive(Clone, Copy, Debug, PartialEq)]
@@ -199,9 +165,6 @@ macro_rules! quantities {
                     key: $key,
                     error_key: $error,
                     label: $label,
-                    unit: $shown.0,
-                    times: $shown.1,
-                    decimals: $shown.2,
                 };
                 const KEYS: &'static [&'static str] = &[$key, $error];
             }
@@ -213,38 +176,38 @@ macro_rules! quantities {
 }
 
 quantities! {
-    PeakPressure: "p_max_pa", "p_max_error_pa", "peak pressure", MEGAPASCALS;
-    MeanPressure: "p_mean_pa", "p_mean_error_pa", "mean pressure", MEGAPASCALS;
-    Area: "area_m2", "area_error_m2", "contact area", ("mm²", 1e6, [4, 4]);
-    Length: "length_m", "length_error_m", "contact length", MILLIMETRES;
-    Width: "width_m", "width_error_m", "contact width", MILLIMETRES;
-    Approach: "approach_m", "approach_error_m", "approach", MICROMETRES;
-    Pitch: "pitch_rad", "pitch_error_rad", "pitch", RADIANS;
-    Roll: "roll_rad", "roll_error_rad", "roll", RADIANS;
-    CheckPeak: "check_p_max_pa", "check_p_max_error_pa", "peak pressure by boundary elements", MEGAPASCALS;
-    CheckApproach: "check_approach_m", "check_approach_error_m", "approach by boundary elements", MICROMETRES;
-    MaxShear: "max_shear_pa", "max_shear_error_pa", "largest shear stress", MEGAPASCALS;
-    MaxShearDepth: "max_shear_depth_m", "max_shear_depth_error_m", "depth of the largest shear stress", MILLIMETRES;
-    ShearOverPeak: "max_shear_over_p_max", "max_shear_over_p_max_error", "largest shear stress over peak pressure", PURE;
-    Mu: "mu", "mu_error", "coefficient of friction", THOUSANDTHS;
-    MuPloughing: "mu_ploughing", "mu_ploughing_error", "friction of ploughing", THOUSANDTHS;
-    MuViscous: "mu_viscous", "mu_viscous_error", "friction of the melt film", THOUSANDTHS;
-    MuBoundary: "mu_boundary", "mu_boundary_error", "friction of boundary contact", THOUSANDTHS;
-    BoundaryShare: "boundary_share", "boundary_share_error", "share of boundary contact", ("", 1.0, [4, 4]);
-    GrooveDepth: "groove_depth_m", "groove_depth_error_m", "depth of the groove", ("µm", 1e6, [2, 2]);
-    LoadAhead: "load_ahead_m", "load_ahead_error_m", "load ahead of the lowest point", ("mm", 1e3, [2, 2]);
-    Front: "front_m", "front_error_m", "front end of the patch", ("mm", 1e3, [2, 2]);
-    Back: "back_m", "back_error_m", "back end of the patch", ("mm", 1e3, [2, 2]);
-    FilmMean: "film_mean_m", "film_mean_error_m", "melt film, mean", MICROMETRES;
-    FilmMax: "film_max_m", "film_max_error_m", "melt film, thickest", MICROMETRES;
-    MeltRate: "melt_rate_kgps", "melt_rate_error_kgps", "ice melted", ("kg/s", 1.0, [6, 6]);
-    ContactTime: "contact_time_s", "contact_time_error_s", "time of the ice under the runner", ("ms", 1e3, [2, 2]);
-    ByHardness: "dlnmu_dlnhardness", "dlnmu_dlnhardness_error", "d ln mu / d ln hardness", PURE;
-    BySpeed: "dlnmu_dlnv", "dlnmu_dlnv_error", "d ln mu / d ln speed", PURE;
-    ByViscosity: "dlnmu_dlnviscosity", "dlnmu_dlnviscosity_error", "d ln mu / d ln viscosity", PURE;
-    ByRoughness: "dlnmu_dlnroughness", "dlnmu_dlnroughness_error", "d ln mu / d ln roughness", PURE;
-    ByBoundaryShear: "dlnmu_dlnboundary_shear", "dlnmu_dlnboundary_shear_error", "d ln mu / d ln boundary shear", PURE;
-    ByTemperature: "dlnmu_dice_c", "dlnmu_dice_c_error", "d ln mu / d temperature of the ice", ("1/K", 1.0, [2, 2]);
+    PeakPressure: "p_max_pa", "p_max_error_pa", "peak pressure";
+    MeanPressure: "p_mean_pa", "p_mean_error_pa", "mean pressure";
+    Area: "area_m2", "area_error_m2", "contact area";
+    Length: "length_m", "length_error_m", "contact length";
+    Width: "width_m", "width_error_m", "contact width";
+    Approach: "approach_m", "approach_error_m", "approach";
+    Pitch: "pitch_rad", "pitch_error_rad", "pitch";
+    Roll: "roll_rad", "roll_error_rad", "roll";
+    CheckPeak: "check_p_max_pa", "check_p_max_error_pa", "peak pressure by boundary elements";
+    CheckApproach: "check_approach_m", "check_approach_error_m", "approach by boundary elements";
+    MaxShear: "max_shear_pa", "max_shear_error_pa", "largest shear stress";
+    MaxShearDepth: "max_shear_depth_m", "max_shear_depth_error_m", "depth of the largest shear stress";
+    ShearOverPeak: "max_shear_over_p_max", "max_shear_over_p_max_error", "largest shear stress over peak pressure";
+    Mu: "mu", "mu_error", "coefficient of friction";
+    MuPloughing: "mu_ploughing", "mu_ploughing_error", "friction of ploughing";
+    MuViscous: "mu_viscous", "mu_viscous_error", "friction of the melt film";
+    MuBoundary: "mu_boundary", "mu_boundary_error", "friction of boundary contact";
+    BoundaryShare: "boundary_share", "boundary_share_error", "share of boundary contact";
+    GrooveDepth: "groove_depth_m", "groove_depth_error_m", "depth of the groove";
+    LoadAhead: "load_ahead_m", "load_ahead_error_m", "load ahead of the lowest point";
+    Front: "front_m", "front_error_m", "front end of the patch";
+    Back: "back_m", "back_error_m", "back end of the patch";
+    FilmMean: "film_mean_m", "film_mean_error_m", "melt film, mean";
+    FilmMax: "film_max_m", "film_max_error_m", "melt film, thickest";
+    MeltRate: "melt_rate_kgps", "melt_rate_error_kgps", "ice melted";
+    ContactTime: "contact_time_s", "contact_time_error_s", "time of the ice under the runner";
+    ByHardness: "dlnmu_dlnhardness", "dlnmu_dlnhardness_error", "d ln mu / d ln hardness";
+    BySpeed: "dlnmu_dlnv", "dlnmu_dlnv_error", "d ln mu / d ln speed";
+    ByViscosity: "dlnmu_dlnviscosity", "dlnmu_dlnviscosity_error", "d ln mu / d ln viscosity";
+    ByRoughness: "dlnmu_dlnroughness", "dlnmu_dlnroughness_error", "d ln mu / d ln roughness";
+    ByBoundaryShear: "dlnmu_dlnboundary_shear", "dlnmu_dlnboundary_shear_error", "d ln mu / d ln boundary shear";
+    ByTemperature: "dlnmu_dice_c", "dlnmu_dice_c_error", "d ln mu / d temperature of the ice";
 }
 
 #[cfg(test)]
@@ -260,7 +223,7 @@ mod tests {
             serde_json::from_str::<Measured<Width>>(&text).expect("a width"),
             width
         );
-        assert_eq!(width.to_string(), "0.2780 mm +- 0.0015");
+        assert_eq!(width.to_string(), "278.0 ± 1.5 µm");
         let unknown = Measured::<Width>::new(1.0, f64::INFINITY);
         let text = serde_json::to_string(&unknown).expect("JSON");
         let read: Measured<Width> = serde_json::from_str(&text).expect("a width");
@@ -290,7 +253,6 @@ mod tests {
             .collect();
         keys.sort_unstable();
         assert!(keys.windows(2).all(|pair| pair[0] != pair[1]));
-        // The key of a derivative ends in the unit of what it is taken by.
         for quantity in QUANTITIES.iter().filter(|q| !q.key.starts_with("dlnmu_")) {
             let unit = crate::plot::unit_of(quantity.key);
             assert_eq!(

@@ -30,6 +30,14 @@ impl CaseRecord {
         CaseRecord(Datum::of(&table).unwrap_or_default())
     }
 
+    /// A number of the case, by its path.
+    pub fn number(&self, path: &[&str]) -> Option<f64> {
+        let inner = |datum: &'_ Datum, key: &&str| datum.group()?.get(*key).cloned();
+        path.iter()
+            .try_fold(self.0.clone(), |datum, key| inner(&datum, key))?
+            .number()
+    }
+
     /// The record without the elastic constants of a rigid runner, which have no effect.
     #[must_use]
     pub fn effective(self) -> Self {

@@ -31,7 +31,12 @@ fn info_tells_a_tables_axes_quantities_errors_and_version() {
         "{min} to {max}"
     );
     let said = bench.succeeds(&["info", "bob.lut"]);
-    for word in ["p_max_pa:", "area_m2:", "approach_m:", "case_sha256: "] {
+    for word in [
+        "peak pressure:",
+        "contact area:",
+        "approach:",
+        "case sha256: ",
+    ] {
         assert!(said.contains(word), "{word:?} is missing: {said}");
     }
 }
@@ -52,13 +57,10 @@ fn what_info_shows_is_read_by_people() {
         ("out/result.json", "warnings:\n  the peak of "),
         ("out/result.json", "symmetry: true, true\n"),
         ("out/pressure.exr", "channels: gap, p, uz\n"),
-        ("out/pressure.exr", "radius_m: inf\n"),
-        ("out/hull.glb", "length_m: "),
-        (
-            "fit.json",
-            "k_n_per_rad: 9000 N/rad (8000 to 10000 N/rad)\n",
-        ),
-        ("fit.json", "mu_zeta_c: 0.06000 (0.05000 to 0.07000)\n"),
+        ("out/pressure.exr", "radius: inf\n"),
+        ("out/hull.glb", "contact length: "),
+        ("fit.json", "stiffness over slip, K: 9 (8 to 10) kN/rad\n"),
+        ("fit.json", "mu zeta C: 0.06000 (0.05000 to 0.07000)\n"),
     ] {
         let said = bench.succeeds(&["info", file]);
         assert!(said.contains(expected), "{file}: no {expected:?} in {said}");

@@ -197,7 +197,7 @@ fn a_table_says_which_method_solved_each_contact() {
                 rocker_radius_m = { values = [15.0, 30.0, 60.0, 120.0] }\nradius_m = { values = [inf] }\n[accuracy]\np_max = 0.005\n";
     let bench = bench(axes);
     let said = bench.succeeds(&["lut", "table.toml", "-o", "both.lut"]);
-    assert!(said.contains("by_boundary_elements: 1"), "{said}");
+    assert!(said.contains("by boundary elements: 1"), "{said}");
     let table = json(&std::fs::read_to_string(bench.path("both.lut")).unwrap());
     let (mut by_boundary, mut by_finite) = (Vec::new(), Vec::new());
     for (i, fz) in [250.0, 500.0, 1000.0, 2000.0, 4000.0]
@@ -245,7 +245,7 @@ fn a_table_says_which_method_solved_each_contact() {
         PARABOLOID.replace("[load]", "hardness_pa = 50e6\n[load]"),
     );
     let said = bench.succeeds(&["lut", "table.toml", "-o", "yields.lut"]);
-    assert!(said.contains("by_boundary_elements: 0\n"), "{said}");
+    assert!(said.contains("by boundary elements: 0\n"), "{said}");
     let text = std::fs::read_to_string(bench.path("yields.lut")).unwrap();
     assert!(!text.contains("\"method\""));
 }
@@ -353,7 +353,7 @@ fn points_short_of_the_tolerance_are_kept_told_and_end_with_code_4() {
             &bench,
             &["lut", "query", "t.lut", "--fz-n", fz, "--radius-m", "inf"],
         );
-        let expected = format!("--fz-n {fz}: expected a force above 0 N");
+        let expected = format!("--fz-n {fz}: expected a finite number above 0 N");
         assert!(code == 3 && said.contains(&expected), "{code} {said}");
     }
     let looked = json(&bench.succeeds(&words("lut query t.lut --fz-n 1000 --radius-m inf --json")));

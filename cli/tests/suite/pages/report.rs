@@ -82,7 +82,7 @@ fn a_contacts_page_turns_and_its_cursor_reads_the_map() {
     assert!(size < 2_000_000, "{size} bytes");
     let mut browser = Browser::start(&program, &WEBGL);
     browser.open(&address(&bench.path("page.html")), DESK);
-    assert!(browser.text("h1").contains("MPa under 1000 N"));
+    assert!(browser.text("h1").contains("MPa under 1.000 kN"));
     assert_eq!(browser.text("header p"), "a<b>&c");
 
     let (colours, before) = browser.colours(".stage canvas");

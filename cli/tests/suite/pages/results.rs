@@ -132,10 +132,7 @@ fn constants_of_steel_are_stated_for_runners_that_deform() {
     let approach = said
         .lines()
         .find(|line| line.trim_start().starts_with("approach "));
-    assert!(
-        approach.is_some_and(|line| line.contains(" µm +- ")),
-        "{said}"
-    );
+    assert!(approach.is_some_and(|line| line.contains(" ± ")), "{said}");
     bench.succeeds(&["report", "out"]);
     let page = std::fs::read_to_string(bench.path("out/report.html")).expect("a page");
     assert!(!page.contains("210000000000"));

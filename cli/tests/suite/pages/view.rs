@@ -269,13 +269,13 @@ fn sliders_solve_again_in_a_browser() {
             wide.as_i64().expect("a number") <= 0,
             "{wide} px too wide at {look:?}"
         );
-        assert!(browser.text("h1").ends_with("under 1000 N"));
+        assert!(browser.text("h1").ends_with("under 1.000 kN"));
         let slide = "(() => { const s = document.querySelector('input[name=fz_n]'); s.value = 700; s.dispatchEvent(new Event('input')); })()";
         browser.evaluate(slide);
         wait(|| Some(()).filter(|()| browser.text(".state").starts_with("solved in")));
         // 50 N (10000 / 50)^0.7 = 2040 N; a point contact's peak grows with the cube root of its load.
         let title = browser.text("h1");
-        assert!(title.ends_with("under 2040 N"), "{title}");
+        assert!(title.ends_with("under 2.040 kN"), "{title}");
         let peak: f64 = title
             .split(' ')
             .next()

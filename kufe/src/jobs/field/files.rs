@@ -17,9 +17,9 @@ use crate::jobs::field::maps::map_picture;
 use crate::jobs::field::placed_hull::placed_hull;
 use crate::jobs::field::stress_picture::stress_picture;
 use crate::jobs::field::{exr, subsurface, vtk};
-use crate::jobs::press::{SolvedContact, newtons};
-use crate::plot::Figure;
-use crate::results::{ContactResult, Length, Quantity};
+use crate::jobs::press::SolvedContact;
+use crate::plot::{Figure, quantity};
+use crate::results::ContactResult;
 
 /// Whether a name is that of a file within its folder, and of no hidden one.
 pub fn is_plain(name: &str) -> bool {
@@ -92,12 +92,12 @@ pub fn pretty(result: &impl Serialize) -> Result<String, Failure> {
 /// The picture's title.
 fn title(solution: &Solution) -> String {
     format!(
-        "p_max {:.2} MPa ({:.2} on this mesh)   Fz {}   contact {} x {}",
-        solution.p_max / 1e6,
-        solution.p_max_mesh / 1e6,
-        newtons(solution.fz),
-        Length::DESCRIPTION.amount(solution.length),
-        Length::DESCRIPTION.amount(solution.width),
+        "p_max {} ({} on this mesh)   Fz {}   contact {} x {}",
+        quantity(solution.p_max, "Pa"),
+        quantity(solution.p_max_mesh, "Pa"),
+        quantity(solution.fz, "N"),
+        quantity(solution.length, "m"),
+        quantity(solution.width, "m"),
     )
 }
 

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use kufe_contact::{BoundaryElements, CheckUnavailable, Problem, Solution, boundary_elements};
 
+use crate::plot::{quantity, unit_of};
 use crate::results::{Approach, Measured, PeakPressure, Quantity};
 
 /// A contact by boundary elements.
@@ -54,7 +55,10 @@ fn widened<Q: Quantity>(value: f64, error: &mut f64, second: Measured<Q>) -> Opt
     }
     let first = Measured::<Q>::new(value, *error);
     *error = apart + second.error;
-    let (label, error) = (Q::DESCRIPTION.label, Q::DESCRIPTION.amount(*error));
+    let (label, error) = (
+        Q::DESCRIPTION.label,
+        quantity(*error, &unit_of(Q::DESCRIPTION.key)),
+    );
     Some(format!(
         "two methods differ: {label} {first} by finite elements, {second} by boundary elements: \
          the error is widened to {error}"

@@ -6,4 +6,4 @@ pub(crate) mod hull_error;
 mod progress;
 
 pub use contact::{Contact, Prepared, SolvedContact, press_prepared};
-pub use progress::{newtons, percent, time_left, with_progress};
+pub use progress::{time_left, with_progress};

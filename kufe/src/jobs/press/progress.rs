@@ -7,6 +7,7 @@ use kufe_sled::friction::film::FilmConditions;
 
 use crate::case::Case;
 use crate::jobs::slide::{conditions, film_on};
+use crate::plot::{percent, quantity};
 
 /// Options that report how far the contact of a case is, a line at a time: the mesh in hand and the
 /// error of those before it; of a runner that slides the friction after each correction of a mesh.
@@ -27,11 +28,11 @@ pub fn with_progress(
         })),
         progress: Some(Arc::new(move |state: &Iterate| {
             report(format!(
-                "mesh {}: {} unknowns, {} nodes touch, p_max {:.1} MPa, residual {:.0e}; {}",
+                "mesh {}: {} unknowns, {} nodes touch, p_max {}, residual {:.0e}; {}",
                 state.level + 1,
                 state.dofs,
                 state.contact_nodes,
-                state.p_max / 1e6,
+                quantity(state.p_max, "Pa"),
                 state.residual,
                 errors(state.error_before, requested)
             ));
@@ -64,35 +65,14 @@ fn sliding_line(state: &SlidingIterate, film: &FilmConditions, requested: f64) -
         },
     );
     format!(
-        "groove in ice of {:.2} MPa, mesh {}: {} unknowns, correction {}, forces change by {:.0e}, {friction}; {}",
-        state.hardness / 1e6,
+        "groove in ice of {}, mesh {}: {} unknowns, correction {}, forces change by {:.0e}, {friction}; {}",
+        quantity(state.hardness, "Pa"),
         state.level + 1,
         state.dofs,
         state.corrections,
         state.residual,
         errors(state.error_before, requested)
     )
-}
-
-/// A force as people read it, in kN from one on [N].
-pub fn newtons(force: f64) -> String {
-    // 1 kN less a rounding error is 1 kN too.
-    if force >= 999.95 {
-        format!("{:.3} kN", force / 1e3)
-    } else {
-        format!("{force:.1} N")
-    }
-}
-
-/// A share in per cent, small ones with more digits.
-pub fn percent(share: f64) -> String {
-    let percent = 1e2 * share;
-    let digits = match percent {
-        ..0.01 => 5,
-        ..1.0 => 3,
-        _ => 2,
-    };
-    format!("{percent:.digits$} %")
 }
 
 /// Waiting that is worth a word [s].

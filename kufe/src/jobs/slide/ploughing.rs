@@ -30,20 +30,11 @@ pub enum HardnessFrom {
 impl HardnessFrom {
     /// As `result.json` has it.
     pub fn name(self) -> &'static str {
-        self.names()[0]
-    }
-
-    /// The same for people.
-    pub fn in_words(self) -> &'static str {
-        self.names()[1]
-    }
-
-    fn names(self) -> [&'static str; 2] {
         match self {
-            HardnessFrom::Given => ["given", "as stated"],
-            HardnessFrom::TemperatureLaw => ["temperature-law", "by its temperature"],
-            HardnessFrom::TimeLaw => ["time-law", "by its temperature and the time under load"],
-            HardnessFrom::Melting => ["melting", "at which the ice melts"],
+            HardnessFrom::Given => "given",
+            HardnessFrom::TemperatureLaw => "temperature-law",
+            HardnessFrom::TimeLaw => "time-law",
+            HardnessFrom::Melting => "melting",
         }
     }
 }

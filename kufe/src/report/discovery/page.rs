@@ -1,7 +1,8 @@
 //! The page: what to act on first, then each effect, then tables folded.
 
 use crate::plot::escape;
-use crate::report::discovery::parts::{amount, folded, list};
+use crate::plot::quantity;
+use crate::report::discovery::parts::{folded, list};
 use crate::report::discovery::pictures::{gaps, models, picture};
 use crate::report::discovery::sections::{bins, detectable, next_runs, parameters, runs, step};
 use crate::report::discovery::summary::summary;
@@ -136,7 +137,7 @@ fn details(report: &Report, viewer: Option<&str>) -> String {
     out += &folded("Base parameters, refitted", parameters(&report.base));
     let tolerated = report.within_tolerance.iter();
     let tolerated =
-        tolerated.map(|part| format!("{}: {}", part.what, amount(part.size, &part.unit)));
+        tolerated.map(|part| format!("{}: {}", part.what, quantity(part.size, &part.unit)));
     out += &list("Within the tolerance of the installation", tolerated);
     let distinguished = detectable(&report.minimum_detectable);
     out += &folded("What these data could distinguish", distinguished);

@@ -1,57 +1,43 @@
 //! Parts of the page that all sections use.
 
-use crate::plot::{escape, number4, unit_of, usual};
+use crate::plot::{Scale, escape, quantity, unit_of};
 use crate::report::html::{self, fold};
-use crate::report::sign::sign;
 use crate::results::finding::{Bin, Fitted};
 
-/// The unit in which values are shown.
-pub fn unit_text(unit: &str) -> String {
-    sign(usual(1.0, unit).1)
-}
-
-/// A value without its unit.
-pub fn shown(value: f64, unit: &str) -> String {
-    number4(usual(value, unit).0)
-}
-
-/// A value with its unit.
-pub fn amount(value: f64, unit: &str) -> String {
-    let text = format!("{} {}", shown(value, unit), unit_text(unit));
-    text.trim_end().to_owned()
-}
-
-/// `channel [unit]`.
-pub fn channel_label(channel: &str, unit: &str) -> String {
-    match &*unit_text(unit) {
-        "" => channel.to_owned(),
-        unit => format!("{channel} [{unit}]"),
-    }
+/// Values in one unit, which suits the largest of them, and that unit.
+pub fn alike<const N: usize>(values: [f64; N], unit: &str) -> ([String; N], Scale) {
+    let largest = values
+        .iter()
+        .fold(0.0, |most: f64, value| most.max(value.abs()));
+    let scale = Scale::of(unit, largest);
+    (values.map(|value| scale.number(value)), scale)
 }
 
 /// `column from to unit`; a place is one on a track, as `s_m on east`.
 pub fn range(bin: &Bin) -> String {
     let column = bin.column.split(' ').next().unwrap_or_default();
-    let unit = unit_of(column);
-    let (from, to) = (shown(bin.from, &unit), shown(bin.to, &unit));
-    let text = format!("{} {from} to {to} {}", bin.column, unit_text(&unit));
-    text.trim_end().to_owned()
+    let ([from, to], scale) = alike([bin.from, bin.to], &unit_of(column));
+    format!(
+        "{} {}",
+        bin.column,
+        scale.with_unit(&format!("{from} to {to}"))
+    )
 }
 
 /// `name = value unit (95 % interval low to high)`.
 pub fn size(parameter: &Fitted) -> String {
     let unit = &parameter.unit;
-    let value = amount(parameter.value, unit);
-    let (low, high) = (shown(parameter.low, unit), shown(parameter.high, unit));
+    let ([value, low, high], scale) = alike([parameter.value, parameter.low, parameter.high], unit);
     let text = format!(
-        "{} = {value} (95 % interval {low} to {high})",
-        parameter.name
+        "{} = {} (95 % interval {low} to {high})",
+        parameter.name,
+        scale.with_unit(&value)
     );
     if unit != "1/Pa" {
         return text;
     }
     // The hardness of ice is known, its inverse is not.
-    let inverse = amount(1.0 / parameter.value, "Pa");
+    let inverse = quantity(1.0 / parameter.value, "Pa");
     format!("{text}, the inverse of {inverse}")
 }
 
@@ -133,9 +119,9 @@ mod tests {
     #[test]
     fn bins_have_the_units_of_their_columns_on_a_track_too() {
         for (column, expected) in [
-            ("s_m on east", "s_m on east 10.00 to 20.00 m"),
-            ("ax_mps2", "ax_mps2 10.00 to 20.00 m/s²"),
-            ("humidity", "humidity 10.00 to 20.00"),
+            ("s_m on east", "s_m on east 10 to 20 m"),
+            ("ax_mps2", "ax_mps2 10 to 20 m/s²"),
+            ("humidity", "humidity 10 to 20"),
         ] {
             let bin = Bin {
                 column: column.to_owned(),

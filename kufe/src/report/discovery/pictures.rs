@@ -3,11 +3,10 @@
 use kufe_sled::distinct;
 
 use crate::plot::{
-    AFTER, Axis, BEFORE, Cells, Colour, ColourBar, Figure, INK, Layer, Panel, Point, Symbol, Ticks,
-    diverging, extent, number4, unit_of, usual,
+    AFTER, Axis, BEFORE, Cells, Colour, ColourBar, Figure, INK, Layer, Panel, Point, Scale, Symbol,
+    Ticks, diverging, extent, number4, quantity, unit_of,
 };
-use crate::report::discovery::parts::{channel_label, range, shown};
-use crate::report::sign::sign;
+use crate::report::discovery::parts::range;
 use crate::results::finding::{
     Baseline, Bin, ByRun, ChannelGap, Maps, Peak, Plot, Scatter, Strip, StripRun,
 };
@@ -55,7 +54,7 @@ pub fn picture(plot: &Plot, is_one_of_a_pair: bool) -> String {
     let figure = match plot {
         Plot::Scatter(plot) => column(HALF, &plot.label, 230.0, vec![diagram(plot)]),
         Plot::Strip(plot) => {
-            let channel = format!("{} [{}]", plot.channel, sign(&plot.unit));
+            let channel = Scale::of(&plot.unit, 1.0).label(&plot.channel);
             let along = format!("along track {}, by session", plot.track);
             let panels = [false, true].map(|after| strip(plot, after));
             let mut figure = column(WHOLE, "", 120.0, panels.to_vec());
@@ -88,10 +87,7 @@ fn diagram(plot: &Scatter) -> Panel {
         layers.push(Layer::segments(1.0, bars, colour.alpha(0.7)));
         layers.push(Layer::dots(3.5, points, colour).named(&*one.name));
     }
-    let x = match &*sign(&unit_of(&plot.x_name)) {
-        "" => plot.x_name.clone(),
-        unit => format!("{} [{unit}]", plot.x_name),
-    };
+    let x = Scale::of(&unit_of(&plot.x_name), 1.0).label(&plot.x_name);
     Panel::new(Axis::new(x), Axis::new(&*plot.y_name), layers)
 }
 
@@ -177,7 +173,7 @@ fn peaks(rows: &[Peak]) -> Panel {
                 .filter_map(|(name, pa, symbol, radius, colour)| {
                     let pressure = mega(pa?);
                     let layer = Layer::symbols(symbol, radius, [(pressure, y)], colour);
-                    let hint = format!("{name} {} MPa", number4(pressure));
+                    let hint = format!("{name} {}", quantity(1e6 * pressure, "Pa"));
                     Some(layer.named(name).hinted(hint))
                 }),
         );
@@ -240,17 +236,18 @@ fn bars<'a>(
         let largest = values
             .iter()
             .fold(1e-300, |most, bar| f64::max(most, bar.1));
+        let scale = Scale::of(unit, largest);
         let bars = values.iter().enumerate();
         let layers = bars.flat_map(|(k, (_, value, colour))| {
             let (y, end) = (k as f64, value / largest);
             [
                 Layer::rectangle([0.0, end], [y + 0.15, y + 0.85], *colour),
-                Layer::text((end, y + 0.5), shown(*value, unit), [0.4, 0.0], INK),
+                Layer::text((end, y + 0.5), scale.number(*value), [0.4, 0.0], INK),
             ]
         });
         let names = Axis::names("", values.iter().map(|(name, ..)| *name));
         let x = Axis::blank([0.0, 1.25]);
-        Panel::new(x, names.reversed(), layers.collect()).titled(channel_label(name, unit))
+        Panel::new(x, names.reversed(), layers.collect()).titled(scale.label(name))
     });
     let mut figure = column(ALONE, "", 0.0, panels.collect());
     figure.title = title.to_owned();
@@ -305,6 +302,8 @@ pub fn bins(bins: &[Bin]) -> String {
 
 /// A channel's mean residual run by run, every second session shaded.
 pub fn runs(of: &ByRun) -> String {
+    let means = of.runs.iter().flat_map(|run| [run.before, run.after]);
+    let scale = Scale::of(&of.unit, means.fold(0.0, |most: f64, x| most.max(x.abs())));
     let mut layers = vec![Layer::level(0.0)];
     let mut names = Vec::new();
     let mut from = 0;
@@ -318,13 +317,13 @@ pub fn runs(of: &ByRun) -> String {
         from += session.len();
     }
     for (k, run) in of.runs.iter().enumerate() {
-        let point = |value: f64| [(k as f64 + 0.5, usual(value, &of.unit).0)];
+        let point = |value: f64| [(k as f64 + 0.5, scale.times * value)];
         let before = Layer::symbols(Symbol::Ring, 4.0, point(run.before), BEFORE);
         let after = Layer::dots(3.0, point(run.after), AFTER);
         layers.push(before.named("before").hinted(&*run.run));
         layers.push(after.named("after").hinted(&*run.run));
     }
-    let title = format!("mean residual {}", channel_label(&of.channel, &of.unit));
+    let title = format!("mean residual {}", scale.label(&of.channel));
     let x = Axis::with("session", Ticks::Names(names)).within([0.0, from.max(1) as f64]);
     let label = format!("{title} by run");
     let panel = Panel::new(x, Axis::new(""), layers).titled(title);

@@ -2,10 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::plot::{escape, number4};
-use crate::report::discovery::parts::{
-    amount, folded, headed_table, p_is, p_value, range, shown, table, unit_text,
-};
+use crate::plot::{escape, measured, number4, quantity};
+use crate::report::discovery::parts::{alike, folded, headed_table, p_is, p_value, range, table};
 use crate::report::discovery::pictures;
 use crate::report::html::small;
 use crate::report::viewer::{ViewedPart, viewer_links};
@@ -47,10 +45,11 @@ pub fn step(number: usize, step: &Step, report: &Report) -> String {
 fn fitted_gap(step: &Step, report: &Report) -> String {
     let bars = report.training.iter().find(|c| c.channel == step.channel);
     let text = if let (1, Some(bars)) = (report.steps.len(), bars) {
-        let [before, after] = [bars.before, bars.after].map(|gap| amount(gap, &bars.unit));
+        let [before, after] = [bars.before, bars.after].map(|gap| quantity(gap, &bars.unit));
         format!("the gap is {before} with the model as given and {after} with the next one.")
     } else {
-        let [before, after] = [step.gap_before, step.gap_after].map(|gap| amount(gap, &step.unit));
+        let [before, after] =
+            [step.gap_before, step.gap_after].map(|gap| quantity(gap, &step.unit));
         let base = match report.base[..] {
             [] => "",
             _ => " of the refitted base",
@@ -69,7 +68,7 @@ fn rivals(rivals: &[Rival]) -> String {
         let cells = [
             r.effect.clone(),
             r.parameter.clone(),
-            amount(r.size, &r.unit),
+            quantity(r.size, &r.unit),
             number4(r.t),
             number4(r.gain),
             format!("{:.2}", r.correlation),
@@ -86,8 +85,8 @@ fn rivals(rivals: &[Rival]) -> String {
 
 /// The value, the interval and the unit of a parameter.
 fn sized(p: &Fitted) -> [String; 3] {
-    let [value, low, high] = [p.value, p.low, p.high].map(|value| shown(value, &p.unit));
-    [value, format!("{low} to {high}"), unit_text(&p.unit)]
+    let ([value, low, high], scale) = alike([p.value, p.low, p.high], &p.unit);
+    [value, format!("{low} to {high}"), scale.unit]
 }
 
 /// Sizes with their intervals.
@@ -113,7 +112,8 @@ fn evidence(kinds: &[OfKind]) -> String {
         }
     };
     let rows = kinds.iter().flat_map(|kind| {
-        let [before, after] = [kind.gap_before, kind.gap_after].map(|gap| amount(gap, &kind.unit));
+        let [before, after] =
+            [kind.gap_before, kind.gap_after].map(|gap| quantity(gap, &kind.unit));
         let gaps = format!("{before} → {after}");
         kind.parameters.iter().map(move |p| {
             let (data, name, [value, interval, unit]) = (&kind.data, &p.name, sized(p));
@@ -156,11 +156,10 @@ pub fn bins(bins: &[Bin]) -> String {
             .to_owned();
     }
     let row = |b: &Bin| {
-        let [mean, error] = [b.mean, b.error].map(|value| shown(value, &b.unit));
-        let (unit, p) = (unit_text(&b.unit), p_value(b.p_value));
-        [b.channel.clone(), range(b), mean, error, unit, p]
+        let (mean, p) = (measured(b.mean, b.error, &b.unit), p_value(b.p_value));
+        [b.channel.clone(), range(b), mean, p]
     };
-    let columns = "channel|bin|#mean residual|#standard error|unit|#p over all bins";
+    let columns = "channel|bin|#mean residual, ± standard error|#p over all bins";
     let mut out = pictures::bins(bins) + &table(columns, bins.iter().take(MOST_BINS).map(row));
     if bins.len() > MOST_BINS {
         let count = bins.len();
@@ -196,7 +195,7 @@ pub fn detectable(effects: &[Detectable]) -> String {
         let cells = [
             d.effect.clone(),
             d.parameter.clone(),
-            amount(d.size, &d.unit),
+            quantity(d.size, &d.unit),
             format!("{:.3}", d.left_after_refit),
             d.most_like.clone(),
             format!("{:.2}", d.correlation),

@@ -1,8 +1,8 @@
 //! The first screen: what is missing, how large, where, how certain, what remains, what to measure
 //! next.
 
-use crate::plot::escape;
-use crate::report::discovery::parts::{amount, meaning, p_is, shown, size};
+use crate::plot::{escape, quantity};
+use crate::report::discovery::parts::{alike, meaning, p_is, size};
 use crate::report::html::tiles;
 use crate::results::finding::{ChannelGap, HeldOut, ModelKind, Report, Step, Verdict};
 
@@ -30,7 +30,7 @@ pub fn summary(report: &Report) -> String {
         figures.push(remaining(report));
     }
     // A moment's unit is not broken in two.
-    let whole = |text: String| text.replace(" N m", "\u{a0}N\u{a0}m");
+    let whole = |text: String| text.replace("N m", "N\u{a0}m");
     let figures = figures.into_iter();
     out += &tiles(figures.map(|(figure, why)| (whole(figure), whole(why))));
     let notes = notes(report).into_iter();
@@ -153,17 +153,19 @@ fn contacts(step: &Step) -> Option<String> {
 /// A figure, and what it is.
 type Tile = (String, String);
 
+/// Gaps one after another in one unit, from which none is broken off.
+fn arrow<const N: usize>(gaps: [f64; N], unit: &str) -> String {
+    let (gaps, scale) = alike(gaps, unit);
+    let text = scale.with_unit(&gaps.join("→"));
+    text.replace(' ', "\u{a0}").replace('→', " → ")
+}
+
 /// The gap before and after, on held-out data where there are any.
 fn gap(report: &Report) -> Option<Tile> {
     let held_out = &report.held_out;
-    // A value and its unit are not broken in two.
-    let arrow = |before: &[f64], after: f64, unit: &str| {
-        let before: String = before.iter().map(|gap| shown(*gap, unit) + " → ").collect();
-        before + &amount(after, unit).replace(' ', "\u{a0}")
-    };
     if held_out.runs.is_empty() {
         let gap = report.training.first()?;
-        let figure = arrow(&[gap.before], gap.after, &gap.unit);
+        let figure = arrow([gap.before, gap.after], &gap.unit);
         return Some((figure, "gap between measured and simulated".to_owned()));
     }
     let runs = match held_out.runs.len() {
@@ -173,21 +175,18 @@ fn gap(report: &Report) -> Option<Tile> {
     let mut why = format!("misfit on held-out {runs}");
     let channel = judged(held_out);
     if let Some(channel) = channel {
-        let (name, noise) = (&channel.channel, amount(channel.noise, &held_out.unit));
+        let (name, noise) = (&channel.channel, quantity(channel.noise, &held_out.unit));
         why += &format!(" ({name}); the sensors’ noise alone makes {noise}");
     }
     let mut baselines = report.baselines.iter();
     let baseline = baselines.find(|b| channel.is_some_and(|c| c.channel == b.quantity));
     let models = baseline.and_then(|b| Some((b, b.refitted?, b.with_effect?)));
     let Some((one, refitted, with_effect)) = models else {
-        let figure = arrow(&[held_out.gap_before], held_out.gap_after, &held_out.unit);
+        let figure = arrow([held_out.gap_before, held_out.gap_after], &held_out.unit);
         return Some((figure, why));
     };
     why += ": as given, with the base refitted, with the effect";
-    Some((
-        arrow(&[one.as_given, refitted], with_effect, &one.unit),
-        why,
-    ))
+    Some((arrow([one.as_given, refitted, with_effect], &one.unit), why))
 }
 
 /// The channel whose gap the report states.
@@ -200,8 +199,8 @@ fn judged(held_out: &HeldOut) -> Option<&ChannelGap> {
 fn remaining(report: &Report) -> Tile {
     let held_out = &report.held_out;
     let gap = match report.training.first() {
-        Some(gap) if held_out.runs.is_empty() => amount(gap.after, &gap.unit),
-        _ => amount(held_out.gap_after, &held_out.unit),
+        Some(gap) if held_out.runs.is_empty() => quantity(gap.after, &gap.unit),
+        _ => quantity(held_out.gap_after, &held_out.unit),
     };
     let why = match (report.clean, report.bins_after.len()) {
         (true, _) => match scatter(held_out) {
@@ -226,7 +225,7 @@ fn scatter(held_out: &HeldOut) -> Option<String> {
     let noise = judged(held_out)?.noise;
     let square = held_out.gap_after * held_out.gap_after - noise * noise;
     let excess = square.max(0.0).sqrt();
-    (excess > noise).then(|| amount(excess, &held_out.unit))
+    (excess > noise).then(|| quantity(excess, &held_out.unit))
 }
 
 /// The share of the explainable gap that is explained, where it is known.
@@ -270,11 +269,7 @@ mod tests {
             ..Report::default()
         };
         let page = summary;
-        assert!(
-            page(&report).contains("3.000 MPa remain"),
-            "{}",
-            page(&report)
-        );
+        assert!(page(&report).contains("3 MPa remain"), "{}", page(&report));
         report.held_out = HeldOut {
             what: "map".to_owned(),
             runs: vec!["row 5".to_owned()],
@@ -282,11 +277,7 @@ mod tests {
             gap_after: 4e6,
             ..HeldOut::default()
         };
-        assert!(
-            page(&report).contains("4.000 MPa remain"),
-            "{}",
-            page(&report)
-        );
+        assert!(page(&report).contains("4 MPa remain"), "{}", page(&report));
         report.bins_after = vec![Bin::default()];
         let still = "one bin is still significant";
         assert!(page(&report).contains(still), "{}", page(&report));

@@ -2,13 +2,18 @@
 
 use std::borrow::Cow;
 
-use crate::plot::escape;
-use crate::report::results::amount::Scale;
-use crate::report::results::label::{error_keys, name_of, unit_of};
+use crate::plot::{Scale, escape, shown_unit};
 use crate::results::Datum;
+use crate::results::label::{error_keys, name_of};
 
 /// Most values of a list that are shown at once.
 const MOST_VALUES: usize = 8;
+
+/// HTML of a number with the unit of this scale.
+pub fn with_unit(scale: &Scale, number: &str) -> String {
+    let unit = escape(&scale.unit);
+    Scale { unit, ..*scale }.with_unit(number)
+}
 
 /// A figure, which may be part of others.
 #[derive(Clone)]
@@ -87,7 +92,7 @@ impl Entry<'_> {
 
     /// The unit that its key ends in.
     pub fn unit(&self) -> Cow<'static, str> {
-        unit_of(self.key)
+        shown_unit(self.key)
     }
 
     /// The figure in the unit that suits it, as HTML.
@@ -98,16 +103,10 @@ impl Entry<'_> {
     /// The figure with the unit of this scale, as HTML.
     pub fn in_unit(&self, scale: &Scale) -> String {
         let number = self.number(scale);
-        if scale.unit.is_empty() || self.numbers().is_empty() {
+        if self.numbers().is_empty() {
             return number;
         }
-        let unit = escape(&scale.unit);
-        // A power of ten is a factor.
-        match (unit.starts_with("10"), number.contains(' ')) {
-            (false, _) => format!("{number} {unit}"),
-            (true, false) => format!("{number} · {unit}"),
-            (true, true) => format!("({number}) · {unit}"),
-        }
+        with_unit(scale, &number)
     }
 
     /// The figure without its unit, as HTML.
@@ -134,18 +133,8 @@ impl Entry<'_> {
             };
         }
         match (self.value.number(), self.error) {
-            (Some(value), Some(error)) if error.is_finite() && value.abs() < error => {
-                let value = scale.uncertain(value, error);
-                format!("{value} ± {}", scale.error(error))
-            }
-            (_, Some(error)) => {
-                format!(
-                    "{} ± {}",
-                    self.single(self.value, scale),
-                    scale.error(error)
-                )
-            }
-            (_, None) => self.single(self.value, scale),
+            (Some(value), Some(error)) => scale.with_error(value, error),
+            _ => self.single(self.value, scale),
         }
     }
 

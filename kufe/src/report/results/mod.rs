@@ -1,9 +1,7 @@
 //! A page of what any command has written: its pictures, and its figures as tables that an engineer
 //! reads.
 
-mod amount;
 mod entry;
-pub(super) mod label;
 mod page;
 pub(super) mod sections;
 

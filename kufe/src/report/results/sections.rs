@@ -1,15 +1,12 @@
 //! A document as tables: what matters most first and open, the rest folded.
 
-use std::borrow::Cow;
-
 use indexmap::IndexMap;
 use kufe_sled::distinct;
 
-use crate::plot::escape;
+use crate::plot::{Scale, escape};
 use crate::report::html::{fold, fold_with, small, table};
-use crate::report::results::amount::Scale;
-use crate::report::results::entry::{Entry, entries};
-use crate::report::results::label::{is_named, name_of, unit_of};
+use crate::report::results::entry::{Entry, entries, with_unit};
+use crate::results::label::{is_named, name_of, unit_in};
 use crate::results::{Data, Datum};
 
 /// Most rows of a table that a page shows, and of one that is open.
@@ -133,7 +130,7 @@ fn pairs(figures: &[Entry]) -> String {
         let length = ends.map(Entry::largest).fold(figure.largest(), f64::max);
         let scale = Scale::of(&figure.unit(), length);
         let text = if figure.largest() < NOTHING * length {
-            format!("0 {}", escape(&scale.unit))
+            with_unit(&scale, "0")
         } else {
             figure.in_unit(&scale)
         };
@@ -157,21 +154,6 @@ fn side_by_side(heads: &[String], group: &[Figure]) -> String {
     let heads: Vec<(&str, bool)> = heads.map(|head| (head, false)).collect();
     let names = distinct(columns.iter().flatten().map(|entry| &entry.name));
     table(&heads, names.into_iter().map(row))
-}
-
-/// The unit of a figure in a row that names the column or key which it is of.
-///
-/// Where the speeds of two runs differ, the size is the missing force.
-fn own_unit(row: &Data, entry: &Entry) -> Cow<'static, str> {
-    let of = ["column", "key"]
-        .iter()
-        .find_map(|key| row.get(*key)?.text());
-    let unit = entry.unit();
-    match (&*unit, of) {
-        ("", Some("v_mps")) if entry.key == "size" => Cow::Borrowed("N"),
-        ("", Some(of)) if !entry.key.starts_with("times") => unit_of(of),
-        _ => unit,
-    }
 }
 
 /// Records as rows of one table, whose columns are all their figures; tables within rows are those
@@ -198,8 +180,8 @@ fn records(rows: &[Datum]) -> String {
             texts.push(match entry {
                 Some(entry) if is_own => {
                     // The row's figures of this unit are compared with one another.
-                    let unit = own_unit(row, entry);
-                    let alike = all.iter().filter(|other| own_unit(row, other) == unit);
+                    let unit = unit_in(row, entry.key);
+                    let alike = all.iter().filter(|other| unit_in(row, other.key) == unit);
                     let largest = alike.map(Entry::largest).fold(0.0, f64::max);
                     entry.in_unit(&Scale::of(&unit, largest))
                 }
@@ -207,14 +189,7 @@ fn records(rows: &[Datum]) -> String {
                 None => String::new(),
             });
         }
-        let unit = match &*scale.unit {
-            "" => String::new(),
-            unit => format!(" [{unit}]"),
-        };
-        heads.push((
-            format!("{name}{unit}"),
-            present().all(|entry| entry.is_number()),
-        ));
+        heads.push((scale.label(name), present().all(|entry| entry.is_number())));
     }
     let heads: Vec<(&str, bool)> = heads.iter().map(|(name, n)| (&**name, *n)).collect();
     let mut out = table(&heads, texts);

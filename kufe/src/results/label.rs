@@ -4,23 +4,12 @@ use std::borrow::Cow;
 
 use kufe_sled::Column;
 
-use crate::results::QUANTITIES;
-
-/// What friction is counted in; nobody reads four zeros.
-const THOUSANDTHS: &str = "1e-3";
-
-/// Keys of what is counted in them.
-const COUNTED: [&str; 6] = [
-    "mu",
-    "mu_ploughing",
-    "mu_viscous",
-    "mu_boundary",
-    "mu_se_lines",
-    "mu_se_scatter",
-];
+use crate::plot::{shown_unit, unit_of};
+use crate::results::datum::Data;
+use crate::results::quantity::QUANTITIES;
 
 /// The most important keys with their proper names, besides those of [`QUANTITIES`] and [`Column`].
-const NAMES: [(&str, &str); 34] = [
+const NAMES: [(&str, &str); 35] = [
     ("v_mean_mps", "mean speed"),
     ("start_speed_mps", "speed at the start"),
     ("mu_se_lines", "friction, standard error of the lines"),
@@ -53,6 +42,7 @@ const NAMES: [(&str, &str); 34] = [
     ("to_m", "to"),
     ("column", "what"),
     ("key", "what"),
+    ("bytes", "size"),
     ("air_density_kgpm3", "density of the air"),
     ("line_gain_rad_per_m", "gain on the line"),
 ];
@@ -82,12 +72,18 @@ pub fn is_named(key: &str) -> bool {
     named(key).is_some() || PLAIN.split(' ').any(|plain| plain == key)
 }
 
-/// The unit of a key's numbers, by its ending; empty for pure numbers.
-pub fn unit_of(key: &str) -> Cow<'static, str> {
-    if COUNTED.contains(&key) {
-        return Cow::Borrowed(THOUSANDTHS);
+/// The unit of a number in a row, which may name the column or key that it is of.
+///
+/// Where the speeds of two runs differ, the size is the missing force.
+pub fn unit_in(row: &Data, key: &str) -> Cow<'static, str> {
+    let mut named = ["column", "key"].iter();
+    let of = named.find_map(|key| row.get(*key)?.text());
+    let unit = shown_unit(key);
+    match (&*unit, of) {
+        ("", Some("v_mps")) if key == "size" => Cow::Borrowed("N"),
+        ("", Some(of)) if !key.starts_with("times") => shown_unit(of),
+        _ => unit,
     }
-    crate::plot::unit_of(key)
 }
 
 /// A key as people call it: its proper name, or its words without the unit.
@@ -105,7 +101,7 @@ pub fn name_of(key: &str) -> String {
 /// A key without the ending that is its unit, and that ending.
 fn stem(key: &str) -> (&str, &str) {
     let above = key.rfind("_per_").map_or(key, |at| &key[..at]);
-    let at = if crate::plot::unit_of(above).is_empty() {
+    let at = if unit_of(above).is_empty() {
         above.len()
     } else {
         above.rfind('_').unwrap_or(key.len())
@@ -137,7 +133,7 @@ mod tests {
             ("side_n_per_rad", "side", "N/rad"),
         ] {
             assert_eq!(
-                (name_of(key).as_str(), &*unit_of(key)),
+                (name_of(key).as_str(), &*shown_unit(key)),
                 (name, unit),
                 "{key}"
             );
