@@ -2,7 +2,9 @@
 
 use kufe::jobs::Failure;
 use kufe::plot::{Scale, number4, percent, quantity};
-use kufe::results::{Data, Datum, QUANTITIES, measured_in, name_of, unit_in};
+use kufe::results::{
+    Data, Datum, QUANTITIES, error_in, measured_in, name_of, unit_in, without_unit,
+};
 use serde::Serialize;
 
 use crate::terminal::Global;
@@ -64,13 +66,37 @@ fn table(rows: &[Datum], columns: &[&str], indent: &str) -> String {
             }
         }
     }
-    let head = columns.iter().map(|key| (*key).to_owned()).collect();
-    let cells = |row: &&Data| {
-        let cells = columns.iter().map(|key| amount(row, key));
-        cells.map(Option::unwrap_or_default).collect()
-    };
-    let lines: Vec<Vec<String>> = [head].into_iter().chain(rows.iter().map(cells)).collect();
+    let columns: Vec<Vec<String>> = columns.iter().map(|key| column(&rows, key)).collect();
+    let line = |k: usize| columns.iter().map(|column| column[k].clone()).collect();
+    let lines: Vec<Vec<String>> = (0..=rows.len()).map(line).collect();
     aligned(&lines, indent)
+}
+
+/// The head and the cells of a column: numbers of one unit have it in the head.
+fn column(rows: &[&Data], key: &str) -> Vec<String> {
+    let units = rows.iter().map(|row| unit_in(row, key));
+    let unit = units.reduce(|a, b| if a == b { a } else { "".into() });
+    let unit = unit.unwrap_or_default();
+    let present: Vec<&Datum> = rows.iter().filter_map(|row| row.get(key)).collect();
+    let numbers: Option<Vec<f64>> = present.iter().map(|datum| datum.number()).collect();
+    let Some(numbers) = numbers.filter(|_| !unit.is_empty()) else {
+        let cells = rows.iter().map(|row| amount(row, key).unwrap_or_default());
+        return std::iter::once(key.to_owned()).chain(cells).collect();
+    };
+    let finite = numbers.into_iter().filter(|number| number.is_finite());
+    let scale = Scale::of(
+        &unit,
+        finite.fold(0.0, |most, number| number.abs().max(most)),
+    );
+    let cells = rows.iter().map(|row| {
+        let value = row.get(key).and_then(Datum::number);
+        value.map_or(String::new(), |value| {
+            scale.with_error(value, error_in(row, key).unwrap_or(0.0))
+        })
+    });
+    std::iter::once(scale.label(without_unit(key)))
+        .chain(cells)
+        .collect()
 }
 
 /// Rows of cells, each column as wide as the widest of its cells.

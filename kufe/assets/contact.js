@@ -6,7 +6,7 @@
 /** Below this part of the peak a place counts as outside the contact. */
 const EDGE = 0.01;
 /** So many figures are shown at once. */
-const FIRST = 8;
+const FIRST = 6;
 
 /** Builds the page in `main`; the answer's `show(data)` fills it, again and again. */
 function contactPage(main, between = null) {

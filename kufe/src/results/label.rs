@@ -98,6 +98,11 @@ pub fn name_of(key: &str) -> String {
     words.collect::<Vec<_>>().join(" ")
 }
 
+/// A key without the ending that is its unit.
+pub fn without_unit(key: &str) -> &str {
+    stem(key).0
+}
+
 /// A key without the ending that is its unit, and that ending.
 fn stem(key: &str) -> (&str, &str) {
     let above = key.rfind("_per_").map_or(key, |at| &key[..at]);

@@ -15,6 +15,7 @@ use crate::jobs::press::check::Check;
 use crate::jobs::press::hull_error::{HullError, bootstrap_scans, noise_error, spacing_error};
 use crate::jobs::slide::{SolvedSliding, solve_sliding};
 use crate::jobs::watch::Watch;
+use crate::plot::{percent, quantity};
 use crate::results::{
     AsperitiesResult, CaseRecord, CheckResult, ContactResult, HullFit, Measured, MeshResult,
     RunnerResult, ShearResult, SubsurfaceResult,
@@ -347,9 +348,9 @@ fn best(
 fn above_ice_strength(problem: &Problem, solution: &Solution) -> Option<String> {
     (problem.ice.hardness.is_none() && solution.p_max > ICE_GIVES_WAY).then(|| {
         format!(
-            "the peak of {:.1} MPa is above the 10-30 MPa that ice bears near 0 C: read this linear elastic answer \
+            "the peak of {} is above the 10-30 MPa that ice bears near 0 °C: read this linear elastic answer \
              as a pressure test of the runner, or bound the pressure with ice.hardness_pa",
-            solution.p_max / 1e6
+            quantity(solution.p_max, "Pa")
         )
     })
 }
@@ -368,18 +369,18 @@ fn noise_not_included(hull: &FittedHull, solution: &Solution, error: Option<Hull
     let residual = hull.underside.quality().residual_rms;
     let moved = match error {
         Some(error) => format!(
-            "in 95 of 100 such scans it moves the peak by less than {:.2} % (p_max_noise_pa), which the peak's error includes, and the \
-             approach by less than {:.2} % (approach_noise_m); the other stated errors do not include it",
-            100.0 * error.p_max,
-            100.0 * error.approach / solution.approach
+            "in 95 of 100 such scans it moves the peak by less than {} (p_max_noise_pa), which the peak's error includes, and the \
+             approach by less than {} (approach_noise_m); the other stated errors do not include it",
+            percent(error.p_max),
+            percent(error.approach / solution.approach)
         ),
         None => "no stated error includes it".into(),
     };
     format!(
-        "the hull's vertices have noise of {:.3} µm, and lie {:.3} µm from the fit through them, {:.2} % of the approach: {moved}",
-        1e6 * hull.noise.found,
-        1e6 * residual,
-        100.0 * residual / solution.approach
+        "the hull's vertices have noise of {}, and lie {} from the fit through them, {} of the approach: {moved}",
+        quantity(hull.noise.found, "m"),
+        quantity(residual, "m"),
+        percent(residual / solution.approach)
     )
 }
 
@@ -387,21 +388,21 @@ fn noise_not_included(hull: &FittedHull, solution: &Solution, error: Option<Hull
 fn undetected_noise(hull: &FittedHull, error: Option<HullError>, approach: f64) -> Option<String> {
     let error = error?;
     Some(format!(
-        "noise of up to {:.3} µm does not show between vertices so far apart; so much moves the peak by less than {:.2} % in 95 of 100 scans \
-         (p_max_noise_pa), the approach by less than {:.2} % (approach_noise_m); runner.noise_m = 0 states that there is none",
-        1e6 * hull.noise.unseen,
-        100.0 * error.p_max,
-        100.0 * error.approach / approach
+        "noise of up to {} does not show between vertices so far apart; so much moves the peak by less than {} in 95 of 100 scans \
+         (p_max_noise_pa), the approach by less than {} (approach_noise_m); runner.noise_m = 0 states that there is none",
+        quantity(hull.noise.unseen, "m"),
+        percent(error.p_max),
+        percent(error.approach / approach)
     ))
 }
 
 /// The error that the distances of vertices cause, where it is more than requested.
 fn coarse_vertices(error: HullError, approach: f64) -> String {
     format!(
-        "the distances of the hull's vertices leave the peak uncertain by up to {:.2} % (p_max_hull_pa), which its error includes, and the \
-         approach by {:.2} % (approach_hull_m), which its error does not include; vertices closer together lower that",
-        100.0 * error.p_max,
-        100.0 * error.approach / approach
+        "the distances of the hull's vertices leave the peak uncertain by up to {} (p_max_hull_pa), which its error includes, and the \
+         approach by {} (approach_hull_m), which its error does not include; vertices closer together lower that",
+        percent(error.p_max),
+        percent(error.approach / approach)
     )
 }
 
@@ -422,7 +423,7 @@ fn at_rim(hull: &FittedHull, solution: &Solution) -> Option<String> {
     ];
     let reached = sides.into_iter().filter_map(|(side, end, [x, y])| {
         let outside = hull.underside.height(x, y).is_infinite();
-        outside.then(|| format!("{side} = {:.2} mm", 1e3 * end))
+        outside.then(|| format!("{side} = {}", quantity(end, "m")))
     });
     let reached: Vec<String> = reached.collect();
     (!reached.is_empty()).then(|| {
