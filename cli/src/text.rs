@@ -2,14 +2,12 @@
 
 use kufe::jobs::Failure;
 use kufe::plot::{Scale, number4, percent, quantity};
-use kufe::results::{
-    Data, Datum, QUANTITIES, error_in, measured_in, name_of, unit_in, without_unit,
-};
+use kufe::results::{Data, Datum, QUANTITIES, error_in, measured_in, unit_in, without_unit};
 use serde::Serialize;
 
 use crate::terminal::Global;
 
-/// A document as text: groups as indented `name: value` lines, lists of groups as tables, numbers
+/// A document as text: groups as indented `key: value` lines without the unit of the key, lists of groups as tables, numbers
 /// with the units of their keys and with their errors.
 ///
 /// # Errors
@@ -44,8 +42,8 @@ fn text(datum: &Datum, depth: usize) -> String {
         other => return format!("{indent}{other}\n"),
     };
     let line = |(key, datum): (&String, &Datum)| match amount(data, key) {
-        Some(amount) => format!("{indent}{}: {amount}\n", name_of(key)),
-        None => format!("{indent}{}:\n{}", name_of(key), text(datum, depth + 1)),
+        Some(amount) => format!("{indent}{}: {amount}\n", without_unit(key)),
+        None => format!("{indent}{}:\n{}", without_unit(key), text(datum, depth + 1)),
     };
     let shown = data.iter().filter(|(key, _)| !is_error(data, key));
     shown.map(line).collect()

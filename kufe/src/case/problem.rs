@@ -123,7 +123,7 @@ impl Case {
             reason: format!("{}: {reason}", path.display()),
         };
         let bytes = read_regular(path, MOST_BYTES);
-        let bytes = bytes.map_err(|error| named(&format_args!("cannot be read: {error}")))?;
+        let bytes = bytes.map_err(|error| named(&error))?;
         let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         let mesh = match ending.as_deref() {
             Some("msh") => read_gmsh(&bytes),

@@ -2,7 +2,7 @@
 
 use kufe_sled::{Column, Examination, Run};
 
-use crate::plot::{Axis, Figure, Layer, PALETTE, Panel, Point, extent, unit_of};
+use crate::plot::{Axis, Figure, Layer, PALETTE, Panel, Point, extent, sign, unit_of};
 
 /// Most points of a curve.
 const MOST_POINTS: usize = 600;
@@ -70,8 +70,8 @@ fn thinned(points: Vec<Point>) -> Vec<Point> {
 }
 
 impl OddCurve {
-    /// The curve as an SVG element; the odd stretch is shaded.
-    pub fn svg(&self, run: &str) -> String {
+    /// The curve; the odd stretch is shaded.
+    pub fn figure(&self, run: &str) -> Figure {
         let label = Column::named(&self.column).map_or(&*self.column, |column| column.label());
         let [first, last] = extent(self.points.iter().map(|point| point.0));
         // A single sample is seen too.
@@ -81,11 +81,11 @@ impl OddCurve {
         let marked = marked.map(|[from, to]| Layer::stretch([from - least, to + least], shade));
         let line = Layer::line(1.0, self.points.iter().copied(), PALETTE[0]);
         let layers = marked.into_iter().chain([line]).collect();
-        let y = Axis::new(format!("[{}]", unit_of(&self.column)));
+        let y = Axis::new(format!("[{}]", sign(&unit_of(&self.column))));
         let panel = Panel::new(Axis::new("time [s]"), y, layers);
         let mut figure = Figure::new(860.0, format!("{label} of {run}")).row(110.0, [panel]);
         figure.letters = 12.0;
-        figure.svg()
+        figure
     }
 }
 

@@ -1,6 +1,22 @@
 //! Parts of HTML that pages are composed of.
 
-use crate::plot::escape;
+use crate::plot::{Figure, escape};
+
+/// Width of a picture on a phone.
+const PHONE: f64 = 400.0;
+
+/// A picture for a page and for a phone: the page shows the one that fits.
+pub fn for_both(page: f64, figure: Figure) -> String {
+    let svg = |width| {
+        Figure {
+            width,
+            ..figure.clone()
+        }
+        .svg()
+    };
+    let (page, phone) = (svg(page), svg(PHONE));
+    format!("<div class=\"page\">{page}</div><div class=\"phone\">{phone}</div>\n")
+}
 
 /// Small print, a paragraph of text.
 pub fn small(text: &str) -> String {

@@ -8,7 +8,7 @@ use kufe_sled::{Examination, Octave, Profile};
 
 use crate::charts::OddCurve;
 use crate::plot::{escape, number4};
-use crate::report::html::{columns, fold, fold_with, plain_page, small, table, tiles};
+use crate::report::html::{columns, fold, fold_with, for_both, plain_page, small, table, tiles};
 use crate::report::viewer::{Stretch, ViewedPart, viewer_links};
 use crate::results::RunCheck;
 
@@ -255,7 +255,7 @@ fn entry(
     };
     out += &viewer_links(link.as_slice());
     if let Some(curve) = curve {
-        let svg = curve.svg(first);
+        let svg = for_both(860.0, curve.figure(first));
         out += &format!("<div class=\"figures\"><div class=\"whole\">{svg}</div></div>\n");
     }
     out + "</div>\n"

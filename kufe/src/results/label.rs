@@ -9,7 +9,7 @@ use crate::results::datum::Data;
 use crate::results::quantity::QUANTITIES;
 
 /// The most important keys with their proper names, besides those of [`QUANTITIES`] and [`Column`].
-const NAMES: [(&str, &str); 35] = [
+const NAMES: [(&str, &str); 34] = [
     ("v_mean_mps", "mean speed"),
     ("start_speed_mps", "speed at the start"),
     ("mu_se_lines", "friction, standard error of the lines"),
@@ -42,7 +42,6 @@ const NAMES: [(&str, &str); 35] = [
     ("to_m", "to"),
     ("column", "what"),
     ("key", "what"),
-    ("bytes", "size"),
     ("air_density_kgpm3", "density of the air"),
     ("line_gain_rad_per_m", "gain on the line"),
 ];

@@ -58,9 +58,9 @@ fn what_info_shows_is_read_by_people() {
         ("out/result.json", "symmetry: true, true\n"),
         ("out/pressure.exr", "channels: gap, p, uz\n"),
         ("out/pressure.exr", "radius: inf\n"),
-        ("out/hull.glb", "contact length: "),
-        ("fit.json", "stiffness over slip, K: 9 (8 to 10) kN/rad\n"),
-        ("fit.json", "mu zeta C: 0.06000 (0.05000 to 0.07000)\n"),
+        ("out/hull.glb", "length: "),
+        ("fit.json", "k: 9 (8 to 10) kN/rad\n"),
+        ("fit.json", "mu_zeta_c: 0.06000 (0.05000 to 0.07000)\n"),
     ] {
         let said = bench.succeeds(&["info", file]);
         assert!(said.contains(expected), "{file}: no {expected:?} in {said}");

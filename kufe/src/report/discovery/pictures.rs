@@ -7,17 +7,17 @@ use crate::plot::{
     Ticks, diverging, extent, number4, quantity, unit_of,
 };
 use crate::report::discovery::parts::range;
+use crate::report::html::for_both;
 use crate::results::finding::{
     Baseline, Bin, ByRun, ChannelGap, Maps, Peak, Plot, Scatter, Strip, StripRun,
 };
 
-/// Widths of a map, of a picture next to another, of one that is alone, of one as wide as the page,
-/// and of one on a phone.
+/// Widths of a map, of a picture next to another, of one that is alone, and of one as wide as the
+/// page.
 const MAP: f64 = 290.0;
 const HALF: f64 = 480.0;
 const ALONE: f64 = 640.0;
 const WHOLE: f64 = 940.0;
-const PHONE: f64 = 400.0;
 
 /// Colour of what is neither before nor after.
 const NEUTRAL: Colour = Colour::new(140, 140, 140);
@@ -34,19 +34,6 @@ fn column(width: f64, label: &str, height: f64, panels: Vec<Panel>) -> Figure {
     figure.letters = 13.0;
     figure.label = label.to_owned();
     figure
-}
-
-/// A picture for a page and for a phone: the page shows the one that fits.
-fn for_both(page: f64, figure: Figure) -> String {
-    let svg = |width| {
-        Figure {
-            width,
-            ..figure.clone()
-        }
-        .svg()
-    };
-    let (page, phone) = (svg(page), svg(PHONE));
-    format!("<div class=\"page\">{page}</div><div class=\"phone\">{phone}</div>\n")
 }
 
 /// The picture of a plot; a diagram has half the width of the page where it is one of a pair.
