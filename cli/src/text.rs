@@ -7,8 +7,8 @@ use serde::Serialize;
 
 use crate::terminal::Global;
 
-/// A document as text: groups as indented `key: value` lines without the unit of the key, lists of groups as tables, numbers
-/// with the units of their keys and with their errors.
+/// A document as text: groups as indented `key: value` lines, lists of groups as tables, numbers
+/// with their errors and with the unit of their key, which is omitted from that.
 ///
 /// # Errors
 /// [`Failure::BadInput`] for a document that JSON cannot state.

@@ -121,7 +121,7 @@ fn text(result: &FrictionTable) -> Result<String, Failure> {
             1 => "has the least friction",
             _ => "have the least friction, equal within their errors",
         };
-        text += &format!("at {speed} m/s and {ice} C {cases} {verdict}\n");
+        text += &format!("at {speed} m/s and {ice} °C {cases} {verdict}\n");
     }
     Ok(text)
 }
@@ -133,7 +133,7 @@ type Line = (String, Vec<[f64; 3]>);
 type Over = (&'static str, fn(&FrictionRow) -> f64);
 
 const SPEED: Over = ("speed [m/s]", |point| point.v_mps);
-const TEMPERATURE: Over = ("temperature of the ice [C]", |point| point.ice_c);
+const TEMPERATURE: Over = ("temperature of the ice [°C]", |point| point.ice_c);
 
 /// Mu of each runner over speed where there are several, else over temperature, else runner by
 /// runner.
@@ -146,7 +146,7 @@ fn picture(runners: &[Vec<FrictionRow>]) -> Figure {
     let numbered = runners.iter().enumerate();
     for (k, point) in numbered.flat_map(|(k, points)| points.iter().map(move |p| (k, p))) {
         let name = if named_by_ice {
-            format!("{}, {} C", point.case, point.ice_c)
+            format!("{}, {} °C", point.case, point.ice_c)
         } else {
             point.case.clone()
         };

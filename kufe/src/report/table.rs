@@ -173,7 +173,7 @@ fn layers(axes: &Axes, taken: &[usize]) -> Option<(String, Vec<String>)> {
 fn layer_name(point: &Point) -> String {
     let rounded = |x: f64| format!("{x:.3e}").parse().unwrap_or(x);
     let [radius, speed, ice] = [point.rocker_radius, point.speed, point.ice_c];
-    let values = [(radius, "m"), (speed, "m/s"), (ice, "C")].into_iter();
+    let values = [(radius, "m"), (speed, "m/s"), (ice, "°C")].into_iter();
     let texts = values.filter_map(|(value, unit)| Some(format!("{} {unit}", rounded(value?))));
     texts.collect::<Vec<_>>().join(", ")
 }

@@ -45,7 +45,7 @@ pub fn friction_table(
             None => {
                 let stopped = |failure: Failure| failure.within(&loaded.name);
                 watch.check().map_err(stopped)?;
-                watch.progress(&format!("groove on ice of {ice_c} C"));
+                watch.progress(&format!("groove on ice of {ice_c} °C"));
                 let (problem, hull) = case.stated_sliding()?;
                 let options = case.case.options_on(options.clone());
                 let found = Ploughing::new(case, table, &problem)?.groove(&options)?;
