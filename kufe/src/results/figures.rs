@@ -71,8 +71,8 @@ impl ContactResult {
             let mut note = format!("estimated error {}", percent(peak.error / peak.value));
             if parts.len() > 1 {
                 let parts = parts.iter();
-                let parts =
-                    parts.map(|part| format!("{} by {}", quantity(part.error, "Pa"), part.source));
+                let parts = parts
+                    .map(|part| format!("{} by {}", percent(part.error / peak.value), part.source));
                 note += &format!(": {}", parts.collect::<Vec<_>>().join(", "));
             }
             if !self.accuracy_reached {
