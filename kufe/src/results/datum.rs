@@ -47,7 +47,8 @@ impl Datum {
     /// # Errors
     /// Those of a document that JSON cannot state.
     pub fn of(document: &impl Serialize) -> serde_json::Result<Datum> {
-        serde_json::from_str(&serde_json::to_string(document)?)
+        // Every document is also printed in this form: one form is half the code.
+        serde_json::from_str(&serde_json::to_string_pretty(document)?)
     }
 
     /// A number.

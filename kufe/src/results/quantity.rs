@@ -83,24 +83,28 @@ impl<Q: Quantity> Serialize for Measured<Q> {
     }
 }
 
+// What does not depend on the type of the quantity is compiled once for all of them.
 impl<'de, Q: Quantity> Deserialize<'de> for Measured<Q> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_struct("Measured", Q::KEYS, Keys(PhantomData))
+        let keys = Keys(Q::DESCRIPTION);
+        let [value, error] = deserializer.deserialize_struct("Measured", Q::KEYS, keys)?;
+        Ok(Measured::new(value, error))
     }
 }
 
-struct Keys<Q>(PhantomData<Q>);
+/// Reads a value and its error.
+struct Keys(Description);
 
-impl<'de, Q: Quantity> Visitor<'de> for Keys<Q> {
-    type Value = Measured<Q>;
+impl<'de> Visitor<'de> for Keys {
+    type Value = [f64; 2];
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Description { key, error_key, .. } = Q::DESCRIPTION;
+        let Description { key, error_key, .. } = self.0;
         write!(f, "the keys {key} and {error_key}")
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Measured<Q>, A::Error> {
-        let Description { key, error_key, .. } = Q::DESCRIPTION;
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<[f64; 2], A::Error> {
+        let Description { key, error_key, .. } = self.0;
         let (mut value, mut error) = (None, None);
         while let Some(found) = map.next_key::<Cow<'de, str>>()? {
             let place = match &*found {
@@ -117,10 +121,10 @@ impl<'de, Q: Quantity> Visitor<'de> for Keys<Q> {
             *place = Some(number.unwrap_or(f64::NAN));
         }
         let missing = A::Error::missing_field;
-        Ok(Measured::new(
+        Ok([
             value.ok_or_else(|| missing(key))?,
             error.ok_or_else(|| missing(error_key))?,
-        ))
+        ])
     }
 }
 
@@ -134,23 +138,27 @@ impl<Q: Quantity> JsonSchema for Measured<Q> {
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let Description {
-            key,
-            error_key,
-            label,
-            ..
-        } = Q::DESCRIPTION;
-        let unit = crate::plot::unit_of(key);
-        let unit = if unit.is_empty() { "1".into() } else { unit };
-        schemars::json_schema!({
-            "type": "object",
-            "properties": {
-                key: { "type": "number", "description": format!("{label} [{unit}]") },
-                error_key: { "type": ["number", "null"], "description": format!("error of the {label} [{unit}]") },
-            },
-            "required": [key, error_key],
-        })
+        schema_of(Q::DESCRIPTION)
     }
+}
+
+fn schema_of(quantity: Description) -> Schema {
+    let Description {
+        key,
+        error_key,
+        label,
+        ..
+    } = quantity;
+    let unit = crate::plot::unit_of(key);
+    let unit = if unit.is_empty() { "1".into() } else { unit };
+    schemars::json_schema!({
+        "type": "object",
+        "properties": {
+            key: { "type": "number", "description": format!("{label} [{unit}]") },
+            error_key: { "type": ["number", "null"], "description": format!("error of the {label} [{unit}]") },
+        },
+        "required": [key, error_key],
+    })
 }
 
 macro_rules! quantities {
