@@ -4,18 +4,16 @@ use std::sync::{Arc, OnceLock};
 
 use kufe_sled::Model;
 
-use crate::error::Error;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::Candidates;
 use crate::evidence::runs::contacts::found::FoundContacts;
-use crate::evidence::runs::fit::estimate::{Estimate, FinalEstimates, FittedRows, estimate};
-use crate::evidence::runs::fit::gauss_newton::{conditional_residuals, fit, residuals};
+use crate::evidence::runs::fit::estimate::Estimate;
+use crate::evidence::runs::fit::gauss_newton::{conditional_residuals, residuals};
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
 use crate::evidence::runs::recordings::place_scales::PlaceScales;
 use crate::evidence::runs::recordings::prepare::Data;
 use crate::evidence::runs::screen::track::on_track::SurveyedTrack;
@@ -119,12 +117,6 @@ pub struct Current<'a> {
     pub simulator: &'a RunSimulator,
 }
 
-/// Pairs of simulated runs of each Newton step if there are installation errors. Their Monte Carlo
-/// error, 7 % of the correction, is less than the uncertainty of the noise itself.
-pub const BESIDE_INSTALLATION: [u64; 2] = [1, 2];
-/// Pairs of simulated runs for estimates of installation errors.
-pub const INSTALLATION_PAIRS: u64 = 2;
-
 impl<'a> Current<'a> {
     pub fn new(
         residual_model: &'a ResidualModel,
@@ -149,6 +141,7 @@ impl<'a> Current<'a> {
             candidates,
             local: &[],
             windows: &[],
+            noise: None,
         }
     }
 }
@@ -215,104 +208,6 @@ impl Campaign<'_> {
             true => 1.0,
             false => self.rules().alpha_again,
         }
-    }
-
-    /// Fits base and effects with installation errors and discrepancy.
-    ///
-    /// # Errors
-    /// [`Error::BaseFit`] if a residual is not finite.
-    pub fn fitted(
-        &self,
-        residual_model: &ResidualModel,
-        owners: Vec<usize>,
-    ) -> Result<RunFit, Error> {
-        let plain = self.least_squares(residual_model, owners)?;
-        let random = residual_model.discrepancy.count();
-        if residual_model.installation.directions.is_empty() && random == 0 {
-            return Ok(plain);
-        }
-        // By corrected scores: least squares is biased where an effect scales noisy terms.
-        let at = &plain.residual_model.with_fixed(false);
-        let off = self
-            .newton(at, &plain.whitener, &[INSTALLATION_PAIRS], true)
-            .model;
-        self.with_installation(plain, &off)
-    }
-
-    /// A fit given estimated installation errors, or `plain` if these raise the penalised misfit: a
-    /// step along poorly determined directions was then too long.
-    pub fn with_installation(&self, plain: RunFit, off: &ResidualModel) -> Result<RunFit, Error> {
-        // If a base parameter reaches its bounds, the estimated installation errors are not valid.
-        if !self.free.iter().all(|b| off.within(*b)) {
-            return Ok(plain);
-        }
-        let found = self.least_squares(off, plain.owners.clone())?;
-        let cost = found.residual_model.installation.distance();
-        let misfit = |fit: &RunFit| self.misfit(&fit.residual_model, &fit.whitener);
-        let worse = misfit(&found) - misfit(&plain);
-        Ok(if worse > cost { plain } else { found })
-    }
-
-    /// Fits base and effects with fixed installation errors. Base parameters that reach a bound, as
-    /// they do if a missing effect biases the base, are reset to their given values: later refits
-    /// do not return from a bound.
-    pub fn least_squares(
-        &self,
-        residual_model: &ResidualModel,
-        owners: Vec<usize>,
-    ) -> Result<RunFit, Error> {
-        let fixed = residual_model.with_fixed(true);
-        let fitted =
-            |model: &ResidualModel, free: &[usize]| fit(model, &self.training, free, self.used);
-        let mut found = fitted(&fixed, &self.free)?;
-        let free = self.free.iter().copied();
-        let inside: Vec<usize> = free.filter(|b| found.model.within(*b)).collect();
-        if inside.len() < self.free.len() {
-            let again = ResidualModel {
-                base: self.given.base,
-                ..fixed
-            };
-            found = fitted(&again, &inside)?;
-        }
-        Ok(RunFit::new(found.model, found.whitener, owners))
-    }
-
-    pub fn estimates(&self, residual_model: &ResidualModel, whitener: &Whitener) -> FinalEstimates {
-        // Installation errors add many columns; a single pair suffices since the tolerances
-        // dominate their uncertainty.
-        let pairs: &[u64] = match residual_model.installation.fitted() {
-            0 => &[1, 4, 16],
-            _ => &BESIDE_INSTALLATION,
-        };
-        self.newton(residual_model, whitener, pairs, self.settles())
-    }
-
-    /// Whether the noise is known well enough to correct its bias.
-    pub fn settles(&self) -> bool {
-        self.data.noise_from != NoiseFrom::Differences
-    }
-
-    /// Newton steps on corrected scores, each with so many pairs of simulated runs.
-    pub fn newton(
-        &self,
-        residual_model: &ResidualModel,
-        whitener: &Whitener,
-        pairs: &[u64],
-        settle: bool,
-    ) -> FinalEstimates {
-        let trust = match self.data.noise_from {
-            NoiseFrom::Model => self.rules().stated_noise_error,
-            _ => self.rules().estimated_noise_error,
-        };
-        let simulator = self.simulator(residual_model);
-        let rows = FittedRows {
-            residual_model,
-            whitener,
-            frames: &self.training,
-            free: &self.free,
-            simulator: &simulator,
-        };
-        estimate(&rows, pairs, trust, settle)
     }
 
     /// Candidates that the model does not contain.

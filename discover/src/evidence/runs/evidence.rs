@@ -1,10 +1,7 @@
 //! Runs as evidence.
 
-use std::sync::Arc;
-
 use kufe_sled::effects::{CATALOGUE, Effects, Kind, Level};
 use kufe_sled::{Model, Vehicle, refuse_effects};
-use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, Current, RunFit, UnwrittenEffect, gap_of};
@@ -60,11 +57,9 @@ impl<'a> Campaign<'a> {
         }
         let locked = &data.locked;
         let sensors = RunSimulator::of_sensors(data.noise, (options.seed, &options.rules.runs));
-        let noisy = |i: &usize| Frame {
-            noisy: Some(Arc::new(sensors.with_noise(&data.frames[*i], *i))),
-            ..data.frames[*i].clone()
-        };
-        let pick = |which: &[usize]| -> Vec<Frame> { which.par_iter().map(noisy).collect() };
+        let frames = sensors.with_row_noise(&data.frames);
+        let pick =
+            |which: &[usize]| -> Vec<Frame> { which.iter().map(|i| frames[*i].clone()).collect() };
         let (training, held_out) = (pick(&locked.training), pick(&locked.held_out));
         if training.len() < 2 {
             return Err(Error::TooFew {
@@ -112,7 +107,7 @@ impl Evidence for Campaign<'_> {
         account
             .remarks
             .extend(remarks_on_channels(self.model, self.used[0]));
-        let base = self.least_squares(&self.given, Vec::new())?;
+        let base = self.fitted_anew(&self.given, Vec::new())?;
         let pushed = self.mark_pushes(&base.residual_model);
         if !pushed.is_empty() {
             account.remarks.push(format!(
@@ -120,7 +115,10 @@ impl Evidence for Campaign<'_> {
                 pushed.join(", ")
             ));
         }
-        let base = self.fitted_anew(&self.given, Vec::new())?;
+        let base = match pushed.is_empty() {
+            true => base,
+            false => self.fitted(&base.residual_model, Vec::new())?,
+        };
         self.scale_places(&base.residual_model);
         let base = self.fitted_anew(&self.given, Vec::new())?;
         self.given.model_error = base.residual_model.model_error;
@@ -255,7 +253,7 @@ impl Evidence for Campaign<'_> {
         last: &RunFit,
         account: &mut Account,
     ) -> Result<HeldOutResults, Error> {
-        let in_these = |model| self.installed_in(model, &last.whitener, &self.held_out);
+        let in_these = |model| self.installed_in(model, &self.held_out);
         let [given, settled] = [&self.given_as_in(last), &last.settled].map(in_these);
         let channels = channels(
             &given,
@@ -322,7 +320,7 @@ impl Evidence for Campaign<'_> {
             true => "one run, in segments",
             false => "runs",
         };
-        let given = self.installed_in(&self.given_as_in(last), &last.whitener, self.whole());
+        let given = self.installed_in(&self.given_as_in(last), self.whole());
         let training = channels(
             &given,
             &last.settled,

@@ -5,6 +5,7 @@ use kufe_sled::effects::Kind;
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
+use crate::evidence::runs::fit::estimate::estimate;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::screen::levels::LevelScore;
 use crate::evidence::runs::screen::residual_screen::CandidateScore;
@@ -46,8 +47,8 @@ impl SharesEffects for Campaign<'_> {
         let (after, already) = (&fit.residual_model, fit.already());
         let estimates = match fit.estimates.is_empty() {
             true => {
-                self.estimates(&after.with_fixed(false), &fit.whitener)
-                    .estimates
+                let model = after.with_fixed(false);
+                estimate(&self.fitting(), &model, &fit.whitener).estimates
             }
             false => fit.estimates.clone(),
         };

@@ -160,10 +160,6 @@ pub struct RunRules {
     /// 1500 m, changes it by 0.13 %. Of 42 such intervals 30 covered the truth without it, 36 with
     /// half, 41 with it, 42 with twice (blind cases with seeds 131001 to 137001).
     pub line_share: f64,
-    /// Relative standard error of stated noise, included in a parameter's interval. Chosen.
-    pub stated_noise_error: f64,
-    /// The same for noise estimated from the recordings. Chosen.
-    pub estimated_noise_error: f64,
     /// Standard deviation of the two edges of a window together \[m\]. Chosen.
     pub edges_m: f64,
     /// p-value of a bin below which a residual is not clean. Chosen.
@@ -256,8 +252,6 @@ impl Default for RunRules {
             track_agrees: 3.0,
             slope_sd_rad: 0.004,
             line_share: 0.002,
-            stated_noise_error: 0.1,
-            estimated_noise_error: 0.5,
             edges_m: 1.5,
             bin_unclean: 0.01,
             window_m: 10.0,

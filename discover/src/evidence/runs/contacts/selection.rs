@@ -17,7 +17,6 @@ use crate::evidence::runs::contacts::own::{
     residuals_without, set_own, set_own_of, without_contacts,
 };
 use crate::evidence::runs::fit::gauss_newton::residuals;
-use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::null::combined_p_value;
@@ -168,11 +167,7 @@ impl Campaign<'_> {
     ) -> Result<RunFit, Error> {
         self.whole = found.frames;
         self.training = self.whole.iter().map(without_contacts).collect();
-        let bare = ResidualModel {
-            installation: Installation::default(),
-            ..fit.residual_model.clone()
-        };
-        let base = self.fitted(&bare, fit.owners.clone())?;
+        let base = self.fitted(&fit.residual_model, fit.owners.clone())?;
         // The first base was biased by the contacts; places are found again with an unbiased one,
         // unless so many runs differ that a whole track is excluded.
         let again = self.find_contacts(&base.residual_model);

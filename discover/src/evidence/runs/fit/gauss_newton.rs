@@ -1,18 +1,17 @@
-//! Joint fit of the base model and its effects.
+//! Joint fit of base, effects, installation errors and discrepancy.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::error::Error;
-use crate::evidence::runs::fit::balance_products::BalanceProducts;
-use crate::evidence::runs::fit::row_noise::LogNoise;
-use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
+use crate::evidence::runs::fit::row_noise::{log_noise, model_error, noise_gradients};
+use crate::evidence::runs::model::design::{Design, OWN_LEVELS, Products};
 use crate::evidence::runs::model::residual_model::{
     BASE, BOUNDS, CHANNELS, ChannelRows, ResidualModel,
 };
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::regression::inverse::ridge_inverse;
+use crate::regression::prior::Prior;
 
 pub fn residuals(residual_model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows> {
     frames
@@ -44,6 +43,7 @@ pub fn free_base(
         candidates: &[],
         local: &[],
         windows: &[],
+        noise: None,
     };
     let mut norms = [0.0; BASE];
     // A few runs are enough to determine the leverage.
@@ -68,101 +68,141 @@ pub fn free_base(
     free
 }
 
-/// A fit of base and effects.
-#[derive(Clone)]
+/// Runs and the parameters that are fitted to them, apart from those of the model itself.
+pub struct Fitting<'a> {
+    pub frames: &'a [Frame],
+    /// Base parameters.
+    pub free: &'a [usize],
+    pub used: [bool; CHANNELS],
+    /// Stated base multipliers and the standard deviation of their prior.
+    pub stated: [f64; BASE],
+    pub stated_sd: f64,
+}
+
+/// Products of the columns relative to their noise.
+pub struct FitProducts {
+    /// Products of the fitted columns and the residual, which is last, by run.
+    pub by_run: Vec<DMatrix<f64>>,
+    pub prior: Prior,
+}
+
+impl Fitting<'_> {
+    /// Fits all parameters of a model together by Gauss-Newton.
+    ///
+    /// With S the covariance of the residuals given the discrepancy u, E that expected of noise
+    /// ([`row_noise`](crate::evidence::runs::fit::row_noise)), a the installation errors and b the base multipliers with their stated
+    /// values b0, it minimises
+    ///
+    /// ```text
+    /// n (ln det S - ln det E) / 2 + |a|^2 / 2 + |u|^2 / 2 + |b - b0|^2 / (2 sd^2)
+    /// ```
+    ///
+    /// A large installation error is not taken up by the base, as it is by a fit of the base
+    /// before. Steps are halved until the criterion falls; amplitudes are bounded.
+    ///
+    /// # Errors
+    /// [`Error::BaseFit`] if a residual is not finite.
+    pub fn fit(&self, model: &ResidualModel) -> Result<Fit, Error> {
+        const ROUNDS: usize = 12;
+        /// Smallest share of a step.
+        const LEAST: f64 = 0.05;
+        /// Tolerance of the criterion: a parameter is then within a standard error.
+        const ENOUGH: f64 = 0.5;
+        let mut model = model.clone();
+        for _ in 0..ROUNDS {
+            model.model_error = model_error(&model, self.frames);
+            let whitener = self.whitener(&model);
+            let before = self.criterion(&model);
+            if !before.is_finite() {
+                return Err(Error::BaseFit {
+                    reason: "a residual is not a finite number".to_owned(),
+                });
+            }
+            let FitProducts { by_run, prior } = self.products(&model, &whitener);
+            let (step, _) = solve(&by_run, &prior);
+            let mut share = 1.0;
+            let mut gained = 0.0;
+            while share > LEAST {
+                let trial = stepped(&model, self.free, step.as_slice(), share);
+                let by = before - self.criterion(&trial);
+                if by > 0.0 {
+                    (model, gained) = (trial, by);
+                    break;
+                }
+                share *= 0.5;
+            }
+            if gained < ENOUGH {
+                break;
+            }
+        }
+        model.model_error = model_error(&model, self.frames);
+        let whitener = self.whitener(&model);
+        Ok(Fit { model, whitener })
+    }
+
+    /// Products of the fitted parameters' columns.
+    pub fn products(&self, model: &ResidualModel, whitener: &Whitener) -> FitProducts {
+        let design = Design {
+            residual_model: model,
+            whitener,
+            free_base: self.free,
+            candidates: &[],
+            local: &[],
+            windows: &[],
+            noise: Some(&[]),
+        };
+        let noise = noise_gradients(&design, self.frames);
+        let design = Design {
+            noise: Some(&noise),
+            ..design
+        };
+        let mut prior = design.prior();
+        for (k, b) in self.free.iter().enumerate() {
+            prior.precision[k] = self.stated_sd.powi(-2);
+            prior.at[k] = model.base[*b] - self.stated[*b];
+        }
+        let n = design.fitted() + 1;
+        let fitted = |run: &Products| {
+            let own = run.full.view((OWN_LEVELS, OWN_LEVELS), (n, n));
+            own.into_owned()
+        };
+        FitProducts {
+            by_run: design.products(self.frames).iter().map(fitted).collect(),
+            prior,
+        }
+    }
+
+    fn whitener(&self, model: &ResidualModel) -> Whitener {
+        let residuals = conditional_residuals(model, self.frames);
+        Whitener::estimate(self.frames, &residuals, self.used)
+    }
+
+    fn criterion(&self, model: &ResidualModel) -> f64 {
+        let rows: usize = self.frames.iter().map(Frame::row_count).sum();
+        let noise = log_noise(model, self.frames, self.used);
+        let off = |b: &usize| ((model.base[*b] - self.stated[*b]) / self.stated_sd).powi(2);
+        let base: f64 = self.free.iter().map(off).sum();
+        let smooth: f64 = model.discrepancy.sizes.iter().map(|u| u * u).sum();
+        rows as f64 * (self.whitener(model).log_scale() - noise)
+            + model.installation.distance()
+            + 0.5 * (base + smooth)
+    }
+}
+
+/// A fitted model and the whitening of its residuals.
 pub struct Fit {
     pub model: ResidualModel,
     pub whitener: Whitener,
 }
 
-/// Fits base and effects by Gauss-Newton with fixed installation errors, weighting the balances by
-/// the covariance S of their residuals.
-///
-/// Minimises `n (ln(det S) / 2 - noise)`, where noise is [`LogNoise`] of the base from which the
-/// fit starts: least squares with an estimated covariance. Steps are halved until the criterion
-/// falls; amplitudes are bounded. Iterations end when a step gains next to nothing.
-///
-/// # Errors
-/// [`Error::BaseFit`] if a residual is not finite.
-pub fn fit(
-    residual_model: &ResidualModel,
-    frames: &[Frame],
-    free_base: &[usize],
-    used: [bool; CHANNELS],
-) -> Result<Fit, Error> {
-    const ROUNDS: usize = 14;
-    /// Tolerance of the criterion, far below its noise.
-    const ENOUGH: f64 = 1e-2;
-    let plain = Whitener::plain(used);
-    let mut best: Option<(f64, Fit, DVector<f64>)> = None;
-    let mut trial = residual_model.clone();
-    let mut share = 1.0;
-    for _ in 0..ROUNDS {
-        let design = Design {
-            residual_model: &trial,
-            whitener: &plain,
-            free_base,
-            candidates: &[],
-            local: &[],
-            windows: &[],
-        };
-        let products = BalanceProducts::new(&design, frames);
-        let finite = products.are_finite();
-        if !finite && best.is_none() {
-            return Err(Error::BaseFit {
-                reason: "a residual is not a finite number".to_owned(),
-            });
-        }
-        let whitener = Whitener::of(&products.covariance(), used);
-        let based = ResidualModel {
-            base: residual_model.base,
-            ..trial.clone()
-        };
-        let noise = match trial.free().is_empty() {
-            // Without an amplitude it is the same for every trial.
-            true => LogNoise::default(),
-            false => LogNoise::new(&based, frames, used),
-        };
-        let criterion = match finite {
-            true => products.rows * (whitener.log_scale() - noise.own),
-            false => f64::INFINITY,
-        };
-        let gained = best
-            .as_ref()
-            .map_or(f64::INFINITY, |(least, ..)| least - criterion);
-        if gained >= 0.0 {
-            let mut counted = DVector::zeros(design.fitted());
-            for (k, by) in noise.by_amplitudes.iter().enumerate() {
-                counted[free_base.len() + k] = products.rows * by;
-            }
-            let step = joint_step(&products.weighted(&whitener), &counted);
-            let after = Whitener::of(&products.covariance_after(&step), used);
-            let predicted = products.rows * (after.log_scale() - noise.own) - counted.dot(&step);
-            let model = trial.clone();
-            best = Some((criterion, Fit { model, whitener }, step));
-            share = 1.0;
-            if gained < ENOUGH || (criterion - predicted).abs() < ENOUGH {
-                break;
-            }
-        } else {
-            share *= 0.5;
-            if share < 0.01 {
-                break;
-            }
-        }
-        let (_, from, step) = best.as_ref().expect("the first round sets it");
-        trial = stepped(&from.model, free_base, step.as_slice(), share);
-    }
-    let (_, fit, _) = best.expect("the first round sets it");
-    Ok(fit)
-}
-
-/// The Gauss-Newton step of base and effects together; `counted` is added to their scores.
-fn joint_step(total: &DMatrix<f64>, counted: &DVector<f64>) -> DVector<f64> {
-    let p = counted.len();
-    let jj = total.view((OWN_LEVELS, OWN_LEVELS), (p, p)).into_owned();
-    let jr = total.view((OWN_LEVELS, OWN_LEVELS + p), (p, 1));
-    ridge_inverse(jj) * (jr.column(0) + counted)
+/// A Gauss-Newton step from products by run, and the inverse of their sum with the prior.
+pub fn solve(by_run: &[DMatrix<f64>], prior: &Prior) -> (DVector<f64>, DMatrix<f64>) {
+    let p = prior.count();
+    let mut total = DMatrix::zeros(p + 1, p + 1);
+    by_run.iter().for_each(|products| total += products);
+    let inverse = prior.inverse(total.view((0, 0), (p, p)).into_owned());
+    let step = &inverse * (total.view((0, p), (p, 1)).column(0) + prior.scores(&prior.at));
+    (step, inverse)
 }
 
 /// Largest factor by which a step moves a base multiplier: a long step along a poorly determined
@@ -206,4 +246,104 @@ pub fn stepped(
         *size += share * step;
     }
     trial
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use kufe_sled::effects::Effects;
+    use kufe_sled::sample_data::{drive_sample, sample_plan};
+    use kufe_sled::{Model, Tolerances, Vehicle};
+
+    use super::*;
+    use crate::evidence::runs::fit::simulated_runs::RunSimulator;
+    use crate::evidence::runs::model::installation::Installation;
+    use crate::evidence::runs::recordings::prepare::prepare;
+    use crate::procedure::rules::Rules;
+
+    /// Six runs, and a model with an effect and installation errors away from their optimum.
+    fn example() -> (Vec<Frame>, ResidualModel) {
+        let published = Model::published();
+        let mut plan = sample_plan(4);
+        plan.truncate(6);
+        for planned in &mut plan {
+            planned.options.rate_hz = 100.0;
+            planned.options.step_s = 2.5e-3;
+            planned.options.contacts.clear();
+        }
+        let recorded = drive_sample(&plan, &published).expect("runs");
+        let rules = Rules::default();
+        let data = prepare(&recorded, &published, &BTreeMap::new(), &rules).expect("frames");
+        let sensors = RunSimulator::of_sensors(data.noise, (1, &rules.runs));
+        let effect = "[effects.speed-grip]\nslope_s_per_m = 0.002\n";
+        let with = Model::from_toml(&(published.to_toml() + effect), "model").expect("a model");
+        let effects = Effects::from_tables(&with.effects).expect("an effect");
+        let vehicle = Vehicle::new(&published).expect("the published model");
+        let mut model = ResidualModel::new(vehicle, [1.1, 0.98, 1.03, 1.0, 0.98], effects);
+        let tolerances = Tolerances::default();
+        let sessions = data.frames.iter().map(|frame| frame.session.as_str());
+        model.installation = Installation::new(&tolerances, sessions);
+        let by: Vec<f64> = (0..model.installation.fitted())
+            .map(|k| 0.3 * (1.7 * k as f64).sin())
+            .collect();
+        model.installation.step(&by);
+        (sensors.with_row_noise(&data.frames), model)
+    }
+
+    fn fitting(frames: &[Frame]) -> Fitting<'_> {
+        Fitting {
+            frames,
+            free: &[0, 1, 2, 3, 4],
+            used: [true, true, true, false],
+            stated: [1.0; BASE],
+            stated_sd: 0.5,
+        }
+    }
+
+    #[test]
+    fn scores_are_the_derivatives_of_the_criterion() {
+        let (frames, mut model) = example();
+        let fitting = fitting(&frames);
+        model.model_error = model_error(&model, &frames);
+        let FitProducts { by_run, prior } = fitting.products(&model, &fitting.whitener(&model));
+        let p = prior.count();
+        let zero = DMatrix::zeros(p + 1, p + 1);
+        let total = by_run.iter().fold(zero, |sum, run| sum + run);
+        let scores = total.view((0, p), (p, 1)).column(0) + prior.scores(&prior.at);
+        for k in 0..p {
+            let h = 1e-3;
+            let at = |by: f64| {
+                let mut step = vec![0.0; p];
+                step[k] = by;
+                fitting.criterion(&stepped(&model, fitting.free, &step, 1.0))
+            };
+            let slope = (at(-h) - at(h)) / (2.0 * h);
+            // The whitening keeps a hundredth of each variance apart, and delays and rotations are
+            // linear to first order only.
+            let within = 0.1 * slope.abs() + 0.2 * total[(k, k)].sqrt();
+            let score = scores[k];
+            assert!((score - slope).abs() < within, "{k}: {score} {slope}");
+        }
+    }
+
+    #[test]
+    fn a_fit_lowers_the_criterion_to_a_minimum() {
+        let (frames, model) = example();
+        let fitting = fitting(&frames);
+        let fit = fitting.fit(&model).expect("finite residuals");
+        let FitProducts { by_run, prior } = fitting.products(&fit.model, &fit.whitener);
+        let (step, _) = solve(&by_run, &prior);
+        let beyond = stepped(&fit.model, fitting.free, step.as_slice(), 1.0);
+        let more = fitting.criterion(&fit.model) - fitting.criterion(&beyond);
+        assert!(more < 0.5, "{more}");
+        // The runs are those of the published model.
+        for b in [1, 2, 3, 4] {
+            assert!(
+                (fit.model.base[b] - 1.0).abs() < 0.1,
+                "{:?}",
+                fit.model.base
+            );
+        }
+    }
 }

@@ -1,6 +1,5 @@
 //! Joint fit of base and effects, corrected for noisy inputs.
 
-mod balance_products;
 pub(crate) mod estimate;
 pub(crate) mod gauss_newton;
 mod installed;

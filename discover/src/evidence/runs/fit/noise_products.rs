@@ -17,10 +17,9 @@ use rayon::prelude::*;
 
 use crate::evidence::runs::fit::piece::piece;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
-use crate::evidence::runs::model::design::{Design, OWN_LEVELS, Products};
+use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::regression::gram::squares;
-use crate::regression::prior::Prior;
 
 /// D_i of every run, local candidates last, from one pair of simulated runs of a third of it,
 /// scaled to the whole.
@@ -53,58 +52,6 @@ pub fn noise_products(
         .collect()
 }
 
-/// Products of the fitted columns and the residual by run, and their bias by noise.
-pub fn fitted_products(
-    design: &Design,
-    products: &[Products],
-    noise: &[DMatrix<f64>],
-) -> Vec<[DMatrix<f64>; 2]> {
-    let n = design.fitted() + 1;
-    let fitted = |all: &DMatrix<f64>| all.view((OWN_LEVELS, OWN_LEVELS), (n, n)).into_owned();
-    let runs = products.iter().zip(noise);
-    runs.map(|(x, d)| [&x.full, d].map(fitted)).collect()
-}
-
-/// Largest share of a combination of columns that is taken to be noise. Chosen: the correction at
-/// most doubles an estimate, since that of a larger share depends on how well the noise is known.
-const MOST_NOISE: f64 = 0.5;
-
-/// Products less their bias, `C_i = A_i - D_i`, from A_i and D_i of every run; the residual is last.
-///
-/// The sum of all C_i and of the prior precision P of the columns need not be positive definite.
-/// With `A + P = L L'` and `inv(L) D inv(L)' = U G U'` of the columns, values g above one half are
-/// reduced to it: D_i becomes `K D_i K'` with `K = L U sqrt(min(G, 1/2) / G) U' inv(L)`.
-pub fn corrected(runs: &[[DMatrix<f64>; 2]], prior: &Prior) -> Vec<DMatrix<f64>> {
-    let p = prior.count();
-    let sum = |k: usize| -> DMatrix<f64> {
-        let zero = DMatrix::zeros(p, p);
-        let own = runs.iter().map(|run| run[k].view((0, 0), (p, p)));
-        own.fold(zero, |sum, own| sum + own)
-    };
-    let (mut whole, noise) = (sum(0), sum(1));
-    for (k, precision) in prior.precision.iter().enumerate() {
-        // Columns of another track are zero and have no noise.
-        whole[(k, k)] += precision.max(1e-9 * whole[(k, k)]).max(1e-300);
-    }
-    let mut reduction = DMatrix::identity(p + 1, p + 1);
-    if (&whole * MOST_NOISE - &noise).cholesky().is_none()
-        && let Some(root) = whole.cholesky().map(|root| root.l())
-        && let Some(inverse) = root.clone().try_inverse()
-    {
-        let eigen = (&inverse * noise * inverse.transpose()).symmetric_eigen();
-        let shares = eigen
-            .eigenvalues
-            .map(|g| (MOST_NOISE / g.max(MOST_NOISE)).sqrt());
-        let vectors = &eigen.eigenvectors;
-        let own = vectors * DMatrix::from_diagonal(&shares) * vectors.transpose();
-        reduction
-            .view_mut((0, 0), (p, p))
-            .copy_from(&(root * own * inverse));
-    }
-    let less = |[a, d]: &[DMatrix<f64>; 2]| a - &reduction * d * reduction.transpose();
-    runs.iter().map(less).collect()
-}
-
 /// The mean of [`noise_products`] over several pairs.
 pub fn mean_noise_products(
     design: &Design,
@@ -124,47 +71,4 @@ pub fn mean_noise_products(
     }
     sums.iter_mut().for_each(|sum| *sum *= share);
     sums
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::null::random::{normal, stream};
-
-    /// Three columns and a residual of two runs.
-    fn products(noise: f64) -> Vec<[DMatrix<f64>; 2]> {
-        let mut rng = stream(2, 7, 1);
-        let mut of = || {
-            let x = DMatrix::from_fn(50, 4, |_, _| normal(&mut rng));
-            let mut bias = DMatrix::identity(4, 4) * 5.0;
-            bias[(0, 0)] = noise;
-            bias[(0, 3)] = 0.1 * noise;
-            bias[(3, 0)] = 0.1 * noise;
-            [squares(&x), bias]
-        };
-        vec![of(), of()]
-    }
-
-    #[test]
-    fn small_bias_is_subtracted_and_large_bias_at_most_halves_a_column() {
-        let mut prior = Prior::none(3);
-        prior.precision[1] = 4.0;
-        for (both, c) in products(5.0).iter().zip(corrected(&products(5.0), &prior)) {
-            assert_eq!(c, &both[0] - &both[1]);
-        }
-        // More noise than signal: the plain difference has a negative eigenvalue.
-        let runs = products(80.0);
-        let total = |runs: &[DMatrix<f64>]| {
-            let mut sum = runs[0].clone() + &runs[1];
-            sum[(1, 1)] += 4.0;
-            sum.view((0, 0), (3, 3)).into_owned()
-        };
-        let plain: Vec<DMatrix<f64>> = runs.iter().map(|run| run[0].clone()).collect();
-        let [whole, reduced] = [total(&plain), total(&corrected(&runs, &prior))];
-        let least = (reduced - whole * (1.0 - MOST_NOISE))
-            .symmetric_eigenvalues()
-            .min();
-        // Up to the small precision of columns without a prior.
-        assert!(least > -1e-6, "{least}");
-    }
 }

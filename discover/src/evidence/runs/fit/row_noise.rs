@@ -7,78 +7,103 @@
 //! scale,
 //!
 //! ```text
-//! n (ln det S - ln det(V + diag(b (dr/da)^2))) / 2,   S = r r' / n
+//! n (ln det S - ln det E) / 2,   S = r r' / n,   E = V + diag(b (dr/da)^2)
 //! ```
 //!
-//! Halving masses, forces and inertias halves both the residual and its expected size. V is found
-//! from a piece of each run with noise of both signs, the same for every model; b once, from the
-//! residuals of the base.
+//! Halving masses, forces and inertias halves both the residual and its expected size. With the
+//! derivatives J of the residuals by a reading and its derivative, and the variance of their noise in
+//! a row, V is the mean of `J J'` times the variance over some samples of each run: the noise of
+//! sensors is independent. b is what the residuals have in excess of it.
 //!
 //! Source: R. J. Carroll, D. Ruppert, L. A. Stefanski, C. M. Crainiceanu, Measurement Error in
 //! Nonlinear Models (2006), section 3.4, where b is the error in the equation; A. Zellner, An
 //! efficient method of estimating seemingly unrelated regressions, Journal of the American
 //! Statistical Association 57 (1962) 348, for balances that share their noise.
 
-use nalgebra::Matrix3;
+use kufe_sled::effects::Sensor;
+use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
+use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
+use crate::evidence::runs::model::installation::Part;
 use crate::evidence::runs::model::on_run::ModelOnRun;
-use crate::evidence::runs::model::residual_model::{
-    BALANCES, CHANNELS, ChannelRows, ResidualModel, TRACK,
-};
-use crate::evidence::runs::model::whiten::{Whitener, covariance, scaled};
+use crate::evidence::runs::model::residual_model::{BALANCES, CHANNELS, ResidualModel};
+use crate::evidence::runs::model::whiten::{Whitener, scaled};
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// Mean of `ln det(V + diag(b (dr/da)^2)) / 2` over the runs, and its derivatives.
-#[derive(Default)]
-pub struct LogNoise {
-    /// Value for this model.
-    pub own: f64,
-    /// Derivative by each fitted amplitude, in the unit in which it is fitted.
-    pub by_amplitudes: Vec<f64>,
-}
-
-impl LogNoise {
-    pub fn new(model: &ResidualModel, frames: &[Frame], used: [bool; CHANNELS]) -> Self {
-        let free = model.free();
-        let moved: Vec<ResidualModel> = free
-            .iter()
-            .map(|(e, q)| {
-                let mut moved = model.clone();
-                moved.effects.active[*e].values[*q] += STEP * model.scale(*e, *q);
-                moved
-            })
-            .collect();
-        let of_run = |frame: &Frame| -> Vec<f64> {
-            let n = frame.row_count() as f64;
-            let each = of_noise(model, &moved, frame).into_iter();
-            each.map(|of| n * Whitener::of(&of.expected(model), used).log_scale())
-                .collect()
-        };
-        let each: Vec<Vec<f64>> = frames.par_iter().map(of_run).collect();
-        let rows: usize = frames.iter().map(Frame::row_count).sum();
-        // Sequential, so that the sum does not depend on the threads.
-        let mean = |k: usize| each.iter().map(|run| run[k]).sum::<f64>() / rows.max(1) as f64;
-        let own = mean(0);
-        let slope = |k: usize| (mean(k) - own) / STEP;
-        Self {
-            own,
-            by_amplitudes: (1..=free.len()).map(slope).collect(),
+/// `inv(L) dL` of `E = L L'` over all runs, by fitted column of a design, run levels first.
+pub fn noise_gradients(design: &Design, frames: &[Frame]) -> Vec<Matrix3<f64>> {
+    /// Step of the differences, in the unit in which a parameter is fitted.
+    const STEP: f64 = 0.01;
+    let (model, used) = (design.residual_model, design.whitener.used);
+    let own = mean_expected(model, frames);
+    let whitener = Whitener::of(&own, used);
+    let root = whitener.root_inverse();
+    let of = |moved: &ResidualModel| -> Matrix3<f64> {
+        let mut change = (mean_expected(moved, frames) - own) / STEP;
+        for c in (0..BALANCES).filter(|c| !used[*c]) {
+            change.row_mut(c).fill(0.0);
+            change.column_mut(c).fill(0.0);
         }
-    }
+        // Of a Cholesky factor: the lower triangle, with half of the diagonal.
+        let relative = root * change * root.transpose();
+        relative.lower_triangle() - Matrix3::from_diagonal(&relative.diagonal()) * 0.5
+    };
+    let moved = |change: &dyn Fn(&mut ResidualModel)| {
+        let mut moved = model.clone();
+        change(&mut moved);
+        of(&moved)
+    };
+    let base = design
+        .free_base
+        .iter()
+        .map(|b| moved(&|m| m.base[*b] += STEP));
+    let amplitudes = model
+        .free()
+        .into_iter()
+        .map(|(e, q)| moved(&|m| m.effects.active[e].values[q] += STEP * model.scale(e, q)));
+    let part = |k: usize| match model.installation.parts[k].shifts() {
+        true => Matrix3::zeros(),
+        false => moved(&|m| m.installation = model.installation.moved(k, STEP)),
+    };
+    let parts: Vec<Vec<f64>> = (0..model.installation.fitted())
+        .map(|k| part(k).as_slice().to_vec())
+        .collect();
+    let parts = model.installation.combined(&parts);
+    let parts = parts
+        .iter()
+        .map(|values| Matrix3::from_column_slice(values));
+    let levels = std::iter::repeat_n(Matrix3::zeros(), OWN_LEVELS);
+    levels.chain(base).chain(amplitudes).chain(parts).collect()
 }
 
-/// Step of the differences, in the unit in which a parameter is fitted.
-const STEP: f64 = 0.01;
+/// E over all runs.
+fn mean_expected(model: &ResidualModel, frames: &[Frame]) -> Matrix3<f64> {
+    let of_run = |frame: &Frame| expected(model, frame) * frame.row_count() as f64;
+    let each: Vec<Matrix3<f64>> = frames.par_iter().map(of_run).collect();
+    let rows: usize = frames.iter().map(Frame::row_count).sum();
+    // Sequential, so that the sum does not depend on the threads.
+    each.iter().sum::<Matrix3<f64>>() / rows.max(1) as f64
+}
 
-/// `ln det(V + diag(b (dr/da)^2)) / 2` of one run.
+/// `ln(det E) / 2` over all runs.
+pub fn log_noise(model: &ResidualModel, frames: &[Frame], used: [bool; CHANNELS]) -> f64 {
+    Whitener::of(&mean_expected(model, frames), used).log_scale()
+}
+
+/// `ln(det E) / 2` of one run.
 pub fn log_noise_of(model: &ResidualModel, frame: &Frame, used: [bool; CHANNELS]) -> f64 {
     Whitener::of(&expected(model, frame), used).log_scale()
 }
 
-/// `V + diag(b (dr/da)^2)` of one run.
+/// E of one run.
 pub fn expected(model: &ResidualModel, frame: &Frame) -> Matrix3<f64> {
-    own_noise(model, frame).expected(model)
+    let noise = own_noise(model, frame);
+    let mut expected = noise.covariance;
+    for (c, excess) in model.model_error.iter().enumerate() {
+        expected[(c, c)] += excess * noise.gain[c] * noise.gain[c];
+    }
+    expected
 }
 
 /// Model error of each balance as a variance of its acceleration: (mean square - noise)/(dr/da)^2.
@@ -111,79 +136,41 @@ struct NoiseCovariance {
     gain: [f64; BALANCES],
 }
 
-impl NoiseCovariance {
-    fn expected(&self, model: &ResidualModel) -> Matrix3<f64> {
-        let mut expected = self.covariance;
-        for (c, excess) in model.model_error.iter().enumerate() {
-            expected[(c, c)] += excess * self.gain[c] * self.gain[c];
-        }
-        expected
-    }
-}
-
 fn own_noise(model: &ResidualModel, frame: &Frame) -> NoiseCovariance {
-    let [own] = of_noise(model, &[], frame)
-        .try_into()
-        .unwrap_or_else(|_| unreachable!("one model"));
-    own
-}
-
-/// For a model and variants that differ by an amplitude: all share one evaluation of the base laws.
-fn of_noise(model: &ResidualModel, moved: &[ResidualModel], frame: &Frame) -> Vec<NoiseCovariance> {
-    /// Samples of a piece: masses and scales are (almost) constant.
-    const SAMPLES: usize = 16;
-    let count = 1 + moved.len();
-    let noisy = frame.noisy.as_deref();
-    let pieces: Vec<&Frame> = noisy.map_or_else(|| vec![frame], |noisy| noisy.iter().collect());
-    let mut on_pieces: Vec<Vec<ModelOnRun>> = Vec::new();
-    for piece in &pieces {
-        let models = std::iter::once(model).chain(moved);
-        on_pieces.push(models.map(|model| ModelOnRun::new(model, piece)).collect());
-    }
-    let (on_run, piece) = (&on_pieces[0], pieces[0]);
-    let mut gains = vec![[0.0; BALANCES]; count];
-    let samples = piece
-        .samples()
-        .step_by(piece.len().div_ceil(SAMPLES).max(1));
-    let mut sampled = 0.0;
-    for i in samples {
-        let at = on_run[0].with_more_acceleration(i);
-        let each = on_run.iter().map(|model| model.gains(i, &at));
-        for (sum, gain) in gains.iter_mut().zip(each) {
-            (0..BALANCES).for_each(|c| sum[c] += gain[c].abs());
-        }
-        sampled += 1.0;
-    }
-    let rows = |(piece, models): (&&Frame, &Vec<ModelOnRun>)| -> Vec<[Vec<f64>; BALANCES]> {
-        let mut raw = vec![[(); BALANCES].map(|()| Vec::with_capacity(piece.len())); count];
-        for i in 0..piece.len() {
-            let at = models[0].instant(i, &models[0].measured(i));
-            let each = models.iter().map(|model| model.balances_given(i, &at));
-            for (raw, values) in raw.iter_mut().zip(each) {
-                raw.iter_mut().zip(values).for_each(|(raw, x)| raw.push(x));
+    let mut own = NoiseCovariance {
+        covariance: Matrix3::zeros(),
+        gain: [0.0; BALANCES],
+    };
+    let Some(noise) = &frame.noise else {
+        return own;
+    };
+    // The thinned samples cannot be read at another time.
+    let model = ResidualModel {
+        installation: model.installation.without(Part::shifts),
+        ..model.clone()
+    };
+    let on_run = ModelOnRun::new(&model, &noise.samples);
+    let share = 1.0 / noise.samples.len().max(1) as f64;
+    for i in 0..noise.samples.len() {
+        let at = on_run.instant(i, &on_run.measured(i));
+        let by = on_run.jacobian_of_readings(i, &at, &on_run.forces(&at));
+        let of = |sensor: Sensor, value: f64, rate: f64| {
+            Vector3::from(by.of_sensor(sensor, value, rate)) / on_run.scale(sensor)
+        };
+        for (sensor, variances) in Sensor::ALL.into_iter().zip(&noise.variances) {
+            let directions = [of(sensor, 1.0, 0.0), of(sensor, 0.0, 1.0)];
+            for (direction, variance) in directions.iter().zip(variances) {
+                own.covariance += direction * direction.transpose() * (variance * share);
             }
         }
-        let low_passed = raw.into_iter().map(|raw| raw.map(|x| piece.rows(&x)));
-        low_passed.collect()
-    };
-    let rows: Vec<Vec<[Vec<f64>; BALANCES]>> = match noisy {
-        Some(_) => pieces.iter().zip(&on_pieces).map(rows).collect(),
-        None => Vec::new(),
-    };
-    let of = |(k, gain): (usize, [f64; BALANCES])| {
-        let noise = noisy.map(|_| -> ChannelRows {
-            std::array::from_fn(|c| match c {
-                TRACK => Vec::new(),
-                _ => {
-                    let both = rows[0][k][c].iter().zip(&rows[1][k][c]);
-                    both.map(|(p, m)| 0.5 * (p - m)).collect()
-                }
-            })
-        });
-        NoiseCovariance {
-            covariance: covariance(noise.as_ref(), [true; CHANNELS]),
-            gain: gain.map(|sum| sum / f64::max(sampled, 1.0)),
+        let gains = [
+            of(Sensor::Ax, 1.0, 0.0),
+            of(Sensor::Ay, 1.0, 0.0),
+            of(Sensor::YawRate, 0.0, 1.0),
+        ];
+        for (c, gain) in gains.iter().enumerate() {
+            own.gain[c] += gain[c].abs() * share;
         }
-    };
-    gains.into_iter().enumerate().map(of).collect()
+    }
+    own
 }

@@ -7,15 +7,16 @@
 //! (opposite noise), so that odd terms cancel in a pair's mean and the bias of products of noisy
 //! signals remains.
 
+use std::sync::Arc;
+
 use kufe_sled::Noise;
 use kufe_sled::effects::{Sensor, ahead};
 use rand::Rng;
 use rayon::prelude::*;
 
-use crate::evidence::runs::fit::piece::piece_of;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows, ResidualModel};
 use crate::evidence::runs::model::whiten::scaled;
-use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::recordings::frame::{Frame, ReadingVariances, RowNoise};
 use crate::evidence::runs::recordings::noise::axes::ColumnNoise;
 use crate::evidence::runs::recordings::noise::sensors::SensorNoise;
 use crate::evidence::runs::recordings::smooth_run::signal_kernel;
@@ -97,17 +98,56 @@ impl RunSimulator {
         }
     }
 
-    /// A piece of the `i`-th run as recorded, with added noise of both signs.
-    pub fn with_noise(&self, frame: &Frame, i: usize) -> [Frame; 2] {
+    /// Runs with the sensor noise of their rows.
+    pub fn with_row_noise(&self, frames: &[Frame]) -> Vec<Frame> {
+        /// Samples of a run at which its noise is evaluated. Chosen: some hundred in all.
+        const SAMPLES: usize = 12;
+        let variances = self.row_variances(frames);
+        let noisy = |frame: &Frame| {
+            let samples = frame.thinned(SAMPLES);
+            Frame {
+                noise: Some(Arc::new(RowNoise { samples, variances })),
+                ..frame.clone()
+            }
+        };
+        frames.iter().map(noisy).collect()
+    }
+
+    /// Variances of the sensors' noise in the rows of runs.
+    fn row_variances(&self, frames: &[Frame]) -> ReadingVariances {
         const ROUND: u64 = 2_000_003;
-        /// Share of a run: some hundreds of rows in total suffice for a ratio of two models' noise.
-        const SHARE: f64 = 0.1;
-        let piece = piece_of(frame, SHARE, 0.5 * self.piece_s, ROUND, i);
-        let mut both = [piece.clone(), piece];
-        let [plus, minus] = &mut both;
         let noise = self.noise.at_least(&LEAST_NOISE);
-        self.add_noise(&noise, plus, minus, &mut stream(self.seed, ROUND, i as u64));
-        both
+        let of_run = |(i, frame): (usize, &Frame)| -> ReadingVariances {
+            let silent = frame.with_columns(|column| vec![0.0; column.len()]);
+            let (mut noisy, mut opposite) = (silent.clone(), silent);
+            let rng = &mut stream(self.seed, ROUND, i as u64);
+            self.add_noise(&noise, &mut noisy, &mut opposite, rng);
+            let squares = |series: &[f64]| frame.rows(series).iter().map(|e| e * e).sum::<f64>();
+            let [ax, ay, az] = &noisy.acceleration;
+            let [roll, pitch, yaw] = &noisy.rate;
+            let values = [
+                ax,
+                ay,
+                az,
+                roll,
+                pitch,
+                yaw,
+                &noisy.v,
+                &noisy.slip,
+                &noisy.steer,
+                &noisy.roll_split,
+            ];
+            let mut sums = values.map(|series| [squares(series), 0.0]);
+            for (axis, slope) in noisy.rate_slope.iter().enumerate() {
+                sums[Sensor::RollRate as usize + axis][1] = squares(slope);
+            }
+            sums
+        };
+        let each: Vec<ReadingVariances> = frames.par_iter().enumerate().map(of_run).collect();
+        let rows: usize = frames.iter().map(Frame::row_count).sum();
+        std::array::from_fn(|sensor| {
+            [0, 1].map(|k| each.iter().map(|run| run[sensor][k]).sum::<f64>() / rows.max(1) as f64)
+        })
     }
 
     /// Largest factor on the variance of sensor noise for which it explains no more than the

@@ -1,7 +1,7 @@
 //! Design matrix: derivatives of the whitened rows by each parameter.
 
 use kufe_sled::effects::Active;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, Matrix3};
 use rayon::prelude::*;
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
@@ -30,6 +30,11 @@ pub struct Design<'a> {
     /// Candidates that are searched in windows.
     pub local: &'a [Candidate<Amplitude>],
     pub windows: &'a [Window],
+    /// Changes of the root of the residuals' noise by column
+    /// ([`noise_gradients`](crate::evidence::runs::fit::row_noise::noise_gradients)): columns are
+    /// then derivatives of the residual relative to its noise. `None`: plain derivatives at the
+    /// accelerations of the model.
+    pub noise: Option<&'a [Matrix3<f64>]>,
 }
 
 impl Design<'_> {
@@ -57,7 +62,8 @@ impl Design<'_> {
             discrepancy,
             ..
         } = self.residual_model;
-        let random = (0..installation.fitted()).map(|k| installation.along(k));
+        let random = installation.independent();
+        let random = random.iter().take(installation.fitted()).copied();
         let smooth = discrepancy.sizes.iter().take(discrepancy.fitted()).copied();
         let mut prior = Prior::none(self.fitted());
         prior.smooth = discrepancy.fitted();
@@ -232,14 +238,32 @@ impl Design<'_> {
             matrix
         };
         let locals: Vec<&[f64]> = all[regular..count - 1].iter().map(Vec::as_slice).collect();
-        (gather(&order), gather(&locals))
+        let mut columns = gather(&order);
+        for (k, noise) in self.noise.into_iter().flatten().enumerate() {
+            self.add_relative(noise, &all[count - 1], columns.column_mut(k).as_mut_slice());
+        }
+        (columns, gather(&locals))
+    }
+
+    /// Adds the change of the noise's root, `inv(L) dL r`, to a column of the whitened balances.
+    fn add_relative(&self, noise: &Matrix3<f64>, residual: &[f64], column: &mut [f64]) {
+        let used: Vec<usize> = (0..BALANCES).filter(|c| self.whitener.used[*c]).collect();
+        let n = residual.len() / used.len().max(1);
+        for (to, c) in used.iter().enumerate() {
+            for (from, other) in used.iter().enumerate().take(to + 1) {
+                let by = noise[(*c, *other)];
+                let (to, from) = (to * n..(to + 1) * n, from * n..(from + 1) * n);
+                let both = column[to].iter_mut().zip(&residual[from]);
+                both.for_each(|(x, r)| *x += by * r);
+            }
+        }
     }
 
     /// The columns of models that use the channels at other times or places. `residual` is that of
     /// the balances at the run's instants.
     ///
-    /// Accelerations are those of the model: the measured ones contain the residual, and the
-    /// columns would be correlated with it.
+    /// Plain derivatives use the accelerations of the model: the measured ones contain the
+    /// residual, and the columns would be correlated with it.
     fn put_shifted(
         &self,
         frame: &Frame,
@@ -250,7 +274,10 @@ impl Design<'_> {
         if shifted.is_empty() {
             return;
         }
-        let modelled = truth(frame, self.residual_model, residual);
+        let modelled = match self.noise {
+            None => truth(frame, self.residual_model, residual),
+            Some(_) => frame.clone(),
+        };
         let on_modelled = ModelOnRun::new(self.residual_model, &modelled);
         let readings = Readings::new(self.residual_model, &modelled);
         let shifted: Vec<(usize, Differences)> = shifted

@@ -84,6 +84,11 @@ impl Part {
         )
     }
 
+    /// Whether it is a delay or a bias, which do not change the noise of the residuals.
+    pub fn shifts(&self) -> bool {
+        matches!(self.wrong, ErrorKind::Late(_) | ErrorKind::Biased(_))
+    }
+
     pub fn acts_in(&self, session: &str) -> bool {
         self.session.as_ref().is_none_or(|own| own == session)
     }
@@ -146,8 +151,6 @@ pub struct Installation {
     pub parts: Vec<Part>,
     /// Sizes in standard deviations.
     pub sizes: Vec<f64>,
-    /// Orthonormal combinations of the independent errors b that are fitted.
-    pub directions: Vec<Vec<f64>>,
     /// Whether the sizes are fixed in fits.
     pub fixed: bool,
     /// Prior of the sizes for the forces.
@@ -247,14 +250,11 @@ impl Installation {
         Self::of(parts, None)
     }
 
-    /// All independent errors, each by itself, at their means.
+    /// All errors at their means.
     fn of(parts: Vec<Part>, information: Option<Information>) -> Self {
-        let count = parts.len();
-        let alone = |k: usize| (0..count).map(|j| f64::from(u8::from(j == k))).collect();
-        let law = SizeLaw::of(count, information.as_ref());
+        let law = SizeLaw::of(parts.len(), information.as_ref());
         Self {
             sizes: law.mean.iter().copied().collect(),
-            directions: (0..count).map(alone).collect(),
             fixed: false,
             law: Arc::new(law),
             parts,
@@ -267,37 +267,26 @@ impl Installation {
     }
 
     /// Independent errors b of the sizes.
-    fn independent(&self) -> DVector<f64> {
+    pub fn independent(&self) -> DVector<f64> {
         let sizes = DVector::from_column_slice(&self.sizes);
         &self.law.inverse_root * (sizes - &self.law.mean)
     }
 
-    /// The root of the prior covariance of the sizes.
-    pub fn root(&self) -> &DMatrix<f64> {
-        &self.law.root
-    }
-
-    /// The share of each part in a combination.
-    pub fn shares(&self, direction: &[f64]) -> Vec<f64> {
-        let shares = &self.law.root * DVector::from_column_slice(direction);
-        shares.iter().copied().collect()
-    }
-
-    /// The same with tilt-like errors of 0.
-    pub fn without_tilt(&self) -> Self {
+    /// The same with some errors of 0.
+    pub fn without(&self, are: impl Fn(&Part) -> bool) -> Self {
         let mut without = self.clone();
         let parts = without.parts.iter().zip(&mut without.sizes);
-        for (_, size) in parts.filter(|(part, _)| part.is_tilt()) {
+        for (_, size) in parts.filter(|(part, _)| are(part)) {
             *size = 0.0;
         }
         without
     }
 
-    /// Number of combinations that are fitted.
+    /// Number of errors that are fitted.
     pub fn fitted(&self) -> usize {
         match self.fixed {
             true => 0,
-            false => self.directions.len(),
+            false => self.parts.len(),
         }
     }
 
@@ -320,47 +309,12 @@ impl Installation {
         0.5 * self.independent().norm_squared()
     }
 
-    /// Size of a combination, in standard deviations.
-    pub fn along(&self, direction: usize) -> f64 {
-        let errors = self.independent();
-        let direction = self.directions[direction].iter();
-        direction
-            .zip(errors.iter())
-            .map(|(v, error)| v * error)
-            .sum()
-    }
-
-    /// The combinations that the rows determine, from the products of the parts (parts by parts).
-    ///
-    /// With G these products given the base, the data separate the eigenvectors of G. One of
-    /// eigenvalue g changes no statistic by more than sqrt(g): those below `least` are omitted.
-    pub fn determined_by(&self, products: &DMatrix<f64>, least: f64) -> Self {
-        let root = self.root();
-        let eigen = (root * products * root).symmetric_eigen();
-        let selected = (0..eigen.eigenvalues.len()).filter(|k| eigen.eigenvalues[*k] >= least);
-        Self {
-            directions: selected
-                .map(|k| eigen.eigenvectors.column(k).iter().copied().collect())
-                .collect(),
-            ..self.clone()
-        }
-    }
-
-    /// The same with each part fitted by itself.
-    pub fn part_by_part(&self) -> Self {
-        Self {
-            sizes: self.sizes.clone(),
-            ..Self::of(self.parts.clone(), None)
-        }
-    }
-
-    /// Changes all combinations, in standard deviations.
+    /// Changes all independent errors, in standard deviations.
     pub fn step(&mut self, by: &[f64]) {
-        for (direction, by) in self.directions.iter().zip(by) {
-            let shares = &self.law.root * DVector::from_column_slice(direction);
-            for (size, share) in self.sizes.iter_mut().zip(shares.iter()) {
-                *size += by * share;
-            }
+        if !by.is_empty() {
+            let shares = &self.law.root * DVector::from_column_slice(by);
+            let sizes = self.sizes.iter_mut().zip(shares.iter());
+            sizes.for_each(|(size, share)| *size += share);
         }
     }
 
@@ -371,36 +325,27 @@ impl Installation {
         moved
     }
 
-    /// Each fitted combination of series of the parts.
+    /// The column of each independent error, from those of the parts.
     pub fn combined(&self, parts: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let combined = |direction: &Vec<f64>| {
+        let combined = |k: usize| {
             let mut sum = vec![0.0; parts[0].len()];
-            let shares = self.shares(direction);
-            let taking_part = shares.iter().zip(parts).filter(|(by, _)| **by != 0.0);
-            for (by, part) in taking_part {
-                for (sum, x) in sum.iter_mut().zip(part) {
-                    *sum += by * x;
-                }
+            let shares = self.law.root.column(k);
+            let acting = shares.iter().zip(parts).filter(|(by, _)| **by != 0.0);
+            for (by, part) in acting {
+                sum.iter_mut().zip(part).for_each(|(sum, x)| *sum += by * x);
             }
             sum
         };
-        let fitted = &self.directions[..self.fitted()];
-        fitted.iter().map(combined).collect()
+        (0..self.fitted()).map(combined).collect()
     }
 
-    /// Size and standard error of each part, in its unit, from the standard errors of the
-    /// combinations. Undetermined combinations have their prior uncertainty.
-    pub fn found(&self, errors: &[f64]) -> Vec<(f64, f64)> {
+    /// Size and standard error of each part, in its unit, from the covariance of the independent
+    /// errors.
+    pub fn found(&self, covariance: &DMatrix<f64>) -> Vec<(f64, f64)> {
         let part = |(j, part): (usize, &Part)| {
-            let own = self.root().row(j);
-            let (mut open, mut known) = (own.norm_squared(), 0.0);
-            for (direction, error) in self.directions.iter().zip(errors) {
-                let both = own.iter().zip(direction);
-                let share = both.map(|(r, v)| r * v).sum::<f64>().powi(2);
-                (open, known) = (open - share, known + share * error * error);
-            }
-            let error = (known + f64::max(open, 0.0)).sqrt();
-            (part.sd * self.sizes[j], part.sd * error)
+            let own = self.law.root.row(j);
+            let variance = (own * covariance * own.transpose())[(0, 0)];
+            (part.sd * self.sizes[j], part.sd * variance.max(0.0).sqrt())
         };
         self.parts.iter().enumerate().map(part).collect()
     }
@@ -529,27 +474,30 @@ mod tests {
     }
 
     #[test]
-    fn undetermined_errors_keep_their_stated_deviation() {
-        let places = Tolerances {
+    fn errors_of_the_parts_are_those_of_their_combinations() {
+        let stated = Tolerances {
             mass: 0.01,
             steer_scale: 0.03,
             ..EXACT
         };
-        let both = Installation::new(&places, []);
-        // Only the sum of the two is determined.
-        let products = DMatrix::from_element(2, 2, 50.0);
-        let mut determined = both.determined_by(&products, 1.0);
-        assert_eq!(determined.fitted(), 1);
-        determined.step(&[determined.directions[0][0].signum() * 2.0_f64.sqrt()]);
-        assert!(
-            determined
-                .sizes
-                .iter()
-                .all(|size| (size - 1.0).abs() < 1e-12)
-        );
-        for ((size, error), part) in determined.found(&[0.1]).iter().zip(&determined.parts) {
-            assert!((size - part.sd).abs() < 1e-12);
-            assert!((error / part.sd - 0.505_f64.sqrt()).abs() < 1e-12);
+        let information = Information {
+            precision: DMatrix::from_row_slice(2, 2, &[3.0, 1.0, 1.0, 2.0]),
+            scores: DVector::from_column_slice(&[2.0, -1.0]),
+        };
+        let both = Installation::new(&stated, []).informed(information.clone());
+        // At the prior of the forces the sizes have its mean and covariance, inv(1 + K).
+        let prior = (DMatrix::identity(2, 2) + &information.precision)
+            .try_inverse()
+            .unwrap();
+        let mean = &prior * &information.scores;
+        let found = both.found(&DMatrix::identity(2, 2));
+        for (k, ((size, error), part)) in found.iter().zip(&both.parts).enumerate() {
+            assert!((size / part.sd - mean[k]).abs() < 1e-12);
+            assert!((error / part.sd - prior[(k, k)].sqrt()).abs() < 1e-12);
         }
+        let mut moved = both.clone();
+        moved.step(&[0.3, -0.2]);
+        let change = moved.independent() - both.independent();
+        assert!((change - DVector::from_column_slice(&[0.3, -0.2])).amax() < 1e-12);
     }
 }

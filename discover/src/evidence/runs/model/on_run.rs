@@ -24,11 +24,6 @@ use crate::evidence::runs::recordings::survey::interpolate;
 /// Smallest speed of a slip angle [m/s].
 const LEAST_SPEED: f64 = 0.5;
 
-/// Sensor of the acceleration of each balance.
-const ACCELERATIONS: [Sensor; BALANCES] = [Sensor::Ax, Sensor::Ay, Sensor::YawRate];
-/// Step of an acceleration for differences \[m/s2, rad/s2\].
-const MORE: f64 = 1e-3;
-
 impl ResidualModel {
     /// Residuals of one run, low-passed and thinned to rows.
     pub fn residuals(&self, frame: &Frame) -> ChannelRows {
@@ -340,35 +335,9 @@ impl<'a> ModelOnRun<'a> {
         [along, side, yaw, self.track(i, &at.balance, &at.signals)]
     }
 
-    /// The signals of a sample, then with the acceleration of each balance increased.
-    fn more_acceleration(&self, i: usize) -> [Signals; 1 + BALANCES] {
-        let read = self.channels.signals(i, self.sled);
-        std::array::from_fn(|k| {
-            let mut more = read;
-            match k.checked_sub(1).map(|c| ACCELERATIONS[c]) {
-                None => {}
-                Some(Sensor::YawRate) => more.rate[Sensor::YawRate as usize] += MORE,
-                Some(sensor) => more[sensor] += MORE,
-            }
-            self.corrected(i, more)
-        })
-    }
-
-    /// A sample, then with the acceleration of each balance increased, for [`gains`](Self::gains).
-    pub fn with_more_acceleration(&self, i: usize) -> [Instant; 1 + BALANCES] {
-        self.more_acceleration(i)
-            .map(|signals| self.instant(i, &signals))
-    }
-
-    /// Derivatives of the residuals by the longitudinal [kg], lateral [kg] and yaw [kg m2]
-    /// acceleration; `at` is the sample by a model with the same base laws.
-    pub fn gains(&self, i: usize, at: &[Instant; 1 + BALANCES]) -> [f64; BALANCES] {
-        let signals = self.more_acceleration(i);
-        let balances = |k: usize| self.balances_at(i, &signals[k], &at[k]);
-        let own = balances(0);
-        std::array::from_fn(|c| {
-            (balances(1 + c)[c] - own[c]) / (MORE * self.channels.scale(ACCELERATIONS[c]))
-        })
+    /// Scale of a sensor's reading.
+    pub fn scale(&self, sensor: Sensor) -> f64 {
+        self.channels.scale(sensor)
     }
 
     /// Residuals of a sample by this model; `at` is the sample by a model with the same base laws.

@@ -70,11 +70,6 @@ impl ResidualModel {
         }
     }
 
-    /// Whether a base parameter is within its bounds.
-    pub fn within(&self, parameter: usize) -> bool {
-        !BOUNDS.contains(&self.base[parameter])
-    }
-
     /// The same with one more effect.
     pub fn with(&self, effect: Active) -> Self {
         let mut residual_model = self.clone();

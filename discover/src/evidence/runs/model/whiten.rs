@@ -102,14 +102,14 @@ impl Whitener {
         std::array::from_fn(|c| self.mix[(c, balance)])
     }
 
+    /// L^-1.
+    pub fn root_inverse(&self) -> &Matrix3<f64> {
+        &self.mix
+    }
+
     /// `ln(det S) / 2`.
     pub fn log_scale(&self) -> f64 {
         -self.mix.diagonal().map(f64::ln).sum()
-    }
-
-    /// `S^-1`; 1 for an unused balance.
-    pub fn inverse(&self) -> Matrix3<f64> {
-        self.mix.tr_mul(&self.mix)
     }
 
     /// Whitens rows of the three balances in place, given their relative standard deviations

@@ -3,7 +3,7 @@
 //!
 //! Every model is read back from its text. Two comparisons are made:
 //!
-//! - the misfit of each channel of the balances on the held-out runs, in pieces of a run, with the
+//! - the misfit of each balance on the held-out runs, in pieces of a run, with the
 //!   installation errors of these runs;
 //! - the replay: a simulation from each run's start with its steering, and the differences of time,
 //!   speed and yaw rate over distance. Training runs are replayed with the estimates without their
@@ -23,11 +23,10 @@ use rayon::prelude::*;
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::contacts::own::without_pushes;
 use crate::evidence::runs::model::residual_model::{
-    BASE_NAMES, CHANNEL_NAMES, CHANNELS, ResidualModel, TRACK,
+    BALANCES, BASE_NAMES, CHANNEL_NAMES, ResidualModel,
 };
 use crate::evidence::runs::outcome::misfit_decrease::with_whole_side;
 use crate::evidence::runs::outcome::next_model::next_model;
-use crate::evidence::runs::screen::track::bins::rates;
 use crate::finding::{Baseline, Fitted, ModelKind, Withheld};
 use crate::null::clusters::members;
 use crate::procedure::evidence::{Account, Choice};
@@ -161,7 +160,7 @@ impl Campaign<'_> {
         for (kind, fit) in candidates {
             let mut bases = vec![fit.clone()];
             if let (ModelKind::WithEffect, Some(other)) = (kind, &fit.base_as_given) {
-                let settled = self.installed_in(&other.settled, &fit.whitener, &self.training);
+                let settled = self.installed_in(&other.settled, &self.training);
                 bases.push(RunFit {
                     settled,
                     ..(**other).clone()
@@ -272,7 +271,7 @@ impl Campaign<'_> {
     /// The model as given, with the estimates of a refit stated for it.
     fn as_given(&self, refitted: &RunFit) -> RunFit {
         let model = self.given_as_in(refitted);
-        let settled = self.installed_in(&model, &refitted.whitener, &self.training);
+        let settled = self.installed_in(&model, &self.training);
         let mut estimates = refitted.estimates.clone();
         for (b, estimate) in self.free.iter().zip(&mut estimates) {
             *estimate = estimate.stated_as(settled.base[*b]);
@@ -305,7 +304,7 @@ impl Campaign<'_> {
         }
         let vehicle_of = |run: usize| &vehicles[with[run]];
         let (replayed, replays) = self.replay_squares(vehicle_of, runs)?;
-        let held_out = self.installed_in(&fit.settled, &fit.whitener, &self.held_out);
+        let held_out = self.installed_in(&fit.settled, &self.held_out);
         Ok(Performance {
             channels: self.channel_squares(&held_out),
             replays,
@@ -330,12 +329,10 @@ impl Campaign<'_> {
     }
 
     fn channel_squares(&self, model: &ResidualModel) -> Vec<Squares> {
-        let rules = self.rules();
-        let used: Vec<usize> = (0..CHANNELS).filter(|c| self.used[*c]).collect();
+        let used: Vec<usize> = (0..BALANCES).filter(|c| self.used[*c]).collect();
         let of_run = |frame| -> Vec<Vec<[f64; 2]>> {
             let frame = &without_pushes(frame);
-            let mut rows = with_whole_side(model, frame);
-            rows[TRACK] = rates(frame, &rows[TRACK], rules.track_bin_m);
+            let rows = with_whole_side(model, frame);
             let pieces = frame.row_count().div_ceil(PIECE_ROWS).max(1);
             let of_channel = |c: &usize| {
                 let length = rows[*c].len().div_ceil(pieces).max(1);

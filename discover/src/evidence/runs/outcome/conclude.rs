@@ -141,6 +141,7 @@ impl Campaign<'_> {
             candidates: &directions,
             local: &[],
             windows: &[],
+            noise: None,
         });
         let closed = explainable_closed(
             designs.each_ref(),

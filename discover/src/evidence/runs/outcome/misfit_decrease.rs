@@ -55,7 +55,7 @@ impl Campaign<'_> {
     /// A fit in the training and in the held-out runs.
     pub fn compared<'f>(&self, fit: &'f RunFit) -> ComparedModel<'f> {
         let training = &fit.residual_model;
-        let installed = || self.installed_in(training, &fit.whitener, &self.held_out);
+        let installed = || self.installed_in(training, &self.held_out);
         ComparedModel {
             training,
             held_out: fit.held_out.get_or_init(installed),

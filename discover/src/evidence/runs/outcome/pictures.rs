@@ -41,7 +41,7 @@ impl Campaign<'_> {
         let frames: Vec<Frame> = self.whole().iter().chain(&self.held_out).cloned().collect();
         let parts = [self.whole(), &self.held_out];
         let models = [given, &last.settled].map(|model| {
-            let held_out = self.installed_in(model, &last.whitener, &self.held_out);
+            let held_out = self.installed_in(model, &self.held_out);
             [model.clone(), held_out]
         });
         let rows_of = |models: &[ResidualModel; 2]| -> Vec<ChannelRows> {

@@ -164,6 +164,7 @@ impl Campaign<'_> {
             candidates: &[],
             local: &[],
             windows: &[],
+            noise: None,
         }
     }
 

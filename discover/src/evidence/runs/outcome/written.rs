@@ -3,28 +3,20 @@
 use nalgebra::DVector;
 
 use crate::evidence::runs::campaign::{Campaign, RunFit};
-use crate::evidence::runs::fit::estimate::FinalEstimates;
+use crate::evidence::runs::fit::estimate::{FinalEstimates, estimate};
 use crate::evidence::runs::fit::gauss_newton::stepped;
 use crate::evidence::runs::model::residual_model::ResidualModel;
-use crate::evidence::runs::model::whiten::Whitener;
 use crate::finding::Tolerated;
 use crate::procedure::evidence::Account;
 
 impl Campaign<'_> {
-    /// Sets the final estimates of a fit and their model.
-    ///
-    /// Base and effects are estimated given the installation errors, with the stated base as prior:
-    /// the plausible factor is two standard deviations. Parameters that the data hardly determine
-    /// remain near their stated values. Effects are also estimated given the base as stated.
+    /// Sets the final estimates of a fit and their model. Effects are also estimated given the base
+    /// as stated.
     pub fn write(&self, fit: &mut RunFit) {
         let model = fit.residual_model.with_fixed(false);
-        let mut found = self.estimates(&model, &fit.whitener);
-        if !model.installation.parts.is_empty() {
-            self.widen(&mut found, &model, &fit.whitener);
-        }
-        let sd = 0.5 * self.options.rules.search.plausible.ln();
-        let stated = found.clone().given_base(&self.free, 0.0);
-        self.set_final(fit, found.given_base(&self.free, sd));
+        let found = estimate(&self.fitting(), &model, &fit.whitener);
+        let stated = found.clone().given_base(&self.free);
+        self.set_final(fit, found);
         fit.base_as_given = None;
         let mut base_as_given = fit.clone();
         self.set_final(&mut base_as_given, stated);
@@ -51,20 +43,6 @@ impl Campaign<'_> {
         let free = model.free();
         let amplitudes = free.iter().map(|(e, q)| model.scale(*e, *q));
         self.free.iter().map(|_| 1.0).chain(amplitudes).collect()
-    }
-
-    /// Adds the covariance of base and amplitudes due to undetermined installation errors.
-    fn widen(&self, found: &mut FinalEstimates, model: &ResidualModel, whitener: &Whitener) {
-        let scales = self.scales(model);
-        let mut open = self.undetermined(model, whitener);
-        for (k, scale) in scales.iter().enumerate() {
-            open.row_mut(k).scale_mut(*scale);
-            open.column_mut(k).scale_mut(*scale);
-        }
-        found.covariance += open;
-        for (k, estimate) in found.estimates.iter_mut().take(scales.len()).enumerate() {
-            *estimate = estimate.with_error(found.covariance[(k, k)].max(0.0).sqrt());
-        }
     }
 
     /// Significant installation errors within tolerance; remarks report those outside.

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use kufe_sled::effects::Sensor;
+
 use crate::evidence::runs::contacts::of_run::OwnContact;
 use crate::evidence::runs::recordings::place_scales::PlaceScales;
 use crate::evidence::runs::recordings::smooth::Kernel;
@@ -70,11 +72,23 @@ pub struct Frame {
     pub pushed: Vec<[f64; 2]>,
     /// Standard deviations of the residuals by place; `None`: equal.
     pub scales: Option<Arc<PlaceScales>>,
-    /// A piece of it with added noise of both signs, for the noise of the residuals.
-    pub noisy: Option<Arc<[Frame; 2]>>,
+    /// Sensor noise of its rows.
+    pub noise: Option<Arc<RowNoise>>,
     /// Further columns of the file.
     pub extra: BTreeMap<String, Vec<f64>>,
 }
+
+/// Sensor noise of the rows of a run.
+#[derive(Clone, Debug)]
+pub struct RowNoise {
+    /// Some samples of the run.
+    pub samples: Frame,
+    /// Variances of the noise of each reading and of its derivative in a row, by sensor.
+    pub variances: ReadingVariances,
+}
+
+/// Variances of each reading and of its derivative, by sensor.
+pub type ReadingVariances = [[f64; 2]; Sensor::ALL.len()];
 
 impl Frame {
     pub fn len(&self) -> usize {
@@ -165,31 +179,54 @@ impl Frame {
 
     /// The samples `from..to` alone.
     pub fn piece(&self, from: usize, to: usize) -> Self {
-        let mut piece = self.clone();
+        let mut piece = self.with_columns(|column| {
+            let part = column.get(from..to);
+            part.map_or_else(Vec::new, <[f64]>::to_vec)
+        });
         piece.taking_part = self.taking_part[from..to].to_vec();
         piece.centres = piece.sieve.clear_centres(&piece.taking_part);
-        for column in piece
+        piece
+    }
+
+    /// So many of the used samples, evenly spread, without rows.
+    pub fn thinned(&self, count: usize) -> Self {
+        let used: Vec<usize> = self.samples().collect();
+        let every = used.len().div_ceil(count.max(1)).max(1);
+        let samples: Vec<usize> = used.into_iter().step_by(every).collect();
+        let mut thinned = self.with_columns(|column| match column.is_empty() {
+            true => Vec::new(),
+            false => samples.iter().map(|i| column[*i]).collect(),
+        });
+        thinned.taking_part = vec![true; samples.len()];
+        thinned.centres.clear();
+        thinned
+    }
+
+    /// The same with every column of samples changed.
+    pub fn with_columns(&self, of: impl Fn(&[f64]) -> Vec<f64>) -> Self {
+        let mut changed = self.clone();
+        for column in changed
             .acceleration
             .iter_mut()
-            .chain(&mut piece.rate)
-            .chain(&mut piece.rate_slope)
-            .chain(piece.extra.values_mut())
+            .chain(&mut changed.rate)
+            .chain(&mut changed.rate_slope)
+            .chain(changed.extra.values_mut())
             .chain([
-                &mut piece.t,
-                &mut piece.s,
-                &mut piece.v,
-                &mut piece.v_slope,
-                &mut piece.slip,
-                &mut piece.slip_rate,
-                &mut piece.steer,
-                &mut piece.steer_rate,
-                &mut piece.roll_split,
-                &mut piece.slope,
+                &mut changed.t,
+                &mut changed.s,
+                &mut changed.v,
+                &mut changed.v_slope,
+                &mut changed.slip,
+                &mut changed.slip_rate,
+                &mut changed.steer,
+                &mut changed.steer_rate,
+                &mut changed.roll_split,
+                &mut changed.slope,
             ])
         {
-            *column = column.get(from..to).map_or_else(Vec::new, <[f64]>::to_vec);
+            *column = of(column);
         }
-        piece
+        changed
     }
 }
 

@@ -165,7 +165,7 @@ pub fn frame(
         contacts: Vec::new(),
         pushed: Vec::new(),
         scales: None,
-        noisy: None,
+        noise: None,
         extra,
     })
 }

@@ -127,6 +127,7 @@ impl Campaign<'_> {
             candidates: std::slice::from_ref(candidate),
             local: &[],
             windows: &[],
+            noise: None,
         };
         let columns = design.columns(frame);
         // The candidate, and the residual after it.

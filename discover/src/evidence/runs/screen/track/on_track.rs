@@ -126,7 +126,7 @@ impl Campaign<'_> {
         let sd = stated.unwrap_or(self.rules().slope_sd_rad);
         // A tilt that was estimated from the channel itself would conceal its signal.
         let residual_model = &ResidualModel {
-            installation: residual_model.installation.without_tilt(),
+            installation: residual_model.installation.without(Part::is_tilt),
             ..residual_model.clone()
         };
         let mut channel = TrackChannel::new(residual_model, &self.training, self.rules())?;
