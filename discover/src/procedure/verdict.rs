@@ -21,8 +21,18 @@ pub fn verdict(account: &Account, located: bool, adequate: bool) -> Verdict {
     }
 }
 
-/// What to measure next.
+/// What to check and to measure next.
 pub fn next_experiment(verdict: Verdict, account: &Account, described: &Description) -> String {
+    let outside = account.outside_tolerance.join(", ");
+    let check = (!outside.is_empty())
+        .then(|| format!("a check of what the fit moves beyond its tolerance: {outside}"));
+    let measured = Some(measurement(verdict, account, described)).filter(|what| !what.is_empty());
+    let both: Vec<String> = check.into_iter().chain(measured).collect();
+    both.join("; ")
+}
+
+/// What to measure next.
+fn measurement(verdict: Verdict, account: &Account, described: &Description) -> String {
     let report = &described.report;
     let meaning = |name: &String| described.effects.iter().find(|e| e.name == *name);
     match verdict {

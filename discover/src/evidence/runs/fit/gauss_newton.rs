@@ -109,24 +109,25 @@ impl Fitting<'_> {
         /// Tolerance of the criterion: a parameter is then within a standard error.
         const ENOUGH: f64 = 0.5;
         let mut model = model.clone();
+        let mut rows = conditional_residuals(&model, self.frames);
         for _ in 0..ROUNDS {
-            model.model_error = model_error(&model, self.frames);
-            let whitener = self.whitener(&model);
-            let before = self.criterion(&model);
+            model.model_error = model_error(&model, self.frames, &rows);
+            let before = self.criterion(&model, &rows);
             if !before.is_finite() {
                 return Err(Error::BaseFit {
                     reason: "a residual is not a finite number".to_owned(),
                 });
             }
-            let FitProducts { by_run, prior } = self.products(&model, &whitener);
+            let FitProducts { by_run, prior } = self.products(&model, &self.whitener(&rows));
             let (step, _) = solve(&by_run, &prior);
             let mut share = 1.0;
             let mut gained = 0.0;
             while share > LEAST {
                 let trial = stepped(&model, self.free, step.as_slice(), share);
-                let by = before - self.criterion(&trial);
+                let trial_rows = conditional_residuals(&trial, self.frames);
+                let by = before - self.criterion(&trial, &trial_rows);
                 if by > 0.0 {
-                    (model, gained) = (trial, by);
+                    (model, rows, gained) = (trial, trial_rows, by);
                     break;
                 }
                 share *= 0.5;
@@ -135,8 +136,8 @@ impl Fitting<'_> {
                 break;
             }
         }
-        model.model_error = model_error(&model, self.frames);
-        let whitener = self.whitener(&model);
+        model.model_error = model_error(&model, self.frames, &rows);
+        let whitener = self.whitener(&rows);
         Ok(Fit { model, whitener })
     }
 
@@ -172,18 +173,18 @@ impl Fitting<'_> {
         }
     }
 
-    fn whitener(&self, model: &ResidualModel) -> Whitener {
-        let residuals = conditional_residuals(model, self.frames);
-        Whitener::estimate(self.frames, &residuals, self.used)
+    fn whitener(&self, rows: &[ChannelRows]) -> Whitener {
+        Whitener::estimate(self.frames, rows, self.used)
     }
 
-    fn criterion(&self, model: &ResidualModel) -> f64 {
-        let rows: usize = self.frames.iter().map(Frame::row_count).sum();
+    /// The criterion of a model with these residuals given the discrepancy.
+    fn criterion(&self, model: &ResidualModel, rows: &[ChannelRows]) -> f64 {
+        let count: usize = self.frames.iter().map(Frame::row_count).sum();
         let noise = log_noise(model, self.frames, self.used);
         let off = |b: &usize| ((model.base[*b] - self.stated[*b]) / self.stated_sd).powi(2);
         let base: f64 = self.free.iter().map(off).sum();
         let smooth: f64 = model.discrepancy.sizes.iter().map(|u| u * u).sum();
-        rows as f64 * (self.whitener(model).log_scale() - noise)
+        count as f64 * (self.whitener(rows).log_scale() - noise)
             + model.installation.distance()
             + 0.5 * (base + smooth)
     }
@@ -301,12 +302,17 @@ mod tests {
         }
     }
 
+    fn criterion(fitting: &Fitting, model: &ResidualModel) -> f64 {
+        fitting.criterion(model, &conditional_residuals(model, fitting.frames))
+    }
+
     #[test]
     fn scores_are_the_derivatives_of_the_criterion() {
         let (frames, mut model) = example();
         let fitting = fitting(&frames);
-        model.model_error = model_error(&model, &frames);
-        let FitProducts { by_run, prior } = fitting.products(&model, &fitting.whitener(&model));
+        let rows = conditional_residuals(&model, &frames);
+        model.model_error = model_error(&model, &frames, &rows);
+        let FitProducts { by_run, prior } = fitting.products(&model, &fitting.whitener(&rows));
         let p = prior.count();
         let zero = DMatrix::zeros(p + 1, p + 1);
         let total = by_run.iter().fold(zero, |sum, run| sum + run);
@@ -316,7 +322,7 @@ mod tests {
             let at = |by: f64| {
                 let mut step = vec![0.0; p];
                 step[k] = by;
-                fitting.criterion(&stepped(&model, fitting.free, &step, 1.0))
+                criterion(&fitting, &stepped(&model, fitting.free, &step, 1.0))
             };
             let slope = (at(-h) - at(h)) / (2.0 * h);
             // The whitening keeps a hundredth of each variance apart, and delays and rotations are
@@ -335,7 +341,7 @@ mod tests {
         let FitProducts { by_run, prior } = fitting.products(&fit.model, &fit.whitener);
         let (step, _) = solve(&by_run, &prior);
         let beyond = stepped(&fit.model, fitting.free, step.as_slice(), 1.0);
-        let more = fitting.criterion(&fit.model) - fitting.criterion(&beyond);
+        let more = criterion(&fitting, &fit.model) - criterion(&fitting, &beyond);
         assert!(more < 0.5, "{more}");
         // The runs are those of the published model.
         for b in [1, 2, 3, 4] {

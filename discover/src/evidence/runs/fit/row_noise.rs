@@ -27,7 +27,9 @@ use rayon::prelude::*;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::installation::Part;
 use crate::evidence::runs::model::on_run::ModelOnRun;
-use crate::evidence::runs::model::residual_model::{BALANCES, CHANNELS, ResidualModel};
+use crate::evidence::runs::model::residual_model::{
+    BALANCES, CHANNELS, ChannelRows, ResidualModel,
+};
 use crate::evidence::runs::model::whiten::{Whitener, scaled};
 use crate::evidence::runs::recordings::frame::Frame;
 
@@ -107,12 +109,17 @@ pub fn expected(model: &ResidualModel, frame: &Frame) -> Matrix3<f64> {
 }
 
 /// Model error of each balance as a variance of its acceleration: (mean square - noise)/(dr/da)^2.
-pub fn model_error(model: &ResidualModel, frames: &[Frame]) -> [f64; BALANCES] {
-    let of_run = |frame: &Frame| -> [[f64; 2]; BALANCES] {
-        let (noise, mut residual) = (own_noise(model, frame), model.residuals(frame));
-        model.discrepancy.subtract(frame, &mut residual);
-        let ones = residual.clone().map(|rows| vec![1.0; rows.len()]);
-        let [residual, weights] = [residual, ones].map(|rows| scaled(frame, &rows));
+///
+/// `rows` are the residuals given the discrepancy.
+pub fn model_error(
+    model: &ResidualModel,
+    frames: &[Frame],
+    rows: &[ChannelRows],
+) -> [f64; BALANCES] {
+    let of_run = |(frame, rows): (&Frame, &ChannelRows)| -> [[f64; 2]; BALANCES] {
+        let noise = own_noise(model, frame);
+        let ones = rows.each_ref().map(|rows| vec![1.0; rows.len()]);
+        let [residual, weights] = [rows, &ones].map(|rows| scaled(frame, rows));
         let squares = |rows: &[f64]| rows.iter().map(|r| r * r).sum::<f64>();
         std::array::from_fn(|c| {
             let gain = (noise.gain[c] * noise.gain[c]).max(1e-300);
@@ -123,7 +130,7 @@ pub fn model_error(model: &ResidualModel, frames: &[Frame]) -> [f64; BALANCES] {
             ]
         })
     };
-    let each: Vec<[[f64; 2]; BALANCES]> = frames.par_iter().map(of_run).collect();
+    let each: Vec<[[f64; 2]; BALANCES]> = frames.par_iter().zip(rows).map(of_run).collect();
     std::array::from_fn(|c| {
         let [n, excess] = [0, 1].map(|k| each.iter().map(|run| run[c][k]).sum::<f64>());
         (excess / n.max(1.0)).max(0.0)
