@@ -9,9 +9,6 @@ pub struct LawRules {
     /// Increase of the log-likelihood per number of a formula, and of a fully fitted law over the
     /// effect that it replaces. Derived: Schwarz's half of the logarithm of some thousands of rows.
     pub number: f64,
-    /// Standard errors, with all parameters free, that a number of a law must exceed. Derived: the
-    /// normal quantile of the largest p-value of a column outside the catalogue.
-    pub number_t: f64,
     /// Standard errors over runs within which a simpler formula is as good as a better one. Chosen.
     pub as_good: f64,
     /// The same within which another column belongs to a law's class. Derived: two, as for rivals.
@@ -24,7 +21,6 @@ impl Default for LawRules {
     fn default() -> Self {
         Self {
             number: 4.5,
-            number_t: 3.3,
             as_good: 1.0,
             alike: 2.0,
             tried: 4,

@@ -90,9 +90,8 @@ const RUN_KEYS: [&str; 43] = [
     "runs.belief",
     "runs.discrepancy_m",
 ];
-const LAW_KEYS: [&str; 5] = [
+const LAW_KEYS: [&str; 4] = [
     "runs.laws.number",
-    "runs.laws.number_t",
     "runs.laws.alike",
     "runs.laws.as_good",
     "runs.laws.tried",

@@ -1,10 +1,10 @@
-//! Removal of effects that are insignificant given the others, and of laws within their errors.
+//! Removal of effects that are insignificant given the others.
 
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, RunFit, UnwrittenEffect};
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::finding::Step;
-use crate::procedure::evidence::{Account, SUPERFLUOUS};
+use crate::procedure::evidence::Account;
 
 impl Campaign<'_> {
     /// The fit with the steps that are significant given the others, with final estimates.
@@ -15,39 +15,12 @@ impl Campaign<'_> {
     ) -> Result<RunFit, Error> {
         loop {
             self.write(&mut fit);
-            let (step, why) = match self.superfluous(&fit, &account.steps) {
-                Some(step) => (step, SUPERFLUOUS),
-                None => match self.of_no_size(&fit, &account.steps) {
-                    Some(step) => (step, "had an interval that contains 0"),
-                    None => return Ok(fit),
-                },
+            let Some(step) = self.of_no_size(&fit, &account.steps) else {
+                return Ok(fit);
             };
-            account.remove_step(step, why);
+            account.remove_step(step, "had an interval that contains 0");
             fit = self.without_step(&fit, step)?;
         }
-    }
-
-    /// The first step whose amplitudes are all insignificant given the others or, for a law outside
-    /// the catalogue, given the full uncertainty of its numbers.
-    fn superfluous(&self, fit: &RunFit, steps: &[Step]) -> Option<usize> {
-        let residual_model = &fit.residual_model;
-        let (already, track) = (fit.already(), CHANNEL_NAMES[3].0);
-        let law = |step: &Step| step.effect.starts_with("unknown:");
-        let amplitudes = &fit.estimates[self.free.len()..];
-        let weak = |step: usize| {
-            let least = match law(&steps[step]) {
-                true => self.rules().laws.number_t,
-                false => self.options.rules.search.superfluous_t,
-            };
-            residual_model
-                .free()
-                .iter()
-                .zip(amplitudes)
-                .filter(|((e, _), _)| *e >= already && fit.owners[*e - already] == step)
-                .all(|(_, est)| (est.value / est.error.max(1e-300)).abs() < least)
-        };
-        (0..steps.len())
-            .find(|step| fit.owners.contains(step) && steps[*step].channel != track && weak(*step))
     }
 
     /// The first step whose amplitudes all have intervals that contain 0.
