@@ -124,13 +124,8 @@ impl Evidence for Campaign<'_> {
         self.given.model_error = base.residual_model.model_error;
         if self.data.noise_from == NoiseFrom::Differences {
             let n = self.data.noise.sd();
-            let [low, high] = self.rules().estimated_noise_trust;
-            let low = match low {
-                0.5 => "half".to_owned(),
-                low => low.to_string(),
-            };
             account.remarks.push(format!(
-                "no [noise] in the model: estimated from the signals: accelerometer {:.3} m/s2, rates {:.5} rad/s, speed {:.4} m/s, slip {:.6} rad, steering {:.6} rad, roll split {:.6} rad; selected effects must be significant from {low} to {high} times their bias",
+                "no [noise] in the model: estimated from the signals: accelerometer {:.3} m/s2, rates {:.5} rad/s, speed {:.4} m/s, slip {:.6} rad, steering {:.6} rad, roll split {:.6} rad",
                 n.accel_mps2, n.rate_radps, n.speed_mps, n.slip_rad, n.steer_rad, n.roll_split_rad
             ));
         }

@@ -106,19 +106,6 @@ pub struct RunRules {
     pub alpha_track: f64,
     /// Share of these p-values that remains after the first selected effect. Chosen.
     pub alpha_again: f64,
-    /// Trusted range of stated sensor noise, as factors of the noise correction. Chosen.
-    pub noise_trust: [f64; 2],
-    /// The same for noise estimated from the recordings' spectra. Measured: of 48 columns of speed,
-    /// slip, steering and yaw rate with coloured and filtered noise, the true noise is 0.7 to 1.4
-    /// times the estimate in 46.
-    pub spectral_noise_trust: [f64; 2],
-    /// The same for white noise estimated from differences of the recordings. Chosen.
-    pub estimated_noise_trust: [f64; 2],
-    /// Share of its critical T that a selected effect must reach over the trusted range. Chosen.
-    pub holds: f64,
-    /// The same for a window: runs repeat the same manoeuvre at the same place, and with it a small
-    /// error of the model. Chosen.
-    pub window_holds: f64,
     /// Smallest share of a judged column that remains after a refit of the base. Chosen.
     pub least_left: f64,
     /// The same if installation errors are refitted, too. Chosen.
@@ -219,11 +206,6 @@ impl Default for RunRules {
             alpha_column: 0.001,
             alpha_track: 0.0005,
             alpha_again: 0.5,
-            noise_trust: [0.75, 1.3],
-            spectral_noise_trust: [0.7, 1.4],
-            estimated_noise_trust: [0.5, 1.6],
-            holds: 0.85,
-            window_holds: 1.5,
             least_left: 2e-3,
             least_left_installed: 1e-6,
             least_signal: 0.2,

@@ -45,7 +45,7 @@ const MAPS: [&str; 2] = ["null/pressures", "pressure/sensor-gain"];
 
 /// The chosen constants that decide on selections, by the kind of data that they act on. Those that
 /// only size what is shown, and what else of the lock is chosen, are left out.
-const RUN_KEYS: [&str; 43] = [
+const RUN_KEYS: [&str; 41] = [
     "lock.every",
     "search.superfluous_t",
     "search.beyond_scatter",
@@ -56,8 +56,6 @@ const RUN_KEYS: [&str; 43] = [
     "runs.alpha_column",
     "runs.alpha_track",
     "runs.alpha_again",
-    "runs.holds",
-    "runs.window_holds",
     "runs.least_left",
     "runs.least_left_installed",
     "runs.least_signal",

@@ -150,17 +150,6 @@ impl RunSimulator {
         })
     }
 
-    /// Largest factor on the variance of sensor noise for which it explains no more than the
-    /// residual of every channel.
-    ///
-    /// White noise of that size may explain too much of some channels, as of those with
-    /// derivatives; coloured noise need not.
-    pub fn most_noise(&self, used: [bool; CHANNELS]) -> f64 {
-        let explained = |c: usize| (1.0 - self.unexplained[c].powi(2)).max(1e-3);
-        let factors = (0..3).filter(|c| used[*c]).map(|c| 1.0 / explained(c));
-        factors.fold(1.0, f64::max)
-    }
-
     /// The same with sensor noise alone.
     pub fn sensors_only(&self) -> Self {
         Self {

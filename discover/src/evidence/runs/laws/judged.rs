@@ -6,7 +6,7 @@ use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::laws::formulas::shape::Shape;
 use crate::evidence::runs::laws::formulas::shapes::bumps;
 use crate::evidence::runs::laws::smooth::{Group, test};
-use crate::evidence::runs::laws::sums::{LawSums, total};
+use crate::evidence::runs::laws::sums::total;
 use crate::evidence::runs::laws::term::{COLUMNS, Term};
 use crate::evidence::runs::laws::terms::Terms;
 use crate::evidence::runs::screen::residual_screen::ScreenOptions;
@@ -21,8 +21,6 @@ pub struct SmoothLaw {
     pub channel: usize,
     pub columns: Vec<usize>,
     pub gains: Vec<f64>,
-    /// Whether it is significant over the whole trusted range of the noise.
-    pub holds: bool,
     /// Whether it is significant.
     pub significant: bool,
 }
@@ -77,17 +75,10 @@ impl Campaign<'_> {
             }
         }
         let parts: Vec<&[Term]> = list.chunk_by(|a, b| a.channel == b.channel).collect();
-        let sums_at = |shares: &[f64]| terms.sums_of_parts(&parts, shares);
-        let judged = |sums: &LawSums| test(sums, &groups, options.flips, options.seed);
-        let Some(sums) = sums_at(&[1.0]).pop() else {
+        let Some(sums) = terms.sums_of_parts(&parts, &[1.0]).pop() else {
             return (Vec::new(), 1.0);
         };
-        let mut tested = vec![judged(&sums)];
-        // If nothing is significant at the estimated noise, the trusted range need not be tested.
-        let any = (tested[0].z.iter()).any(|z| tested[0].p_value(*z) <= options.alpha_column);
-        if any {
-            tested.extend(sums_at(&options.trust).iter().map(judged));
-        }
+        let tested = test(&sums, &groups, options.flips, options.seed);
         let mut smallest = 1.0_f64;
         let laws = laws
             .into_iter()
@@ -95,13 +86,8 @@ impl Campaign<'_> {
             .map(|(g, (channel, columns))| {
                 let group = &groups[g];
                 let gains = sums.cross_validated_gains(&group.terms, &group.penalty);
-                let z = tested[0].z[g];
-                let p = tested[0].p_value(z);
-                // Q is quadratic in T, and so is the threshold.
-                let holds = tested
-                    .iter()
-                    .all(|t| t.z[g] >= options.holds[0].powi(2) * t.critical(options.alpha_column));
-                let significant = p <= options.alpha_column && holds && total(&gains) > 0.0;
+                let p = tested.p_value(tested.z[g]);
+                let significant = p <= options.alpha_column && total(&gains) > 0.0;
                 if significant {
                     smallest = smallest.min(p);
                 }
@@ -109,7 +95,6 @@ impl Campaign<'_> {
                     channel,
                     columns,
                     gains,
-                    holds,
                     significant,
                 }
             })

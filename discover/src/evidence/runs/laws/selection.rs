@@ -146,7 +146,7 @@ impl LawFitter<'_> {
         // If one is significant, those that explain more are tried, too.
         let standing = smooth.iter().filter(|law| law.significant);
         let most = standing.map(|law| total(&law.gains)).reduce(f64::max);
-        let rivals = |law: &SmoothLaw| law.holds && most.is_some_and(|m| total(&law.gains) > m);
+        let rivals = |law: &SmoothLaw| most.is_some_and(|m| total(&law.gains) > m);
         let requested = |law: &SmoothLaw| of_claim(law) || total(&law.gains) > enough;
         let mut best: Vec<&SmoothLaw> = smooth
             .iter()

@@ -66,12 +66,6 @@ impl GroupTests {
         let above = self.maxima.len() - self.maxima.partition_point(|m| *m < z);
         (above + 1) as f64 / (self.maxima.len() + 1) as f64
     }
-
-    /// The z that a share `alpha` of randomisations exceeds.
-    pub fn critical(&self, alpha: f64) -> f64 {
-        let at = ((1.0 - alpha) * self.maxima.len() as f64).floor() as usize;
-        self.maxima[at.min(self.maxima.len() - 1)]
-    }
 }
 
 /// Tests all groups at once; those without information have z = 0.

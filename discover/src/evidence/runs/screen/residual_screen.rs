@@ -26,10 +26,6 @@ pub struct ScreenOptions {
     pub alpha_local: f64,
     /// The same for an effect outside the catalogue.
     pub alpha_column: f64,
-    /// Trusted range of the noise correction, over which a selected effect must be significant.
-    pub trust: [f64; 2],
-    /// Share of its critical T that a selected effect must reach over it: within runs, in windows.
-    pub holds: [f64; 2],
     /// Smallest shares of a column: remaining after a refit of the base, and not noise.
     pub least: [f64; 2],
     /// Excess over the critical value of a size with a power of 90 %, in standard errors.
@@ -48,10 +44,6 @@ pub struct CandidateScore {
     pub t: f64,
     /// T of the noise correction.
     pub bias_t: f64,
-    /// Whether it is significant over the whole trusted range of the noise, with one sign.
-    pub holds: bool,
-    /// The same for a further place of an effect that is already named.
-    pub holds_again: bool,
     /// p-value by sign-flips, max-T over its kind.
     pub p_value: f64,
     /// The same with the runs of a session weighted together; absent with a single session.
@@ -129,16 +121,8 @@ pub fn screen_runs(
         .map(|(p, d)| p.corrected(d, 1.0))
         .collect();
     let scores = Scores::new(&grams, prior);
-    let at = |share: f64| {
-        let grams: Vec<_> = products
-            .iter()
-            .zip(noise)
-            .map(|(p, d)| p.corrected(d, share))
-            .collect();
-        Scores::new(&grams, prior)
-    };
-    let plain = at(0.0);
-    let ends: Vec<Scores> = options.trust.iter().map(|share| at(*share)).collect();
+    let plain: Vec<_> = products.iter().map(Products::plain).collect();
+    let plain = Scores::new(&plain, prior);
     let (count, runs) = scores.u.shape();
     let regular = tested.regular.len();
     let usable: Vec<bool> = (0..count)
@@ -209,7 +193,6 @@ pub fn screen_runs(
     let criticals = nulls.each_ref().map(|(null, alpha)| null.critical(*alpha));
     let family = |c: usize| usize::from(c >= named) + usize::from(c >= regular);
     let t_all = ts(&scores, &norms);
-    let ends: Vec<Vec<f64>> = ends.iter().map(|s| ts(s, &norms)).collect();
     let seen = (0..count)
         .map(|c| {
             let information = scores.total_information(c).max(1e-300);
@@ -223,11 +206,6 @@ pub fn screen_runs(
                 .sum();
             let scatter = spread * n / (n - 1.0).max(1.0);
             let error = (scatter + scores.shared_variance(c)).sqrt() / information;
-            let robust_t = if ends.iter().all(|e| e[c].signum() == t.signum()) {
-                ends.iter().fold(t.abs(), |m, e| m.min(e[c].abs()))
-            } else {
-                0.0
-            };
             let (null, critical) = (&nulls[family(c)].0, criticals[family(c)]);
             CandidateScore {
                 remaining_share: scores.remaining_share(c),
@@ -239,8 +217,6 @@ pub fn screen_runs(
                 } else {
                     0.0
                 },
-                holds: robust_t >= critical * options.holds[usize::from(c >= regular)],
-                holds_again: robust_t >= critical,
                 p_value: if usable[c] { null.p_value(t) } else { 1.0 },
                 p_sessions: p_sessions[c],
                 gain: sum * sum / information,
@@ -375,21 +351,9 @@ impl RunScreen {
     }
 
     /// Whether a candidate may be selected.
-    ///
-    /// `again`: its effect is already named in another place.
-    pub fn is_selectable(
-        &self,
-        c: usize,
-        candidate: &Candidate<Amplitude>,
-        alpha: f64,
-        again: bool,
-    ) -> bool {
+    pub fn is_selectable(&self, c: usize, candidate: &Candidate<Amplitude>, alpha: f64) -> bool {
         let s = &self.seen[c];
-        s.usable
-            && s.p_value <= alpha
-            && (s.holds || again && s.holds_again)
-            && s.cross_validated_gain > 0.0
-            && candidate.admits(s.size)
+        s.usable && s.p_value <= alpha && s.cross_validated_gain > 0.0 && candidate.admits(s.size)
     }
 }
 

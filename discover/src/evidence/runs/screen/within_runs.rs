@@ -8,7 +8,6 @@ use crate::evidence::runs::laws::selection::Law;
 use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::model::windows::{Window, windows};
-use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
 use crate::evidence::runs::screen::detectable::detectable;
 use crate::evidence::runs::screen::residual_screen::{
     CandidateProducts, RunScreen, ScreenOptions, best_windows, screen_runs,
@@ -76,7 +75,7 @@ impl Campaign<'_> {
         let standing = regular
             .iter()
             .enumerate()
-            .filter(|(c, candidate)| screen.is_selectable(*c, candidate, options.alpha, false))
+            .filter(|(c, candidate)| screen.is_selectable(*c, candidate, options.alpha))
             .map(|(c, _)| screen.seen[c].gain)
             .fold(0.0, f64::max);
         let required = found
@@ -131,17 +130,6 @@ impl Campaign<'_> {
             alpha: share * rules.alpha,
             alpha_local: share * rules.alpha,
             alpha_column: share * rules.alpha_column,
-            trust: match self.data.noise_from {
-                NoiseFrom::Model => rules.noise_trust,
-                NoiseFrom::Spectra => rules.spectral_noise_trust,
-                NoiseFrom::Differences => rules.estimated_noise_trust,
-                // Only an upper bound of the noise is known: that of the residual.
-                NoiseFrom::Doubted => {
-                    let [low, high] = rules.estimated_noise_trust;
-                    [low, high.max(at.simulator.most_noise(self.used))]
-                }
-            },
-            holds: [rules.holds, rules.window_holds],
             least: match at.residual_model.installation.fitted() {
                 0 => [rules.least_left, rules.least_signal],
                 _ => [rules.least_left_installed, rules.least_signal],
@@ -171,10 +159,6 @@ impl Campaign<'_> {
             (Some(_), _) => options.alpha_local,
             _ => options.alpha,
         };
-        let again = |candidate: &Candidate<Amplitude>| {
-            candidate.window().is_some()
-                && account.steps.iter().any(|s| s.effect == candidate.effect)
-        };
         let local = |window: &Window| &self.candidates.local[window.local];
         let whole = places.iter().map(|(window, c)| {
             let candidate = local(window).within(&window.track, window.from, window.to);
@@ -183,9 +167,7 @@ impl Campaign<'_> {
         let everywhere = regular.iter().cloned().zip(0..);
         let most = everywhere
             .chain(whole)
-            .filter(|(candidate, c)| {
-                screen.is_selectable(*c, candidate, alpha_of(candidate), again(candidate))
-            })
+            .filter(|(candidate, c)| screen.is_selectable(*c, candidate, alpha_of(candidate)))
             .map(|(_, c)| gain(c))
             .fold(0.0, f64::max);
         // Competing windows, with refined edges, are compared as regular candidates.
@@ -231,7 +213,7 @@ impl Campaign<'_> {
                 .filter(|c| list[*c].is_column() == wanted)
                 .filter(|c| {
                     let candidate = &list[*c];
-                    together.is_selectable(*c, candidate, alpha_of(candidate), again(candidate))
+                    together.is_selectable(*c, candidate, alpha_of(candidate))
                 })
                 .max_by(|a, b| together.seen[*a].gain.total_cmp(&together.seen[*b].gain))
         };
