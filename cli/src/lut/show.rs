@@ -98,7 +98,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         ..Point::default()
     };
     let picture = table_picture(&table, quantity, slice, &samples);
-    let picture = picture.map_err(of_file(&args.table))?;
+    let mut picture = picture.map_err(of_file(&args.table))?;
+    if let Some(runner) = &args.runner {
+        picture.figure.title = format!("{runner} runner: {}", picture.figure.title);
+    }
     files.bytes(&out, &picture.figure.png())?;
     files.commit()?;
     let drawn = Drawn {

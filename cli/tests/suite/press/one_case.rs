@@ -28,7 +28,7 @@ fn without_a_case_the_example_is_solved_and_its_files_written() {
         "area",
         "approach",
         "estimated error",
-        " s,",
+        "solved in",
     ] {
         assert!(said.contains(word), "{word:?} is missing: {said}");
     }
