@@ -42,7 +42,10 @@ fn along_tracks(report: &Report, viewer: Option<&str>) -> String {
         let drawn = picture(plot, false) + &viewer_links(&links);
         match k {
             0 => drawn,
-            _ => fold(&format!("The same along track {}", strip.track), &drawn),
+            _ => fold(
+                &format!("Channel {} on track {}", strip.channel, strip.track),
+                &drawn,
+            ),
         }
     });
     drawn.collect()
