@@ -82,10 +82,7 @@ fn column(rows: &[&Data], key: &str) -> Vec<String> {
         return std::iter::once(key.to_owned()).chain(cells).collect();
     };
     let finite = numbers.into_iter().filter(|number| number.is_finite());
-    let scale = Scale::of(
-        &unit,
-        finite.fold(0.0, |most, number| number.abs().max(most)),
-    );
+    let scale = Scale::of_all(&unit, finite);
     let cells = rows.iter().map(|row| {
         let value = row.get(key).and_then(Datum::number);
         value.map_or(String::new(), |value| {
@@ -158,7 +155,7 @@ fn with_unit(unit: &str, number: f64) -> String {
 /// interval.
 fn range(unit: &str, datum: &Datum, inner: &Data) -> Option<String> {
     if let Some([value, low, high]) = datum.interval() {
-        let scale = Scale::of(unit, value.abs().max(high.abs()));
+        let scale = Scale::of_all(unit, [value, high]);
         let [value, low, high] = [value, low, high].map(|number| scale.number(number));
         return Some(if low == high {
             scale.with_unit(&value)

@@ -91,7 +91,7 @@ pub fn table_picture(
     let nodes: Vec<f64> = nodes.collect();
     let [low, high] = extent(nodes.iter().copied());
     let unit = shown_unit(quantity.key());
-    let scale = Scale::of(&unit, low.abs().max(high.abs()));
+    let scale = Scale::of_all(&unit, [low, high]);
     let nodes: Vec<f64> = nodes.iter().map(|value| scale.times * value).collect();
     let value = |column: usize, row: usize| nodes[row * (CELLS + 1) + column];
     let [low, high] = [low, high].map(|value| scale.times * value);

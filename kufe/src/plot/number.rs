@@ -82,6 +82,12 @@ impl Scale {
         }
     }
 
+    /// The one that suits the largest of these numbers.
+    pub fn of_all(unit: &str, numbers: impl IntoIterator<Item = f64>) -> Scale {
+        let sizes = numbers.into_iter().map(f64::abs);
+        Scale::of(unit, sizes.fold(0.0, f64::max))
+    }
+
     /// A number without its unit: whole ones as they are, others with four digits.
     pub fn number(&self, value: f64) -> String {
         let value = self.times * value;
@@ -144,7 +150,7 @@ pub fn quantity(value: f64, unit: &str) -> String {
 /// A value and its error, with their unit.
 pub fn measured(value: f64, error: f64, unit: &str) -> String {
     let error = if error.is_finite() { error } else { 0.0 };
-    let scale = Scale::of(unit, value.abs().max(error.abs()));
+    let scale = Scale::of_all(unit, [value, error]);
     scale.with_unit(&scale.with_error(value, error))
 }
 

@@ -118,8 +118,7 @@ impl SeriesPage {
             let values = data
                 .iter()
                 .filter_map(|row| row.group()?.get(of.key)?.number());
-            let largest = values.fold(0.0, |most: f64, value| most.max(value.abs()));
-            let Scale { unit, times } = Scale::of(&shown_unit(of.key), largest);
+            let Scale { unit, times } = Scale::of_all(&shown_unit(of.key), values);
             DrawnQuantity { of, unit, times }
         });
         SeriesPage {

@@ -113,8 +113,8 @@ impl<'a> TablePage<'a> {
             let relative = |errors: &[f64], node: usize| (errors[node] / values[node]).abs();
             let solver = table.errors(quantity);
             let solver = solver.map(|errors| cube(axes, &taken, |node| relative(&errors, node)));
-            let largest = values.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-            let Scale { unit, times } = Scale::of(&shown_unit(quantity.key()), largest);
+            let unit = shown_unit(quantity.key());
+            let Scale { unit, times } = Scale::of_all(&unit, values.iter().copied());
             Ok(QuantityData {
                 name: quantity.name(),
                 label: Description::of(quantity).label,

@@ -6,10 +6,7 @@ use crate::results::finding::{Bin, Fitted};
 
 /// Values in one unit, which suits the largest of them, and that unit.
 pub fn alike<const N: usize>(values: [f64; N], unit: &str) -> ([String; N], Scale) {
-    let largest = values
-        .iter()
-        .fold(0.0, |most: f64, value| most.max(value.abs()));
-    let scale = Scale::of(unit, largest);
+    let scale = Scale::of_all(unit, values);
     (values.map(|value| scale.number(value)), scale)
 }
 

@@ -290,7 +290,7 @@ pub fn bins(bins: &[Bin]) -> String {
 /// A channel's mean residual run by run, every second session shaded.
 pub fn runs(of: &ByRun) -> String {
     let means = of.runs.iter().flat_map(|run| [run.before, run.after]);
-    let scale = Scale::of(&of.unit, means.fold(0.0, |most: f64, x| most.max(x.abs())));
+    let scale = Scale::of_all(&of.unit, means);
     let mut layers = vec![Layer::level(0.0)];
     let mut names = Vec::new();
     let mut from = 0;

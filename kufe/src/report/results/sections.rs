@@ -170,8 +170,7 @@ fn records(rows: &[Datum]) -> String {
         let column: Vec<Option<&Entry>> = column.collect();
         let present = || column.iter().flatten();
         let unit = present().next().map_or("".into(), |entry| entry.unit());
-        let largest = present().map(|entry| entry.largest()).fold(0.0, f64::max);
-        let scale = Scale::of(&unit, largest);
+        let scale = Scale::of_all(&unit, present().map(|entry| entry.largest()));
         // Rows that name a column or key have units of their own.
         let names_key = |row: &&Data| row.get("column").or(row.get("key")).is_some();
         let is_own = unit.is_empty() && shown.iter().any(names_key);
@@ -182,8 +181,7 @@ fn records(rows: &[Datum]) -> String {
                     // The row's figures of this unit are compared with one another.
                     let unit = unit_in(row, entry.key);
                     let alike = all.iter().filter(|other| unit_in(row, other.key) == unit);
-                    let largest = alike.map(Entry::largest).fold(0.0, f64::max);
-                    entry.in_unit(&Scale::of(&unit, largest))
+                    entry.in_unit(&Scale::of_all(&unit, alike.map(Entry::largest)))
                 }
                 Some(entry) => entry.number(&scale),
                 None => String::new(),
