@@ -41,7 +41,8 @@ pub struct SearchRules {
     /// places of one effect belong to one effect. Chosen: a fifth effect is usually explained by
     /// errors of the others.
     pub most_effects: usize,
-    /// |t| given all others below which a selected effect has become superfluous. Chosen.
+    /// |t| given all others below which a selected effect has become superfluous, in experiments.
+    /// Chosen.
     pub superfluous_t: f64,
     /// Standard errors by which the misfit on held-out data must fall for a step, and for the whole
     /// model, to be named. Chosen: it is a second test of significant effects.

@@ -275,16 +275,13 @@ mod tests {
         // V_10^2/V_00.
         let slope = covariance[(1, 0)] / covariance[(0, 0)];
         let mean = [1.0, 0.4 - slope];
-        let error = [
-            0.0,
-            (covariance[(1, 1)] - slope * covariance[(1, 0)]).sqrt(),
-        ];
+        let variance = [0.0, covariance[(1, 1)] - slope * covariance[(1, 0)]];
         let change = [0.0, 0.3 - slope * 0.2];
         for k in 0..2 {
             assert!((given.estimates[k].value - mean[k]).abs() < 1e-12);
-            assert!((given.estimates[k].error - error[k]).abs() < 1e-7);
+            assert!((given.estimates[k].error.powi(2) - variance[k]).abs() < 1e-12);
             let half = 2.0 * given.estimates[k].error;
-            assert!((given.estimates[k].high - mean[k] - half).abs() < 1e-7);
+            assert!((given.estimates[k].high - mean[k] - half).abs() < 1e-12);
             assert!((given.left_out[0].1[k] - change[k]).abs() < 1e-12);
         }
         assert_eq!(given.model.base[0], given.estimates[0].value);

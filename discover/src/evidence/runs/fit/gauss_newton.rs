@@ -90,8 +90,8 @@ impl Fitting<'_> {
     /// Fits all parameters of a model together by Gauss-Newton.
     ///
     /// With S the covariance of the residuals given the discrepancy u, E that expected of noise
-    /// ([`row_noise`](crate::evidence::runs::fit::row_noise)), a the installation errors and b the base multipliers with their stated
-    /// values b0, it minimises
+    /// ([`row_noise`](crate::evidence::runs::fit::row_noise)), a the installation errors and b the
+    /// base multipliers with their stated values b0, it minimises
     ///
     /// ```text
     /// n (ln det S - ln det E) / 2 + |a|^2 / 2 + |u|^2 / 2 + |b - b0|^2 / (2 sd^2)
@@ -143,6 +143,7 @@ impl Fitting<'_> {
 
     /// Products of the fitted parameters' columns.
     pub fn products(&self, model: &ResidualModel, whitener: &Whitener) -> FitProducts {
+        let noise = noise_gradients(model, self.frames, self.free, self.used);
         let design = Design {
             residual_model: model,
             whitener,
@@ -150,12 +151,7 @@ impl Fitting<'_> {
             candidates: &[],
             local: &[],
             windows: &[],
-            noise: Some(&[]),
-        };
-        let noise = noise_gradients(&design, self.frames);
-        let design = Design {
             noise: Some(&noise),
-            ..design
         };
         let mut prior = design.prior();
         for (k, b) in self.free.iter().enumerate() {

@@ -97,6 +97,7 @@ impl Campaign<'_> {
             free: &[],
             ..self.fitting()
         };
+        // Without finite residuals there is nothing to fit to.
         let Ok(fit) = fitting.fit(&start) else {
             return model.clone();
         };

@@ -24,7 +24,7 @@ use kufe_sled::effects::Sensor;
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
-use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
+use crate::evidence::runs::model::design::OWN_LEVELS;
 use crate::evidence::runs::model::installation::Part;
 use crate::evidence::runs::model::on_run::ModelOnRun;
 use crate::evidence::runs::model::residual_model::{
@@ -33,11 +33,16 @@ use crate::evidence::runs::model::residual_model::{
 use crate::evidence::runs::model::whiten::{Whitener, scaled};
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// `inv(L) dL` of `E = L L'` over all runs, by fitted column of a design, run levels first.
-pub fn noise_gradients(design: &Design, frames: &[Frame]) -> Vec<Matrix3<f64>> {
+/// `inv(L) dL` of `E = L L'` over all runs, by fitted column before the discrepancy: run levels,
+/// free base parameters, amplitudes and installation errors.
+pub fn noise_gradients(
+    model: &ResidualModel,
+    frames: &[Frame],
+    free_base: &[usize],
+    used: [bool; CHANNELS],
+) -> Vec<Matrix3<f64>> {
     /// Step of the differences, in the unit in which a parameter is fitted.
     const STEP: f64 = 0.01;
-    let (model, used) = (design.residual_model, design.whitener.used);
     let own = mean_expected(model, frames);
     let whitener = Whitener::of(&own, used);
     let root = whitener.root_inverse();
@@ -56,10 +61,7 @@ pub fn noise_gradients(design: &Design, frames: &[Frame]) -> Vec<Matrix3<f64>> {
         change(&mut moved);
         of(&moved)
     };
-    let base = design
-        .free_base
-        .iter()
-        .map(|b| moved(&|m| m.base[*b] += STEP));
+    let base = free_base.iter().map(|b| moved(&|m| m.base[*b] += STEP));
     let amplitudes = model
         .free()
         .into_iter()
@@ -81,7 +83,8 @@ pub fn noise_gradients(design: &Design, frames: &[Frame]) -> Vec<Matrix3<f64>> {
 
 /// E over all runs.
 fn mean_expected(model: &ResidualModel, frames: &[Frame]) -> Matrix3<f64> {
-    let of_run = |frame: &Frame| expected(model, frame) * frame.row_count() as f64;
+    let model = &without_shifts(model);
+    let of_run = |frame: &Frame| expected_of(model, frame) * frame.row_count() as f64;
     let each: Vec<Matrix3<f64>> = frames.par_iter().map(of_run).collect();
     let rows: usize = frames.iter().map(Frame::row_count).sum();
     // Sequential, so that the sum does not depend on the threads.
@@ -100,6 +103,11 @@ pub fn log_noise_of(model: &ResidualModel, frame: &Frame, used: [bool; CHANNELS]
 
 /// E of one run.
 pub fn expected(model: &ResidualModel, frame: &Frame) -> Matrix3<f64> {
+    expected_of(&without_shifts(model), frame)
+}
+
+/// E of one run with a model without shifts.
+fn expected_of(model: &ResidualModel, frame: &Frame) -> Matrix3<f64> {
     let noise = own_noise(model, frame);
     let mut expected = noise.covariance;
     for (c, excess) in model.model_error.iter().enumerate() {
@@ -116,6 +124,7 @@ pub fn model_error(
     frames: &[Frame],
     rows: &[ChannelRows],
 ) -> [f64; BALANCES] {
+    let model = &without_shifts(model);
     let of_run = |(frame, rows): (&Frame, &ChannelRows)| -> [[f64; 2]; BALANCES] {
         let noise = own_noise(model, frame);
         let ones = rows.each_ref().map(|rows| vec![1.0; rows.len()]);
@@ -143,6 +152,15 @@ struct NoiseCovariance {
     gain: [f64; BALANCES],
 }
 
+/// The model without delays and biases: thinned samples cannot be read at another time.
+fn without_shifts(model: &ResidualModel) -> ResidualModel {
+    ResidualModel {
+        installation: model.installation.without(Part::shifts),
+        ..model.clone()
+    }
+}
+
+/// Sensor noise with a model without shifts.
 fn own_noise(model: &ResidualModel, frame: &Frame) -> NoiseCovariance {
     let mut own = NoiseCovariance {
         covariance: Matrix3::zeros(),
@@ -151,12 +169,7 @@ fn own_noise(model: &ResidualModel, frame: &Frame) -> NoiseCovariance {
     let Some(noise) = &frame.noise else {
         return own;
     };
-    // The thinned samples cannot be read at another time.
-    let model = ResidualModel {
-        installation: model.installation.without(Part::shifts),
-        ..model.clone()
-    };
-    let on_run = ModelOnRun::new(&model, &noise.samples);
+    let on_run = ModelOnRun::new(model, &noise.samples);
     let share = 1.0 / noise.samples.len().max(1) as f64;
     for i in 0..noise.samples.len() {
         let at = on_run.instant(i, &on_run.measured(i));

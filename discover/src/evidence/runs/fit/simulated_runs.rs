@@ -14,6 +14,7 @@ use kufe_sled::effects::{Sensor, ahead};
 use rand::Rng;
 use rayon::prelude::*;
 
+use crate::evidence::runs::model::channels::Channels;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows, ResidualModel};
 use crate::evidence::runs::model::whiten::scaled;
 use crate::evidence::runs::recordings::frame::{Frame, ReadingVariances, RowNoise};
@@ -123,25 +124,8 @@ impl RunSimulator {
             let rng = &mut stream(self.seed, ROUND, i as u64);
             self.add_noise(&noise, &mut noisy, &mut opposite, rng);
             let squares = |series: &[f64]| frame.rows(series).iter().map(|e| e * e).sum::<f64>();
-            let [ax, ay, az] = &noisy.acceleration;
-            let [roll, pitch, yaw] = &noisy.rate;
-            let values = [
-                ax,
-                ay,
-                az,
-                roll,
-                pitch,
-                yaw,
-                &noisy.v,
-                &noisy.slip,
-                &noisy.steer,
-                &noisy.roll_split,
-            ];
-            let mut sums = values.map(|series| [squares(series), 0.0]);
-            for (axis, slope) in noisy.rate_slope.iter().enumerate() {
-                sums[Sensor::RollRate as usize + axis][1] = squares(slope);
-            }
-            sums
+            let channels = Channels::new(&noisy);
+            Sensor::ALL.map(|sensor| channels.series(sensor).map(squares))
         };
         let each: Vec<ReadingVariances> = frames.par_iter().enumerate().map(of_run).collect();
         let rows: usize = frames.iter().map(Frame::row_count).sum();
