@@ -15,9 +15,6 @@
 //! refitted base, the model as given. With and without effects the base is refitted if the replays
 //! are better than with the base as given.
 
-use kufe_sled::{
-    Inputs, Model, SimulateOptions, Track, TrackShape, Vehicle, refuse_effects, replay,
-};
 use rayon::prelude::*;
 
 use crate::evidence::runs::campaign::{Campaign, RunFit};
@@ -26,9 +23,8 @@ use crate::evidence::runs::model::residual_model::{
     BALANCES, BASE_NAMES, CHANNEL_NAMES, ResidualModel,
 };
 use crate::evidence::runs::outcome::misfit_decrease::with_whole_side;
-use crate::evidence::runs::outcome::next_model::next_model;
+use crate::evidence::runs::outcome::replays::Squares;
 use crate::finding::{Baseline, Fitted, ModelKind, Withheld};
-use crate::null::clusters::members;
 use crate::procedure::evidence::{Account, Choice};
 use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::rules::SearchRules;
@@ -36,35 +32,6 @@ use crate::procedure::rules::SearchRules;
 /// Rows of a piece of a run for comparisons of misfits: four seconds, beyond which residuals are
 /// uncorrelated.
 pub const PIECE_ROWS: usize = 40;
-
-/// Columns of a replay that are compared, and their units.
-const REPLAYED: [(&str, &str); 3] = [("t_s", "s"), ("v_mps", "m/s"), ("yaw_rate_radps", "rad/s")];
-/// Time step [s]: a run of 50 s then differs from one with 1 ms by less than 1 mm.
-const STEP_S: f64 = 2.5e-3;
-/// Speed below which a run counts as at rest [m/s].
-const SLOWEST_MPS: f64 = 1.0;
-/// Rate of a replay's output [Hz].
-const RATE_HZ: f64 = 100.0;
-
-/// Sums of squares of one quantity with their numbers of values, by piece.
-struct Squares {
-    name: String,
-    unit: &'static str,
-    /// Variance of the sensor's noise; 0 if the squares include it.
-    noise: f64,
-    pieces: Vec<[f64; 2]>,
-}
-
-impl Squares {
-    fn mean(&self) -> f64 {
-        let [sum, count] = [0, 1].map(|k| self.pieces.iter().map(|p| p[k]).sum::<f64>());
-        sum / count.max(1.0)
-    }
-
-    fn rms(&self) -> f64 {
-        self.mean().sqrt()
-    }
-}
 
 /// Comparison quantities of a model.
 struct Performance {
@@ -167,6 +134,7 @@ impl Campaign<'_> {
                 });
             }
             let tried = bases.into_iter().map(|fit| {
+                let fit = self.with_replayed_friction(fit, &given.replayed);
                 let performance = self.performance(&fit, Some(&given.replayed));
                 let reasons = match &performance {
                     Ok(performance) => {
@@ -178,6 +146,22 @@ impl Campaign<'_> {
                     }
                     Err(reason) => vec![reason.clone()],
                 };
+                if std::env::var("KUFE_DBG").is_ok() {
+                    let r = |p: &Performance| {
+                        p.all()
+                            .map(|s| format!("{}={:.4}", s.name, s.rms()))
+                            .collect::<Vec<_>>()
+                            .join(" ")
+                    };
+                    eprintln!(
+                        "VAR {:?} base {:.3?} {} given {} reasons {:?}",
+                        kind,
+                        fit.settled.base,
+                        performance.as_ref().map(r).unwrap_or_default(),
+                        r(&given),
+                        reasons
+                    );
+                }
                 (fit, performance, reasons)
             });
             let misfit = |(_, performance, reasons): &(_, Result<Performance, _>, Vec<_>)| {
@@ -312,22 +296,6 @@ impl Campaign<'_> {
         })
     }
 
-    /// The vehicle of a model, read back from its text by the readers of the simulation commands.
-    fn read_back(&self, model: &ResidualModel, already: usize) -> Result<Vehicle, String> {
-        let text = next_model(self.model, model, already).to_toml();
-        let read = || -> Result<Vehicle, kufe_sled::Error> {
-            let mut model = Model::from_toml(&text, "model.next.toml")?;
-            model.folder.clone_from(&self.model.folder);
-            let vehicle = Vehicle::with_effects(&model)?;
-            for frame in self.training.iter().chain(&self.held_out) {
-                let run = format!("run {}", frame.name);
-                refuse_effects(&vehicle.effects, &frame.unstated_conditions(), &run)?;
-            }
-            Ok(vehicle)
-        };
-        read().map_err(|error| format!("it cannot be simulated: {error}"))
-    }
-
     fn channel_squares(&self, model: &ResidualModel) -> Vec<Squares> {
         let used: Vec<usize> = (0..BALANCES).filter(|c| self.used[*c]).collect();
         let of_run = |frame| -> Vec<Vec<[f64; 2]>> {
@@ -352,85 +320,6 @@ impl Campaign<'_> {
             pieces: runs.iter().flat_map(|run| run[k].iter().copied()).collect(),
         };
         used.iter().enumerate().map(of_channel).collect()
-    }
-
-    /// Squares of the replays' differences, one piece per session, and the indices of the runs;
-    /// runs whose track has no table are omitted.
-    fn replay_squares<'v>(
-        &self,
-        vehicle_of: impl Fn(usize) -> &'v Vehicle + Sync,
-        stated: Option<&[usize]>,
-    ) -> Result<(Vec<usize>, Vec<Squares>), String> {
-        let tracks: Vec<Track> = self.data.downhill_tracks();
-        let all = &self.data.runs;
-        let on_track = |i: &usize| tracks.iter().any(|t| t.name == all[*i].entry.track);
-        let able = || (0..all.len()).filter(on_track).collect();
-        let runs: Vec<usize> = stated.map_or_else(able, <[usize]>::to_vec);
-        let of_run = |i: &usize| -> Result<([f64; 3], [f64; 3]), String> {
-            let (run, vehicle) = (&all[*i], vehicle_of(*i));
-            let track = tracks.iter().find(|t| t.name == run.entry.track);
-            let track = track.expect("runs without a track are filtered out");
-            let failed = |error: kufe_sled::Error| {
-                format!("run {} cannot be replayed with it: {error}", run.entry.run)
-            };
-            let inputs = Inputs::of(run, vehicle, track.s_m[0]).map_err(failed)?;
-            let options = SimulateOptions {
-                step_s: STEP_S,
-                rate_hz: RATE_HZ,
-                conditions: run.entry.conditions,
-                ..SimulateOptions::default()
-            };
-            let shape = TrackShape::new(track);
-            let replay = replay(&inputs, vehicle, &shape, &options).map_err(failed)?;
-            if let Some(stopped) = replay.stopped {
-                return Err(format!(
-                    "run {} stops in its replay: {stopped}",
-                    run.entry.run
-                ));
-            }
-            let mean_square = REPLAYED.map(|(column, _)| {
-                let of = replay.differences.iter().find(|d| d.column == column);
-                of.map_or(0.0, |d| d.rms * d.rms)
-            });
-            // An error of the speed shifts the time of passing.
-            let late: f64 = run.columns.get("v_mps").map_or(0.0, |speeds| {
-                let moving = speeds.iter().filter(|v| **v > SLOWEST_MPS);
-                moving.map(|v| run.dt_s * inputs.noise_sd[0] / v).sum()
-            });
-            Ok((mean_square, [late, inputs.noise_sd[0], inputs.noise_sd[2]]))
-        };
-        let tried: Vec<Result<_, String>> = runs.par_iter().map(of_run).collect();
-        let (mut replayed, mut each) = (Vec::new(), Vec::new());
-        for (run, tried) in runs.into_iter().zip(tried) {
-            match tried {
-                Ok(one) => {
-                    replayed.push(run);
-                    each.push(one);
-                }
-                Err(error) if stated.is_some() => return Err(error),
-                Err(_) => {}
-            }
-        }
-        let sessions = members(replayed.iter().map(|i| all[*i].entry.session.as_str()));
-        let of_column = |(k, (column, unit)): (usize, &(&str, &'static str))| Squares {
-            name: format!("replay {column}"),
-            unit,
-            noise: each.iter().map(|(_, noise)| noise[k].powi(2)).sum::<f64>()
-                / each.len().max(1) as f64,
-            pieces: sessions
-                .values()
-                .map(|runs| {
-                    let squares = runs.iter().map(|run| each[*run].0[k]);
-                    [squares.sum(), runs.len() as f64]
-                })
-                .collect(),
-        };
-        let columns = if each.is_empty() {
-            Vec::new()
-        } else {
-            REPLAYED.iter().enumerate().map(of_column).collect()
-        };
-        Ok((replayed, columns))
     }
 }
 

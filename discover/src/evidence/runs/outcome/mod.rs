@@ -12,5 +12,6 @@ pub(crate) mod misfit_decrease;
 pub(crate) mod next_model;
 pub(crate) mod pictures;
 pub(crate) mod planned;
+pub(crate) mod replays;
 pub(crate) mod superfluous;
 pub(crate) mod written;

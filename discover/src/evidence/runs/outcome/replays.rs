@@ -1,0 +1,231 @@
+//! Replays of the runs: simulations from each run's start with its steering.
+//!
+//! The replay compares time, speed and yaw rate over distance. The forces determine friction with
+//! the errors of the accelerometer and the mass; a replay has neither. The multiplier x of friction
+//! that is written is therefore the one at which the training runs are replayed best. With q_g the
+//! sum of squares of the speed's difference over the runs of session g, and central differences
+//! about the fit,
+//!
+//! ```text
+//! x = 1 - sum_g q_g' / sum_g q_g''
+//! ```
+//!
+//! The same sums without a session belong to the fit without it (the jackknife).
+
+use std::collections::BTreeSet;
+
+use kufe_sled::{
+    Inputs, Model, SimulateOptions, Track, TrackShape, Vehicle, refuse_effects, replay,
+};
+use rayon::prelude::*;
+
+use crate::evidence::runs::campaign::{Campaign, RunFit};
+use crate::evidence::runs::model::residual_model::{BOUNDS, ResidualModel};
+use crate::evidence::runs::outcome::next_model::next_model;
+use crate::null::clusters::members;
+
+/// Columns of a replay that are compared, and their units.
+const REPLAYED: [(&str, &str); 3] = [("t_s", "s"), ("v_mps", "m/s"), ("yaw_rate_radps", "rad/s")];
+/// Time step [s]: a run of 50 s then differs from one with 1 ms by less than 1 mm.
+const STEP_S: f64 = 2.5e-3;
+/// Speed below which a run counts as at rest [m/s].
+const SLOWEST_MPS: f64 = 1.0;
+/// Rate of a replay's output [Hz].
+const RATE_HZ: f64 = 100.0;
+/// Index of the speed among these columns.
+const SPEED: usize = 1;
+/// Relative step of the friction for differences of its replays: speeds are linear in it beyond.
+const FRICTION_STEP: f64 = 0.1;
+/// Most repetitions where the friction moves by more than a step.
+const FRICTION_ROUNDS: usize = 3;
+
+/// Sums of squares of one quantity with their numbers of values, by piece.
+pub struct Squares {
+    pub name: String,
+    pub unit: &'static str,
+    /// Variance of the sensor's noise; 0 if the squares include it.
+    pub noise: f64,
+    pub pieces: Vec<[f64; 2]>,
+}
+
+impl Squares {
+    pub fn mean(&self) -> f64 {
+        let [sum, count] = [0, 1].map(|k| self.pieces.iter().map(|p| p[k]).sum::<f64>());
+        sum / count.max(1.0)
+    }
+
+    pub fn rms(&self) -> f64 {
+        self.mean().sqrt()
+    }
+}
+
+impl Campaign<'_> {
+    /// The vehicle of a model, read back from its text by the readers of the simulation commands.
+    pub fn read_back(&self, model: &ResidualModel, already: usize) -> Result<Vehicle, String> {
+        let text = next_model(self.model, model, already).to_toml();
+        let read = || -> Result<Vehicle, kufe_sled::Error> {
+            let mut model = Model::from_toml(&text, "model.next.toml")?;
+            model.folder.clone_from(&self.model.folder);
+            let vehicle = Vehicle::with_effects(&model)?;
+            for frame in self.training.iter().chain(&self.held_out) {
+                let run = format!("run {}", frame.name);
+                refuse_effects(&vehicle.effects, &frame.unstated_conditions(), &run)?;
+            }
+            Ok(vehicle)
+        };
+        read().map_err(|error| format!("it cannot be simulated: {error}"))
+    }
+
+    /// Squares of the replays' differences, one piece per session, and the indices of the runs;
+    /// runs whose track has no table are omitted.
+    pub fn replay_squares<'v>(
+        &self,
+        vehicle_of: impl Fn(usize) -> &'v Vehicle + Sync,
+        stated: Option<&[usize]>,
+    ) -> Result<(Vec<usize>, Vec<Squares>), String> {
+        let tracks: Vec<Track> = self.data.downhill_tracks();
+        let all = &self.data.runs;
+        let on_track = |i: &usize| tracks.iter().any(|t| t.name == all[*i].entry.track);
+        let able = || (0..all.len()).filter(on_track).collect();
+        let runs: Vec<usize> = stated.map_or_else(able, <[usize]>::to_vec);
+        let of_run = |i: &usize| -> Result<([f64; 3], [f64; 3]), String> {
+            let (run, vehicle) = (&all[*i], vehicle_of(*i));
+            let track = tracks.iter().find(|t| t.name == run.entry.track);
+            let track = track.expect("runs without a track are filtered out");
+            let failed = |error: kufe_sled::Error| {
+                format!("run {} cannot be replayed with it: {error}", run.entry.run)
+            };
+            let inputs = Inputs::of(run, vehicle, track.s_m[0]).map_err(failed)?;
+            let options = SimulateOptions {
+                step_s: STEP_S,
+                rate_hz: RATE_HZ,
+                conditions: run.entry.conditions,
+                ..SimulateOptions::default()
+            };
+            let shape = TrackShape::new(track);
+            let replay = replay(&inputs, vehicle, &shape, &options).map_err(failed)?;
+            if let Some(stopped) = replay.stopped {
+                return Err(format!(
+                    "run {} stops in its replay: {stopped}",
+                    run.entry.run
+                ));
+            }
+            let mean_square = REPLAYED.map(|(column, _)| {
+                let of = replay.differences.iter().find(|d| d.column == column);
+                of.map_or(0.0, |d| d.rms * d.rms)
+            });
+            // An error of the speed shifts the time of passing.
+            let late: f64 = run.columns.get("v_mps").map_or(0.0, |speeds| {
+                let moving = speeds.iter().filter(|v| **v > SLOWEST_MPS);
+                moving.map(|v| run.dt_s * inputs.noise_sd[0] / v).sum()
+            });
+            Ok((mean_square, [late, inputs.noise_sd[0], inputs.noise_sd[2]]))
+        };
+        let tried: Vec<Result<_, String>> = runs.par_iter().map(of_run).collect();
+        let (mut replayed, mut each) = (Vec::new(), Vec::new());
+        for (run, tried) in runs.into_iter().zip(tried) {
+            match tried {
+                Ok(one) => {
+                    replayed.push(run);
+                    each.push(one);
+                }
+                Err(error) if stated.is_some() => return Err(error),
+                Err(_) => {}
+            }
+        }
+        let sessions = members(replayed.iter().map(|i| all[*i].entry.session.as_str()));
+        let of_column = |(k, (column, unit)): (usize, &(&str, &'static str))| Squares {
+            name: format!("replay {column}"),
+            unit,
+            noise: each.iter().map(|(_, noise)| noise[k].powi(2)).sum::<f64>()
+                / each.len().max(1) as f64,
+            pieces: sessions
+                .values()
+                .map(|runs| {
+                    let squares = runs.iter().map(|run| each[*run].0[k]);
+                    [squares.sum(), runs.len() as f64]
+                })
+                .collect(),
+        };
+        let columns = if each.is_empty() {
+            Vec::new()
+        } else {
+            REPLAYED.iter().enumerate().map(of_column).collect()
+        };
+        Ok((replayed, columns))
+    }
+
+    /// The fit with the friction at which the training runs among `replayed` are replayed best.
+    ///
+    /// Unchanged where friction is not fitted or a run cannot be replayed.
+    pub fn with_replayed_friction(&self, fit: RunFit, replayed: &[usize]) -> RunFit {
+        let training: BTreeSet<usize> = self.data.locked.training.iter().copied().collect();
+        let runs: Vec<usize> = replayed
+            .iter()
+            .copied()
+            .filter(|run| training.contains(run))
+            .collect();
+        if !self.free.contains(&0) || runs.is_empty() {
+            return fit;
+        }
+        let squares = |by: f64| -> Result<Vec<[f64; 2]>, String> {
+            let mut model = fit.settled.clone();
+            model.base[0] *= by;
+            let vehicle = self.read_back(&model, fit.already())?;
+            let (_, replays) = self.replay_squares(|_| &vehicle, Some(&runs))?;
+            Ok(replays[SPEED].pieces.clone())
+        };
+        let mut by = 1.0;
+        let mut without = Vec::new();
+        for _ in 0..FRICTION_ROUNDS {
+            let three = [by - FRICTION_STEP, by, by + FRICTION_STEP].map(squares);
+            let [Ok(below), Ok(here), Ok(above)] = three else {
+                return fit;
+            };
+            let all = below.iter().zip(&here).zip(&above);
+            // First and second differences of a session's squares.
+            let differences: Vec<[f64; 2]> = all
+                .map(|(([below, _], [here, _]), [above, _])| {
+                    [0.5 * (above - below), above - 2.0 * here + below]
+                })
+                .collect();
+            let total = |k: usize| differences.iter().map(|one| one[k]).sum::<f64>();
+            let [slope, curvature] = [total(0), total(1)];
+            if curvature <= 0.0 {
+                return fit;
+            }
+            let at = |slope: f64, curvature: f64| by - FRICTION_STEP * slope / curvature;
+            let left_out = |[own, bent]: &[f64; 2]| at(slope - own, (curvature - bent).max(1e-300));
+            without = differences.iter().map(left_out).collect();
+            let next = at(slope, curvature).clamp(BOUNDS[0], BOUNDS[1]);
+            let moved = (next - by).abs();
+            by = next;
+            if moved < FRICTION_STEP {
+                break;
+            }
+        }
+        let sessions = members(
+            runs.iter()
+                .map(|run| self.data.runs[*run].entry.session.as_str()),
+        );
+        let mut fit = fit;
+        for (of_session, model) in &mut fit.left_out {
+            let run = of_session
+                .first()
+                .map(|run| self.data.locked.training[*run]);
+            let known = run.and_then(|run| {
+                let own = self.data.runs[run].entry.session.as_str();
+                sessions.keys().position(|session| *session == own)
+            });
+            let by = known.map_or(by, |session| without[session]);
+            model.base[0] = (model.base[0] * by).clamp(BOUNDS[0], BOUNDS[1]);
+        }
+        let friction = (fit.settled.base[0] * by).clamp(BOUNDS[0], BOUNDS[1]);
+        fit.settled.base[0] = friction;
+        let number = self.free.iter().position(|b| *b == 0);
+        if let Some(estimate) = number.and_then(|k| fit.estimates.get_mut(k)) {
+            *estimate = estimate.stated_as(friction);
+        }
+        fit
+    }
+}
