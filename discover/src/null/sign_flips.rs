@@ -1,7 +1,6 @@
 //! Sign-flip tests with a correction for multiple candidates.
 
 use nalgebra::DMatrix;
-use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::null::random::{normal, sign, stream};
@@ -44,7 +43,20 @@ impl MaxT {
         seed: u64,
     ) -> Self {
         Self::drawn(flips, |k| {
-            let (sums, _) = weighted_sums(u, common, &mut stream(seed, 0xF11B, k), sign);
+            let rng = &mut stream(seed, 0xF11B, k);
+            let mut sums = vec![0.0; u.nrows()];
+            for scores in u.column_iter() {
+                let sign = sign(rng);
+                for (sum, score) in sums.iter_mut().zip(scores.iter()) {
+                    *sum += sign * score;
+                }
+            }
+            for effect in common.column_iter() {
+                let size = normal(rng);
+                for (sum, derivative) in sums.iter_mut().zip(effect.iter()) {
+                    *sum += size * derivative;
+                }
+            }
             let judged = sums.iter().zip(norms).filter(|(_, norm)| **norm > 0.0);
             judged.fold(0.0_f64, |m, (sum, norm)| m.max((sum / norm).abs()))
         })
@@ -61,34 +73,6 @@ impl MaxT {
         let at = ((1.0 - alpha) * self.maxima.len() as f64).floor() as usize;
         self.maxima[at.min(self.maxima.len() - 1)]
     }
-}
-
-/// Sum of each row of `u` with a random weight of each column, and the sum of the squares.
-///
-/// The sums contain random effects common to all columns; `common` is their derivative by a
-/// standard deviation of each.
-pub(crate) fn weighted_sums(
-    u: &DMatrix<f64>,
-    common: &DMatrix<f64>,
-    rng: &mut ChaCha8Rng,
-    weight: impl Fn(&mut ChaCha8Rng) -> f64,
-) -> (Vec<f64>, Vec<f64>) {
-    let (mut sums, mut squares) = (vec![0.0; u.nrows()], vec![0.0; u.nrows()]);
-    for scores in u.column_iter() {
-        let weight = weight(rng);
-        for (c, score) in scores.iter().enumerate() {
-            let weighted = weight * score;
-            sums[c] += weighted;
-            squares[c] += weighted * weighted;
-        }
-    }
-    for effect in common.column_iter() {
-        let size = normal(rng);
-        for (sum, derivative) in sums.iter_mut().zip(effect.iter()) {
-            *sum += size * derivative;
-        }
-    }
-    (sums, squares)
 }
 
 /// |T| of each row.

@@ -11,7 +11,8 @@ use crate::evidence::runs::laws::terms::Terms;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::recordings::frame::further_columns;
 use crate::evidence::runs::screen::residual_screen::ScreenOptions;
-use crate::null::clusters::{by_sessions, session_numbers};
+use crate::null::clusters::session_numbers;
+use crate::null::unit_scores::UnitScores;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Randomised, Selection};
 
@@ -86,15 +87,16 @@ impl Campaign<'_> {
     /// p-value of a formula's score, the first column, with only sessions independent.
     fn law_by_sessions(&self, sums: &LawSums) -> Option<f64> {
         let first = |rows: &DMatrix<f64>| rows.rows(0, 1).into_owned();
+        let own = UnitScores {
+            u: first(&sums.u),
+            information: DMatrix::from_fn(1, sums.m.len(), |_, run| sums.m[run][(0, 0)]),
+            shared: vec![sums.shared[0]],
+            common: first(&sums.common),
+        };
         let sessions = session_numbers(self.training.iter().map(|frame| frame.session.as_str()));
-        let p_values = by_sessions(
-            &first(&sums.u),
-            &[sums.shared[0]],
-            &first(&sums.common),
-            &sessions,
-            (self.options.flips, self.options.seed),
-        );
-        p_values?.first().copied()
+        let of_sessions = own.by_sessions(&sessions)?;
+        let null = of_sessions.by_wild_bootstrap(self.options.flips, self.options.seed);
+        of_sessions.t().first().map(|t| null.p_value(*t))
     }
 
     /// Whether a law with this gain and its scatter replaces a selected effect. An effect of the

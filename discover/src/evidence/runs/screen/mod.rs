@@ -8,6 +8,5 @@ pub(crate) mod place;
 pub(crate) mod refine;
 pub(crate) mod residual_screen;
 pub(crate) mod rivals;
-pub(crate) mod score_sums;
 pub(crate) mod track;
 pub(crate) mod within_runs;

@@ -1,5 +1,7 @@
 //! One screen of the residuals: corrected scores of every candidate, tested by sign-flips.
 
+use std::ops::Range;
+
 use nalgebra::DMatrix;
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
@@ -8,9 +10,9 @@ use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::{Design, Products};
 use crate::evidence::runs::model::windows::Window;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::screen::score_sums::ScoreSums;
-use crate::null::clusters::{by_sessions, session_numbers};
+use crate::null::clusters::session_numbers;
 use crate::null::sign_flips::MaxT;
+use crate::null::unit_scores::UnitScores;
 use crate::procedure::candidate::Candidate;
 use crate::regression::prior::Prior;
 use crate::regression::scores::{Scores, cross_information};
@@ -61,7 +63,7 @@ pub struct RunScreen {
     /// Regular candidates, then windows.
     pub seen: Vec<CandidateScore>,
     /// Scores of candidates and windows.
-    pub sums: ScoreSums,
+    pub sums: UnitScores,
     /// Products of the regular candidates given the base.
     pub cross: DMatrix<f64>,
 }
@@ -144,55 +146,61 @@ pub fn screen_runs(
         .collect();
     let u = scores.u.clone();
     let norms = norms(&scores, &usable, tested);
-    let part = |u: &DMatrix<f64>, from: usize, to: usize, seed: u64| {
-        let rows = u.rows(from, to - from).into_owned();
-        let common = scores.common.rows(from, to - from).into_owned();
-        MaxT::with_norms(&rows, &norms[from..to], &common, options.flips, seed)
-    };
-    let scattered = scattered(&scores, regular);
     let named = tested.regular.iter().filter(|c| !c.is_column()).count();
     assert!(
         tested.regular[named..].iter().all(Candidate::is_column),
         "candidates outside the catalogue come last"
     );
     // Three families of candidates: the catalogue, columns outside it, places.
+    let families = [0..named, named..regular, regular..count];
+    let of_family = |family: &Range<usize>| {
+        let rows: Vec<usize> = family.clone().collect();
+        let mut own = UnitScores::of(&scores).only(&rows);
+        for (row, _) in rows.iter().enumerate().filter(|(_, c)| !usable[**c]) {
+            own.information.row_mut(row).fill(0.0);
+        }
+        own
+    };
+    let [known, columns, places] = families.each_ref().map(of_family);
+    let scattered = scattered(&scores, regular);
+    let (at_places, common) = (
+        scattered.rows(regular, count - regular).into_owned(),
+        scores.common.rows(regular, count - regular).into_owned(),
+    );
     let nulls = [
-        (part(&u, 0, named, options.seed), options.alpha),
-        (
-            part(&u, named, regular, options.seed ^ 0xBE40),
-            options.alpha_column,
-        ),
-        (
-            part(&scattered, regular, count, options.seed ^ 0x10CA),
-            options.alpha_local,
+        known.by_sign_flips(options.flips, options.seed),
+        columns.by_sign_flips(options.flips, options.seed ^ 0xBE40),
+        MaxT::with_norms(
+            &at_places,
+            &norms[regular..],
+            &common,
+            options.flips,
+            options.seed ^ 0x10CA,
         ),
     ];
+    let alphas = [options.alpha, options.alpha_column, options.alpha_local];
+    let mut t_all = ts(&scores, &norms);
+    for (family, own) in families.iter().zip([&known, &columns]) {
+        t_all[family.clone()].copy_from_slice(&own.t());
+    }
     let sessions = session_numbers(frames.iter().map(|frame| frame.session.as_str()));
-    let families = [0, named, regular, count];
-    let p_sessions: Vec<Option<f64>> = families
-        .windows(2)
-        .flat_map(|ends| {
-            let (from, length) = (ends[0], ends[1] - ends[0]);
-            let mut rows = u.rows(from, length).into_owned();
-            let mut common = scores.common.rows(from, length).into_owned();
-            for c in (0..length).filter(|c| !usable[from + c]) {
-                rows.row_mut(c).fill(0.0);
-                common.row_mut(c).fill(0.0);
-            }
-            let shared = &scores.shared[from..from + length];
-            let tested = by_sessions(
-                &rows,
-                shared,
-                &common,
-                &sessions,
-                (options.flips, options.seed),
-            );
-            tested.map_or(vec![None; length], |p| p.into_iter().map(Some).collect())
+    let p_sessions: Vec<Option<f64>> = [&known, &columns, &places]
+        .into_iter()
+        .flat_map(|own| {
+            let Some(of_sessions) = own.by_sessions(&sessions) else {
+                return vec![None; own.u.nrows()];
+            };
+            let null = of_sessions.by_wild_bootstrap(options.flips, options.seed);
+            let p_value = |t: f64| Some(null.p_value(t));
+            of_sessions.t().into_iter().map(p_value).collect()
         })
         .collect();
-    let criticals = nulls.each_ref().map(|(null, alpha)| null.critical(*alpha));
+    let criticals: Vec<f64> = nulls
+        .iter()
+        .zip(alphas)
+        .map(|(null, alpha)| null.critical(alpha))
+        .collect();
     let family = |c: usize| usize::from(c >= named) + usize::from(c >= regular);
-    let t_all = ts(&scores, &norms);
     let seen = (0..count)
         .map(|c| {
             let information = scores.total_information(c).max(1e-300);
@@ -206,7 +214,7 @@ pub fn screen_runs(
                 .sum();
             let scatter = spread * n / (n - 1.0).max(1.0);
             let error = (scatter + scores.shared_variance(c)).sqrt() / information;
-            let (null, critical) = (&nulls[family(c)].0, criticals[family(c)]);
+            let (null, critical) = (&nulls[family(c)], criticals[family(c)]);
             CandidateScore {
                 remaining_share: scores.remaining_share(c),
                 size: size * scale,
@@ -228,7 +236,7 @@ pub fn screen_runs(
         .collect();
     RunScreen {
         seen,
-        sums: ScoreSums::of(&scores),
+        sums: UnitScores::of(&scores),
         cross: cross_information(&grams, prior),
     }
 }

@@ -12,9 +12,9 @@ use crate::evidence::runs::screen::detectable::detectable;
 use crate::evidence::runs::screen::residual_screen::{
     CandidateProducts, RunScreen, ScreenOptions, best_windows, screen_runs,
 };
-use crate::evidence::runs::screen::score_sums::ScoreSums;
 use crate::evidence::runs::screen::track::on_track::SurveyedTrack;
 use crate::evidence::runs::shared_effects::within;
+use crate::null::unit_scores::UnitScores;
 use crate::options::OUTSIDE_CATALOGUE;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Randomised, Screen, Selection};
@@ -197,7 +197,7 @@ impl Campaign<'_> {
                 .collect();
             let scores = Scores::new(&grams, &design.prior());
             together.cross = cross_information(&grams, &design.prior());
-            let sums = ScoreSums::of(&scores);
+            let sums = UnitScores::of(&scores);
             for (k, (candidate, c)) in (selected.len()..).zip(&close) {
                 together.sums.push(&sums, k);
                 let information = scores.total_information(k).max(1e-300);

@@ -1,0 +1,293 @@
+//! Randomisation tests of sizes from the scores of independent units: runs, or sessions.
+//!
+//! With u_i the score of unit i, I_i its information, V the variance of the sum by random effects
+//! common to all units, and weights w_i of mean 0 and variance 1:
+//!
+//! ```text
+//! size* = (sum w_i u_i + z) / (sum I_i + V)
+//! t*    = (sum w_i u_i + z) / sqrt(n/(n - 1) sum (w_i u_i - size* I_i)^2 + V),   z ~ N(0, V)
+//! ```
+//!
+//! t is that of w = 1. The null is imposed on the scores, but the scatter is about the estimate in
+//! every draw: about 0, an effect in all units would be in its own scatter, and |t| could not
+//! exceed the root of n. Weights are signs for runs, exact if scores are symmetric, and Webb's six
+//! for sessions, which give distinct values with few of them: the wild cluster bootstrap.
+//!
+//! Source: A. C. Cameron, J. B. Gelbach, D. L. Miller, Bootstrap-based improvements for inference
+//! with clustered errors, Review of Economics and Statistics 90 (2008) 414; P. Kline, A. Santos, A
+//! score based approach to wild bootstrap inference, Journal of Econometric Methods 1 (2012) 23;
+//! M. D. Webb, Reworking wild bootstrap-based inference for clustered errors, Canadian Journal of
+//! Economics 56 (2023) 839.
+
+use nalgebra::DMatrix;
+use rand_chacha::ChaCha8Rng;
+
+use crate::null::random::{below, normal, sign, stream};
+use crate::null::sign_flips::MaxT;
+use crate::regression::scores::Scores;
+
+/// Scores of several candidates by unit.
+#[derive(Clone)]
+pub struct UnitScores {
+    /// Scores: candidates by units.
+    pub u: DMatrix<f64>,
+    /// Information about each candidate's size: candidates by units.
+    pub information: DMatrix<f64>,
+    /// Contribution of the fitted random effects to each sum.
+    pub shared: Vec<f64>,
+    /// Derivative of each sum by a standard deviation of each random effect: candidates by effects.
+    pub common: DMatrix<f64>,
+}
+
+impl UnitScores {
+    /// Those of runs.
+    pub fn of(scores: &Scores) -> Self {
+        Self {
+            u: scores.u.clone(),
+            information: scores.information.clone(),
+            shared: scores.shared.clone(),
+            common: scores.common.clone(),
+        }
+    }
+
+    /// Some of the candidates.
+    pub fn only(&self, selected: &[usize]) -> Self {
+        Self {
+            u: self.u.select_rows(selected),
+            information: self.information.select_rows(selected),
+            shared: selected.iter().map(|c| self.shared[*c]).collect(),
+            common: self.common.select_rows(selected),
+        }
+    }
+
+    /// Adds a candidate of other scores.
+    pub fn push(&mut self, from: &Self, candidate: usize) {
+        let rows = self.u.nrows();
+        let grown = |to: &DMatrix<f64>, from: &DMatrix<f64>| {
+            let mut grown = to.clone().insert_row(rows, 0.0);
+            grown.row_mut(rows).copy_from(&from.row(candidate));
+            grown
+        };
+        self.u = grown(&self.u, &from.u);
+        self.information = grown(&self.information, &from.information);
+        self.common = grown(&self.common, &from.common);
+        self.shared.push(from.shared[candidate]);
+    }
+
+    /// Sums over the runs of each session; `None` with fewer than two sessions.
+    ///
+    /// `sessions`: number of each run's session.
+    pub fn by_sessions(&self, sessions: &[usize]) -> Option<Self> {
+        let groups = sessions.iter().max().map_or(0, |last| last + 1);
+        let summed = |of: &DMatrix<f64>| {
+            let mut sums = DMatrix::zeros(of.nrows(), groups);
+            for (run, session) in sessions.iter().enumerate() {
+                let mut own = sums.column_mut(*session);
+                own += of.column(run);
+            }
+            sums
+        };
+        (groups > 1).then(|| Self {
+            u: summed(&self.u),
+            information: summed(&self.information),
+            ..self.clone()
+        })
+    }
+
+    /// t of each candidate.
+    pub fn t(&self) -> Vec<f64> {
+        let weighted = Weighted::of(self, |_| 1.0, &self.shared);
+        self.studentised(&weighted)
+    }
+
+    /// The distribution of the largest |t| with a random sign of each unit.
+    pub fn by_sign_flips(&self, draws: usize, seed: u64) -> MaxT {
+        self.drawn(draws, (seed, 0xF11B), sign)
+    }
+
+    /// The same with one of Webb's weights of each unit.
+    pub fn by_wild_bootstrap(&self, draws: usize, seed: u64) -> MaxT {
+        let webb = [-1.5_f64, -1.0, -0.5, 0.5, 1.0, 1.5].map(|w| w.signum() * w.abs().sqrt());
+        self.drawn(draws, (seed, 0xC105), |rng| webb[below(rng, webb.len())])
+    }
+
+    fn drawn(
+        &self,
+        draws: usize,
+        (seed, salt): (u64, u64),
+        weight: impl Fn(&mut ChaCha8Rng) -> f64 + Sync + Send,
+    ) -> MaxT {
+        MaxT::drawn(draws, |k| {
+            let rng = &mut stream(seed, salt, k);
+            let weights: Vec<f64> = (0..self.u.ncols()).map(|_| weight(rng)).collect();
+            let mut random = vec![0.0; self.u.nrows()];
+            for effect in self.common.column_iter() {
+                let size = normal(rng);
+                for (sum, derivative) in random.iter_mut().zip(effect.iter()) {
+                    *sum += size * derivative;
+                }
+            }
+            let weighted = Weighted::of(self, |unit| weights[unit], &random);
+            let t = self.studentised(&weighted);
+            t.into_iter().fold(0.0, |most, t| most.max(t.abs()))
+        })
+    }
+
+    /// t of each candidate; 0 if fewer than two units have information.
+    fn studentised(&self, weighted: &Weighted) -> Vec<f64> {
+        let of = |c: usize| {
+            let information = self.information.row(c);
+            let units = information.iter().filter(|i| **i > 0.0).count() as f64;
+            let variance = self.common.row(c).norm_squared();
+            let total = information.sum() + variance;
+            if units < 2.0 || total <= 0.0 {
+                return 0.0;
+            }
+            let [sum, squares, crossed] =
+                [&weighted.sums, &weighted.squares, &weighted.crossed].map(|of| of[c]);
+            let size = sum / total;
+            let about = squares - 2.0 * size * crossed + size * size * information.norm_squared();
+            let square = units / (units - 1.0) * about.max(0.0) + variance;
+            sum / square.sqrt().max(f64::MIN_POSITIVE)
+        };
+        (0..self.u.nrows()).map(of).collect()
+    }
+
+    /// t of candidate `a` less `share` of candidate `b`, with its scatter about 0.
+    pub fn t_less(&self, a: usize, b: usize, share: f64) -> f64 {
+        let difference = self.u.row(a) - self.u.row(b) * share;
+        let common = self.common.row(a) - self.common.row(b) * share;
+        let sum = difference.sum() + self.shared[a] - share * self.shared[b];
+        let norm = (difference.norm_squared() + common.norm_squared()).sqrt();
+        if norm > 0.0 { sum / norm } else { 0.0 }
+    }
+}
+
+/// Sums of weighted scores: themselves, their squares, and their products with the information.
+struct Weighted {
+    sums: Vec<f64>,
+    squares: Vec<f64>,
+    crossed: Vec<f64>,
+}
+
+impl Weighted {
+    fn of(scores: &UnitScores, weight: impl Fn(usize) -> f64, random: &[f64]) -> Self {
+        let count = scores.u.nrows();
+        let mut all = Self {
+            sums: random.to_vec(),
+            squares: vec![0.0; count],
+            crossed: vec![0.0; count],
+        };
+        for unit in 0..scores.u.ncols() {
+            let (weight, information) = (weight(unit), scores.information.column(unit));
+            for (c, score) in scores.u.column(unit).iter().enumerate() {
+                let weighted = weight * score;
+                all.sums[c] += weighted;
+                all.squares[c] += weighted * weighted;
+                all.crossed[c] += weighted * information[c];
+            }
+        }
+        all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::null::clusters::session_numbers;
+
+    const RUNS: usize = 4;
+
+    /// Scores of twenty candidates in sessions of four runs. Runs of a session are correlated by
+    /// 0.3; the first candidate has this mean score per information.
+    fn drawn(sessions: usize, mean: f64, rng: &mut ChaCha8Rng) -> UnitScores {
+        let faults = DMatrix::from_fn(20, sessions, |_, _| normal(rng));
+        let information = DMatrix::from_fn(
+            20,
+            sessions * RUNS,
+            |_, i| if i % 3 == 0 { 2.0 } else { 0.5 },
+        );
+        let u = DMatrix::from_fn(20, sessions * RUNS, |c, i| {
+            let own = 0.7_f64.sqrt() * normal(rng) + 0.3_f64.sqrt() * faults[(c, i / RUNS)];
+            let of_effect = if c == 0 { mean } else { 0.0 };
+            information[(c, i)].sqrt() * own + information[(c, i)] * of_effect
+        });
+        UnitScores {
+            u,
+            information,
+            shared: vec![0.0; 20],
+            common: DMatrix::zeros(20, 0),
+        }
+    }
+
+    /// Share of data sets in which the first or, without an effect, any candidate has a p-value of
+    /// at most 0.01 by runs and by sessions.
+    fn detected(sessions: usize, mean: f64) -> [f64; 2] {
+        let numbers: Vec<usize> = (0..sessions * RUNS).map(|run| run / RUNS).collect();
+        let mut rng = stream(7, 7, 7);
+        let sets = 200;
+        let mut found = [0.0; 2];
+        for seed in 0..sets {
+            let by_runs = drawn(sessions, mean, &mut rng);
+            let of_sessions = by_runs.by_sessions(&numbers).expect("sessions");
+            let tests = [
+                (by_runs.t(), by_runs.by_sign_flips(399, seed)),
+                (of_sessions.t(), of_sessions.by_wild_bootstrap(399, seed)),
+            ];
+            for (found, (t, null)) in found.iter_mut().zip(tests) {
+                let most = t.iter().fold(0.0_f64, |m, t| m.max(t.abs()));
+                let t = if mean > 0.0 { t[0].abs() } else { most };
+                *found += f64::from(u8::from(null.p_value(t) <= 0.01)) / sets as f64;
+            }
+        }
+        found
+    }
+
+    /// Binomial with 200 trials at 0.01: mean 2, three deviations 4.2.
+    #[test]
+    fn errors_shared_by_sessions_are_significant_by_runs_and_not_by_sessions() {
+        let [by_runs, by_sessions] = detected(12, 0.0);
+        assert!(by_runs > 0.05, "{by_runs}");
+        assert!(by_sessions <= 0.031, "{by_sessions}");
+    }
+
+    #[test]
+    fn an_effect_in_twelve_sessions_is_significant_by_both() {
+        let found = detected(12, 2.0);
+        assert!(found.iter().all(|share| *share > 0.9), "{found:?}");
+    }
+
+    /// Among twenty candidates a score of eight runs about 0 rarely reaches a p-value of 0.01,
+    /// however large the effect.
+    #[test]
+    fn a_large_effect_in_a_few_unequal_runs_is_significant() {
+        let found = detected(2, 30.0);
+        assert!(found[0] > 0.9, "{found:?}");
+    }
+
+    #[test]
+    fn t_is_that_of_weighted_least_squares_with_a_robust_error() {
+        let scores = UnitScores {
+            u: DMatrix::from_row_slice(1, 3, &[2.0, 1.0, 4.0]),
+            information: DMatrix::from_row_slice(1, 3, &[1.0, 0.5, 1.5]),
+            shared: vec![0.0],
+            common: DMatrix::zeros(1, 0),
+        };
+        // size 7/3; residuals 2 - 7/3, 1 - 7/6, 4 - 7/2
+        let square: f64 = [-1.0 / 3.0, -1.0 / 6.0, 0.5_f64]
+            .iter()
+            .map(|r| r * r)
+            .sum();
+        assert!((scores.t()[0] - 7.0 / (1.5 * square).sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn one_session_cannot_be_compared_with_others() {
+        let scores = drawn(1, 0.0, &mut stream(1, 1, 1));
+        assert!(scores.by_sessions(&[0; 4]).is_none());
+        assert_eq!(
+            session_numbers(["a", "b", "a", "c"].into_iter()),
+            [0, 1, 0, 2]
+        );
+    }
+}
