@@ -169,9 +169,12 @@ impl Account {
         self.explain_removal(gone.iter().zip(closed).map(message).collect());
     }
 
-    /// Removes every step because the model with them is worse than the given one, for this reason.
-    pub fn withhold(&mut self, reason: &str) {
-        let gone = std::mem::take(&mut self.steps);
+    /// Removes these steps because the model with them is worse than the given one, for this reason.
+    pub fn withhold(&mut self, steps: &[usize], reason: &str) {
+        let all = std::mem::take(&mut self.steps).into_iter().enumerate();
+        let (gone, kept): (Vec<_>, Vec<_>) = all.partition(|(step, _)| steps.contains(step));
+        self.steps = kept.into_iter().map(|(_, step)| step).collect();
+        let gone: Vec<Step> = gone.into_iter().map(|(_, step)| step).collect();
         let names: Vec<&str> = gone.iter().map(|step| step.effect.as_str()).collect();
         self.explain_removal(vec![format!(
             "{} fits the training runs (p = {:.1e}), but the model with it is worse than the model as given on runs it was not fitted to ({reason}): not named",

@@ -288,7 +288,7 @@ impl Evidence for Campaign<'_> {
         last: RunFit,
         account: &mut Account,
     ) -> Result<Choice<RunFit>, Error> {
-        Ok(self.chosen(refitted, last, account))
+        self.chosen(refitted, last, account)
     }
 
     fn describe(

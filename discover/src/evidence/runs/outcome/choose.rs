@@ -12,11 +12,13 @@
 //! A quantity is worse if its mean square grows by more than its scatter over the pieces or
 //! sessions, by more than a stated share, and for a replay by more than the variance of the
 //! sensor's noise. The first model without a worse quantity is written, of: base and effects, the
-//! refitted base, the model as given. With and without effects the base is refitted if the replays
-//! are better than with the base as given.
+//! refitted base, the model as given. Friction is that of the replays
+//! ([`replays`](crate::evidence::runs::outcome::replays)); grip is refitted if the replays are then
+//! better than with the grip as given.
 
 use rayon::prelude::*;
 
+use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::contacts::own::without_pushes;
 use crate::evidence::runs::model::residual_model::{
@@ -97,10 +99,36 @@ fn grows(after: &Squares, before: &Squares, rules: &SearchRules) -> bool {
     -decrease.by > rules.interval * error && after.mean() > share * before.mean() + before.noise
 }
 
+/// A model to write, and why it is not written.
+struct Tried {
+    fit: RunFit,
+    performance: Option<Performance>,
+    reasons: Vec<String>,
+}
+
+impl Tried {
+    /// Models without a worse quantity come first, then by misfit.
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        let rank = |tried: &Self| {
+            let misfit = tried.performance.as_ref().map(Performance::misfit);
+            (!tried.reasons.is_empty(), misfit.unwrap_or(f64::INFINITY))
+        };
+        let ((a, of_a), (b, of_b)) = (rank(self), rank(other));
+        a.cmp(&b).then(of_a.total_cmp(&of_b))
+    }
+}
+
 impl Campaign<'_> {
     /// The model to write, of these two fits and the model as given.
-    pub fn chosen(&self, refitted: &RunFit, last: RunFit, account: &mut Account) -> Choice<RunFit> {
-        let rules = &self.options.rules.search;
+    ///
+    /// # Errors
+    /// Those of a fit with one effect less.
+    pub fn chosen(
+        &self,
+        refitted: &RunFit,
+        mut last: RunFit,
+        account: &mut Account,
+    ) -> Result<Choice<RunFit>, Error> {
         let as_given = self.as_given(refitted);
         let given = match self.performance(&as_given, None) {
             Ok(performance) => performance,
@@ -115,88 +143,83 @@ impl Campaign<'_> {
                 }
             }
         };
-        let with_effect = !last.owners.is_empty()
-            || (last.settled.contacts.as_ref()).is_some_and(|contacts| contacts.step.is_some());
-        let mut candidates = vec![(ModelKind::Refitted, refitted.clone())];
-        if with_effect {
-            candidates.insert(0, (ModelKind::WithEffect, last.clone()));
-        }
+        let has_effects = |fit: &RunFit| {
+            let contacts = fit.settled.contacts.as_ref();
+            !fit.owners.is_empty() || contacts.is_some_and(|contacts| contacts.step.is_some())
+        };
+        let with_effect = has_effects(&last);
         let mut done: Vec<(ModelKind, Option<Performance>)> = Vec::new();
         let mut withheld = Vec::new();
         let mut chosen = None;
-        for (kind, fit) in candidates {
-            let mut bases = vec![fit.clone()];
-            if let (ModelKind::WithEffect, Some(other)) = (kind, &fit.base_as_given) {
-                let settled = self.installed_in(&other.settled, &self.training);
-                bases.push(RunFit {
-                    settled,
-                    ..(**other).clone()
-                });
-            }
-            let tried = bases.into_iter().map(|fit| {
-                let fit = self.with_replayed_friction(fit, &given.replayed);
-                let performance = self.performance(&fit, Some(&given.replayed));
-                let reasons = match &performance {
-                    Ok(performance) => {
-                        let mut reasons = performance.worse_than(&given, rules);
-                        if kind == ModelKind::Refitted && performance.misfit() > given.misfit() {
-                            reasons.push("other runs are not replayed better".to_owned());
-                        }
-                        reasons
-                    }
-                    Err(reason) => vec![reason.clone()],
-                };
-                if std::env::var("KUFE_DBG").is_ok() {
-                    let r = |p: &Performance| {
-                        p.all()
-                            .map(|s| format!("{}={:.4}", s.name, s.rms()))
-                            .collect::<Vec<_>>()
-                            .join(" ")
-                    };
-                    eprintln!(
-                        "VAR {:?} base {:.3?} {} given {} reasons {:?}",
-                        kind,
-                        fit.settled.base,
-                        performance.as_ref().map(r).unwrap_or_default(),
-                        r(&given),
-                        reasons
-                    );
-                }
-                (fit, performance, reasons)
-            });
-            let misfit = |(_, performance, reasons): &(_, Result<Performance, _>, Vec<_>)| {
-                let misfit = performance.as_ref().map(Performance::misfit);
-                (!reasons.is_empty(), misfit.unwrap_or(f64::INFINITY))
-            };
-            let Some((fit, performance, reasons)) = tried.min_by(|a, b| {
-                let ((a, of_a), (b, of_b)) = (misfit(a), misfit(b));
-                a.cmp(&b).then(of_a.total_cmp(&of_b))
-            }) else {
-                continue;
-            };
-            let is_able = reasons.is_empty();
-            if !is_able && chosen.is_none() {
+        let mut next = with_effect.then(|| self.tried(&last, &given));
+        while let Some(tried) = next.take() {
+            let names = |fit: &RunFit| -> Vec<String> {
                 let effects = fit.residual_model.effects.active[fit.already()..].iter();
-                withheld.push(Withheld {
-                    model: kind,
-                    effects: effects.map(|e| e.effect_name().to_owned()).collect(),
-                    reason: reasons.join("; "),
-                });
+                effects.map(|e| e.effect_name().to_owned()).collect()
+            };
+            if tried.reasons.is_empty() {
+                done.push((ModelKind::WithEffect, tried.performance));
+                chosen = Some((ModelKind::WithEffect, tried.fit));
+                break;
             }
-            done.push((kind, performance.ok()));
-            if is_able && chosen.is_none() {
-                chosen = Some((kind, fit));
+            let reason = tried.reasons.join("; ");
+            withheld.push(Withheld {
+                model: ModelKind::WithEffect,
+                effects: names(&tried.fit),
+                reason: reason.clone(),
+            });
+            // A dependence that simulations cannot include stays; of the others the step is removed
+            // without which other runs are simulated best.
+            let kept = last.unwritten.as_ref().map(|unwritten| unwritten.step);
+            let all = 0..account.steps.len();
+            let steps: Vec<usize> = all.filter(|step| Some(*step) != kept).collect();
+            let without = |step: &usize| -> Result<(usize, RunFit, Tried), Error> {
+                let mut fit = self.without_step(&last, *step)?;
+                self.write(&mut fit);
+                let tried = self.tried(&fit, &given);
+                Ok((*step, fit, tried))
+            };
+            let shorter = match steps.len() {
+                ..2 => Vec::new(),
+                _ => steps.iter().map(without).collect::<Result<_, Error>>()?,
+            };
+            match shorter.into_iter().min_by(|(_, _, a), (_, _, b)| a.cmp(b)) {
+                Some((step, fit, tried)) => {
+                    account.remove_step(step, &format!("made other runs worse ({reason})"));
+                    (last, next) = (fit, Some(tried));
+                }
+                None => {
+                    done.push((ModelKind::WithEffect, tried.performance));
+                    account.withhold(&steps, &reason);
+                    if let Some(unwritten) = &mut last.unwritten {
+                        unwritten.step = 0;
+                    }
+                }
             }
         }
+        let mut base = self.tried(refitted, &given);
+        let misfit = base.performance.as_ref().map(Performance::misfit);
+        if misfit.is_some_and(|misfit| misfit > given.misfit()) {
+            base.reasons
+                .push("other runs are not replayed better".to_owned());
+        }
+        if base.reasons.is_empty() {
+            chosen.get_or_insert((ModelKind::Refitted, base.fit));
+        } else if chosen.is_none() {
+            withheld.push(Withheld {
+                model: ModelKind::Refitted,
+                effects: Vec::new(),
+                reason: base.reasons.join("; "),
+            });
+        }
+        done.push((ModelKind::Refitted, base.performance));
         let (mut written, mut fit) = chosen.unwrap_or((ModelKind::AsGiven, as_given));
         // A dependence that simulations cannot include is reported with any model.
-        fit.unwritten = last.unwritten;
+        if written != ModelKind::WithEffect {
+            fit.unwritten = last.unwritten;
+        }
         if written == ModelKind::Refitted && fit.settled.base == self.given.base {
             written = ModelKind::AsGiven;
-        }
-        if with_effect && written != ModelKind::WithEffect {
-            let reason = withheld.first().map_or("", |w| w.reason.as_str());
-            account.withhold(reason);
         }
         if written == ModelKind::AsGiven
             && let Some(of_base) = withheld.iter().find(|w| w.model == ModelKind::Refitted)
@@ -217,12 +240,40 @@ impl Campaign<'_> {
             refitted: rms(ModelKind::Refitted, k),
             with_effect: rms(ModelKind::WithEffect, k),
         });
-        Choice {
+        Ok(Choice {
             fit,
             written,
             baselines: baselines.collect(),
             withheld,
+        })
+    }
+
+    /// The better base of a fit, refitted or as stated, each with the friction of the replays.
+    fn tried(&self, fit: &RunFit, given: &Performance) -> Tried {
+        let mut bases = vec![fit.clone()];
+        if let Some(other) = &fit.base_as_given {
+            let settled = self.installed_in(&other.settled, &self.training);
+            bases.push(RunFit {
+                settled,
+                ..(**other).clone()
+            });
         }
+        let tried = bases.into_iter().map(|fit| {
+            let fit = self.with_replayed_friction(fit, &given.replayed);
+            let (performance, reasons) = match self.performance(&fit, Some(&given.replayed)) {
+                Ok(performance) => {
+                    let reasons = performance.worse_than(given, &self.options.rules.search);
+                    (Some(performance), reasons)
+                }
+                Err(reason) => (None, vec![reason]),
+            };
+            Tried {
+                fit,
+                performance,
+                reasons,
+            }
+        });
+        tried.min_by(Tried::cmp).expect("a refitted base")
     }
 
     /// Base parameters that the refit changes by more than the plausible factor.

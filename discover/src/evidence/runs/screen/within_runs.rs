@@ -205,6 +205,8 @@ impl Campaign<'_> {
                 let mut seen = screen.seen[*c].clone();
                 seen.size = sum / information * candidate.typical;
                 seen.gain = sum * sum / information;
+                // Its edges may now be those of an effect of the model.
+                seen.usable &= scores.remaining_share(k) > options.least[0];
                 together.seen.push(seen);
             }
         }
