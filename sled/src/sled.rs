@@ -107,6 +107,9 @@ pub struct Tolerances {
     pub gyro_g_sensitivity_radps_per_mps2: f64,
     /// Offset of sensors that are mounted anew for each session: slip and steering [rad].
     pub session_offset_rad: f64,
+    /// Deviation of the lateral forces from the form of their law: over the peak force, and relative
+    /// over a factor e of the load.
+    pub lateral_form: f64,
 }
 
 impl Default for Tolerances {
@@ -124,6 +127,7 @@ impl Default for Tolerances {
             misalignment_rad: 0.005,
             gyro_g_sensitivity_radps_per_mps2: 9e-5,
             session_offset_rad: 0.001,
+            lateral_form: 0.03,
         }
     }
 }

@@ -115,6 +115,8 @@ pub struct Current<'a> {
     /// Base parameters that the data can determine.
     pub free: &'a [usize],
     pub simulator: &'a RunSimulator,
+    /// Tolerance of the lateral laws' form.
+    pub form: f64,
 }
 
 impl<'a> Current<'a> {
@@ -123,12 +125,14 @@ impl<'a> Current<'a> {
         whitener: &'a Whitener,
         free: &'a [usize],
         simulator: &'a RunSimulator,
+        form: f64,
     ) -> Self {
         Self {
             residual_model,
             whitener,
             free,
             simulator,
+            form,
         }
     }
 
@@ -138,6 +142,7 @@ impl<'a> Current<'a> {
             residual_model: self.residual_model,
             whitener: self.whitener,
             free_base: self.free,
+            form: self.form,
             candidates,
             local: &[],
             windows: &[],
@@ -173,6 +178,11 @@ impl Campaign<'_> {
         for frame in runs.chain(&mut self.whole) {
             frame.scales = Some(Arc::clone(&scales));
         }
+    }
+
+    /// Tolerance of the lateral laws' form.
+    pub fn form(&self) -> f64 {
+        self.model.tolerances.unwrap_or_default().lateral_form
     }
 
     pub fn rules(&self) -> &RunRules {

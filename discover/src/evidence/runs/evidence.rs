@@ -138,7 +138,7 @@ impl Evidence for Campaign<'_> {
         let whitener = self.whitener(residual_model);
         let simulator = self.simulator(residual_model);
         let free = self.free.clone();
-        let at = Current::new(residual_model, &whitener, &free, &simulator);
+        let at = Current::new(residual_model, &whitener, &free, &simulator, self.form());
         let track = self.surveyed(residual_model, &simulator, account);
         if let Some(track) = track.as_ref().filter(|track| self.is_tilted(track)) {
             self.by_forces.clear();

@@ -91,6 +91,11 @@ impl MagicFormula {
         d * (self.c * self.inner(x, x.atan()).atan()).sin()
     }
 
+    /// Largest force over the normal force: `mu_zeta sin(C pi/2)`, with C at most 1.
+    pub fn peak(&self) -> f64 {
+        self.mu_zeta * (self.c.min(1.0) * std::f64::consts::FRAC_PI_2).sin()
+    }
+
     /// Force and all its derivatives at slip angle `alpha` [rad] and normal force `fz` [N].
     ///
     /// At `fz = 0` the derivative by the load is the one-sided limit; below, everything is 0.

@@ -385,7 +385,7 @@ fn model_file(
     text.push_str(
         "\n[tolerances]\ndelay_s = 0.0\nplace_m = 0.0\ngyro_scale = 0.0\ngyro_bias_radps = 0.0\naccel_scale = 0.0\n\
          accel_bias_mps2 = 0.0\nmass = 0.0\ninertia = 0.0\nsteer_scale = 0.0\nmisalignment_rad = 0.0\n\
-         gyro_g_sensitivity_radps_per_mps2 = 0.0\nsession_offset_rad = 0.0\n",
+         gyro_g_sensitivity_radps_per_mps2 = 0.0\nsession_offset_rad = 0.0\nlateral_form = 0.0\n",
     );
     text
 }

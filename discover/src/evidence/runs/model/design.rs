@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::simulated_runs::truth;
 use crate::evidence::runs::model::instant::Instant;
-use crate::evidence::runs::model::on_run::ModelOnRun;
+use crate::evidence::runs::model::on_run::{FORMS, ModelOnRun};
 use crate::evidence::runs::model::readings::{Differences, Readings};
 use crate::evidence::runs::model::residual_model::{BALANCES, BASE, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
@@ -25,6 +25,8 @@ pub struct Design<'a> {
     pub whitener: &'a Whitener,
     /// Base parameters with leverage, then the active effects' amplitudes.
     pub free_base: &'a [usize],
+    /// Tolerance of the lateral laws' form, whose deviations are random effects; 0: none.
+    pub form: f64,
     /// Regular candidates.
     pub candidates: &'a [Candidate<Amplitude>],
     /// Candidates that are searched in windows.
@@ -38,7 +40,7 @@ pub struct Design<'a> {
 }
 
 impl Design<'_> {
-    /// Number of fitted parameters: base, amplitudes, installation, discrepancy.
+    /// Number of fitted parameters: base, amplitudes, installation, form, discrepancy.
     pub fn fitted(&self) -> usize {
         self.before_discrepancy() + self.residual_model.discrepancy.fitted()
     }
@@ -48,6 +50,12 @@ impl Design<'_> {
         self.free_base.len()
             + self.residual_model.free().len()
             + self.residual_model.installation.fitted()
+            + self.forms()
+    }
+
+    /// Number of deviations of the lateral laws' form.
+    fn forms(&self) -> usize {
+        if self.form > 0.0 { FORMS } else { 0 }
     }
 
     /// Index of the discrepancy's first column.
@@ -63,11 +71,16 @@ impl Design<'_> {
             ..
         } = self.residual_model;
         let random = installation.independent();
-        let random = random.iter().take(installation.fitted()).copied();
+        let form = std::iter::repeat_n(0.0, self.forms());
+        let random = random
+            .iter()
+            .take(installation.fitted())
+            .copied()
+            .chain(form);
         let smooth = discrepancy.sizes.iter().take(discrepancy.fitted()).copied();
         let mut prior = Prior::none(self.fitted());
         prior.smooth = discrepancy.fitted();
-        let known = self.before_discrepancy() - installation.fitted();
+        let known = self.before_discrepancy() - installation.fitted() - self.forms();
         for (k, at) in (known..).zip(random.chain(smooth)) {
             (prior.precision[k], prior.at[k]) = (1.0, at);
         }
@@ -120,7 +133,8 @@ impl Design<'_> {
             .collect();
         let n = frame.len();
         let first_part = BASE + moved.len();
-        let first_trial = first_part + parts;
+        let first_form = first_part + parts;
+        let first_trial = first_form + self.forms();
         // Delays and installation errors need the channels at other times.
         let delays = residual_model.effects.delays();
         let late_moved = moved
@@ -186,6 +200,12 @@ impl Design<'_> {
             for (k, other) in &moved {
                 put(*k, other.balances_given(i, &at), 0.01);
             }
+            if self.form > 0.0 {
+                let deviating = on_run.balances_of_other_form(&at, &own, 0.01 * self.form);
+                for (k, values) in (first_form..).zip(deviating) {
+                    put(k, values, 0.01);
+                }
+            }
             for b in 0..BASE {
                 put(b, on_run.balances_with_base(&at, b, STEP), STEP);
             }
@@ -220,14 +240,14 @@ impl Design<'_> {
         let grip: Vec<f64> = (0..rows)
             .map(|i| all[1][i] + all[2][i] + all[3][i] + all[4][i])
             .collect();
-        let installed = installation.combined(&all[first_part..first_trial]);
+        let installed = installation.combined(&all[first_part..first_form]);
         let regular = first_trial + self.candidates.len();
         let order: Vec<&[f64]> = [all[0].as_slice(), grip.as_slice()]
             .into_iter()
             .chain(self.free_base.iter().map(|b| all[*b].as_slice()))
             .chain(all[BASE..first_part].iter().map(Vec::as_slice))
             .chain(installed.iter().map(Vec::as_slice))
-            .chain(all[first_trial..regular].iter().map(Vec::as_slice))
+            .chain(all[first_form..regular].iter().map(Vec::as_slice))
             .chain([all[count - 1].as_slice()])
             .collect();
         let gather = |columns: &[&[f64]]| {

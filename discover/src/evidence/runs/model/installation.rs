@@ -442,6 +442,7 @@ mod tests {
         misalignment_rad: 0.0,
         gyro_g_sensitivity_radps_per_mps2: 0.0,
         session_offset_rad: 0.0,
+        lateral_form: 0.0,
     };
 
     #[test]

@@ -21,6 +21,13 @@ use crate::evidence::runs::model::residual_model::{
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::survey::interpolate;
 
+/// Shares of the peak force at which the lateral law of an axle may deviate from its form.
+const FORM_KNOTS: [f64; 4] = [0.1, 0.3, 0.6, 1.0];
+/// Number of deviations: those of both axles, and one with the load.
+pub const FORMS: usize = 2 * FORM_KNOTS.len() + 1;
+/// Load at which the lateral forces do not deviate [N].
+const FORM_LOAD_N: f64 = 2000.0;
+
 /// Smallest speed of a slip angle [m/s].
 const LEAST_SPEED: f64 = 0.5;
 
@@ -311,6 +318,43 @@ impl<'a> ModelOnRun<'a> {
     /// Residuals of the longitudinal [N], lateral [N] and yaw [N m] balance with these forces.
     pub fn balances(&self, at: &Instant, forces: &Forces) -> [f64; BALANCES] {
         at.balance.residual(forces).values()
+    }
+
+    /// Residuals with lateral forces that deviate from their law by a share f of the peak force P.
+    ///
+    /// With r the force over P, the force of an axle changes by `f P` times a piecewise linear
+    /// function of r that is 1 at a knot and 0 at the others and at r = 0; the last change is
+    /// `f ln(N / 2000 N)` of all forces.
+    pub fn balances_of_other_form(
+        &self,
+        at: &Instant,
+        forces: &Forces,
+        f: f64,
+    ) -> [[f64; BALANCES]; FORMS] {
+        let laws = [&self.vehicle.front.lateral, &self.vehicle.rear.lateral];
+        let load = at.seen.load.map(|load| load.max(1.0));
+        std::array::from_fn(|form| {
+            let mut other = *forces;
+            let (axle, knot) = (form / FORM_KNOTS.len(), form % FORM_KNOTS.len());
+            match other.across.get_mut(axle) {
+                Some(across) => {
+                    let peak = laws[axle].peak() * load[axle];
+                    let r = (across.abs() / peak).min(1.0);
+                    let from = knot.checked_sub(1).map_or(0.0, |before| FORM_KNOTS[before]);
+                    let at = FORM_KNOTS[knot];
+                    let to = FORM_KNOTS.get(knot + 1).copied().unwrap_or(2.0 * at);
+                    let rises = (r - from) / (at - from);
+                    let hat = rises.min((to - r) / (to - at)).clamp(0.0, 1.0);
+                    *across += across.signum() * f * peak * hat;
+                }
+                None => {
+                    for (across, load) in other.across.iter_mut().zip(load) {
+                        *across *= 1.0 + f * (load / FORM_LOAD_N).ln();
+                    }
+                }
+            }
+            self.balances(at, &other)
+        })
     }
 
     /// Residuals with base multiplier `b` changed by a small `step`.

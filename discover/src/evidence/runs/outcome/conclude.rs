@@ -138,6 +138,7 @@ impl Campaign<'_> {
             residual_model,
             whitener: &base.whitener,
             free_base: &self.free,
+            form: 0.0,
             candidates: &directions,
             local: &[],
             windows: &[],

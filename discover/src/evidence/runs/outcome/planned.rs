@@ -161,6 +161,7 @@ impl Campaign<'_> {
             residual_model: model,
             whitener,
             free_base: &self.free,
+            form: 0.0,
             candidates: &[],
             local: &[],
             windows: &[],

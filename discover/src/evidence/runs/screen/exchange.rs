@@ -85,7 +85,7 @@ impl Campaign<'_> {
         };
         let whitener = self.whitener(model);
         let simulator = self.simulator(model);
-        let at = Current::new(model, &whitener, &self.free, &simulator);
+        let at = Current::new(model, &whitener, &self.free, &simulator, self.form());
         let others = self.everywhere(model);
         let design = at.design(&others);
         let options = self.screen_options(&at, account);

@@ -124,6 +124,7 @@ impl Campaign<'_> {
             residual_model,
             whitener,
             free_base: &self.free,
+            form: 0.0,
             candidates: std::slice::from_ref(candidate),
             local: &[],
             windows: &[],
