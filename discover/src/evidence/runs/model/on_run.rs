@@ -456,3 +456,56 @@ fn residual_along_track(balance: &Balance, signals: &Signals, slope: f64) -> f64
     let (a, (sine, cosine)) = (&balance.motion.accel_mps2, balance.chassis);
     signals.rate(Sensor::Speed) - GRAVITY * slope.sin() - a[0] * cosine + a[1] * sine
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use kufe_sled::Model;
+    use kufe_sled::effects::{Channel, Custom, Effects, Kind};
+    use kufe_sled::sample_data::{drive_sample, sample_plan};
+
+    use super::*;
+    use crate::evidence::runs::model::residual_model::BASE;
+    use crate::evidence::runs::recordings::prepare::prepare;
+    use crate::procedure::rules::Rules;
+
+    /// The functions of the knots, each times its knot, add up to r.
+    #[test]
+    fn deviations_of_the_form_span_a_factor_of_the_lateral_forces() {
+        let published = Model::published();
+        let mut plan = sample_plan(4);
+        plan.truncate(2);
+        let recorded = drive_sample(&plan, &published).expect("runs");
+        let data = prepare(&recorded, &published, &BTreeMap::new(), &Rules::default());
+        let data = data.expect("frames");
+        let vehicle = Vehicle::new(&published).expect("the published model");
+        let model = ResidualModel::new(vehicle, [1.0; BASE], Effects::default());
+        let on_run = ModelOnRun::new(&model, &data.frames[0]);
+        let grip = Active {
+            name: String::new(),
+            kind: Kind::Custom(Custom::new(Channel::Grip, "1", None).expect("a formula")),
+            values: vec![0.01],
+            track: None,
+        };
+        for i in (0..data.frames[0].len()).step_by(50) {
+            let at = on_run.instant(i, &on_run.measured(i));
+            let forces = on_run.forces(&at);
+            let own = on_run.balances(&at, &forces);
+            let scaled = on_run.balances_with(i, &grip, &at, &forces, None);
+            let deviating = on_run.balances_of_other_form(&at, &forces, 0.01);
+            for c in 0..BALANCES {
+                let of_axle = |axle: usize| -> f64 {
+                    let own_knots = &deviating[axle * FORM_KNOTS.len()..];
+                    let each = FORM_KNOTS.iter().zip(own_knots);
+                    each.map(|(r, with)| r * (with[c] - own[c])).sum()
+                };
+                let sum = of_axle(0) + of_axle(1);
+                assert!(
+                    (sum - (scaled[c] - own[c])).abs() < 1e-9 * (1.0 + sum.abs()),
+                    "{i} {c}"
+                );
+            }
+        }
+    }
+}
