@@ -25,15 +25,15 @@ fn reported(found: &Found) -> String {
     )
 }
 
-/// The interval of friction covers the truth and is no wider than the plausible range; no replay is
-/// worse than with the given model.
+/// The interval of friction covers the truth, and the written friction, that of the replays, is within
+/// 5 % of it; no replay is worse than with the given model.
 fn friction_is_right(found: &Found) {
     let mu = Model::published().friction.longitudinal.mu.unwrap();
     let base = found.report.base.iter();
     let fitted = base.clone().find(|b| b.name == "longitudinal mu").unwrap();
     println!("{}", reported(found));
     assert!((fitted.low..fitted.high).contains(&mu), "{fitted:?}");
-    assert!((fitted.value / mu - 1.0).abs() < 0.5, "{fitted:?}");
+    assert!((fitted.value / mu - 1.0).abs() < 0.05, "{fitted:?}");
     for baseline in &found.report.baselines {
         let written = match found.report.written {
             ModelKind::WithEffect => baseline.with_effect,

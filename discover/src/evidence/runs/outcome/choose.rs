@@ -333,10 +333,6 @@ impl Campaign<'_> {
             }
             vehicles.push(read(model)?);
         }
-        // A contact that varies from run to run is not part of a replay.
-        for vehicle in &mut vehicles {
-            vehicle.effects.active.retain(|effect| !effect.varies());
-        }
         let vehicle_of = |run: usize| &vehicles[with[run]];
         let (replayed, replays) = self.replay_squares(vehicle_of, runs)?;
         let held_out = self.installed_in(&fit.settled, &self.held_out);

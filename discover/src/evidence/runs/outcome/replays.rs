@@ -12,7 +12,7 @@
 //!
 //! The same sums without a session belong to the fit without it (the jackknife).
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use kufe_sled::{
     Inputs, Model, SimulateOptions, Track, TrackShape, Vehicle, refuse_effects, replay,
@@ -60,17 +60,20 @@ impl Squares {
 }
 
 impl Campaign<'_> {
-    /// The vehicle of a model, read back from its text by the readers of the simulation commands.
+    /// The vehicle of a model for replays, read back from its text by the readers of the simulation
+    /// commands.
     pub fn read_back(&self, model: &ResidualModel, already: usize) -> Result<Vehicle, String> {
         let text = next_model(self.model, model, already).to_toml();
         let read = || -> Result<Vehicle, kufe_sled::Error> {
             let mut model = Model::from_toml(&text, "model.next.toml")?;
             model.folder.clone_from(&self.model.folder);
-            let vehicle = Vehicle::with_effects(&model)?;
+            let mut vehicle = Vehicle::with_effects(&model)?;
             for frame in self.training.iter().chain(&self.held_out) {
                 let run = format!("run {}", frame.name);
                 refuse_effects(&vehicle.effects, &frame.unstated_conditions(), &run)?;
             }
+            // A contact that varies from run to run is not part of a replay.
+            vehicle.effects.active.retain(|effect| !effect.varies());
             Ok(vehicle)
         };
         read().map_err(|error| format!("it cannot be simulated: {error}"))
@@ -175,52 +178,53 @@ impl Campaign<'_> {
             let (_, replays) = self.replay_squares(|_| &vehicle, Some(&runs))?;
             Ok(replays[SPEED].pieces.clone())
         };
+        let session_of = |run: usize| self.data.runs[run].entry.session.as_str();
+        let sessions = members(runs.iter().map(|run| session_of(*run)));
         let mut by = 1.0;
-        let mut without = Vec::new();
+        let mut without = BTreeMap::new();
         for _ in 0..FRICTION_ROUNDS {
-            let three = [by - FRICTION_STEP, by, by + FRICTION_STEP].map(squares);
-            let [Ok(below), Ok(here), Ok(above)] = three else {
+            let step = FRICTION_STEP * by;
+            let [Ok(below), Ok(here), Ok(above)] = [by - step, by, by + step].map(squares) else {
                 return fit;
             };
-            let all = below.iter().zip(&here).zip(&above);
             // First and second differences of a session's squares.
-            let differences: Vec<[f64; 2]> = all
-                .map(|(([below, _], [here, _]), [above, _])| {
-                    [0.5 * (above - below), above - 2.0 * here + below]
-                })
-                .collect();
-            let total = |k: usize| differences.iter().map(|one| one[k]).sum::<f64>();
-            let [slope, curvature] = [total(0), total(1)];
+            let of_session = |((below, here), above): ((&[f64; 2], &[f64; 2]), &[f64; 2])| {
+                [
+                    0.5 * (above[0] - below[0]),
+                    above[0] - 2.0 * here[0] + below[0],
+                ]
+            };
+            let all = below.iter().zip(&here).zip(&above);
+            let differences: Vec<[f64; 2]> = all.map(of_session).collect();
+            let [slope, curvature] =
+                [0, 1].map(|k| differences.iter().map(|one| one[k]).sum::<f64>());
             if curvature <= 0.0 {
                 return fit;
             }
-            let at = |slope: f64, curvature: f64| by - FRICTION_STEP * slope / curvature;
-            let left_out = |[own, bent]: &[f64; 2]| at(slope - own, (curvature - bent).max(1e-300));
-            without = differences.iter().map(left_out).collect();
-            let next = at(slope, curvature).clamp(BOUNDS[0], BOUNDS[1]);
-            let moved = (next - by).abs();
-            by = next;
-            if moved < FRICTION_STEP {
+            let best = |slope: f64, curvature: f64| by - step * slope / curvature;
+            // A single session cannot be left out.
+            let left_out = |[own, bent]: &[f64; 2]| match curvature - bent {
+                rest if rest > 0.0 => best(slope - own, rest),
+                _ => best(slope, curvature),
+            };
+            let each = differences.iter().map(left_out);
+            without = sessions.keys().copied().zip(each).collect();
+            let moved = best(slope, curvature) - by;
+            by += moved;
+            if moved.abs() < step {
                 break;
             }
         }
-        let sessions = members(
-            runs.iter()
-                .map(|run| self.data.runs[*run].entry.session.as_str()),
-        );
+        let moved = |friction: f64, by: f64| (friction * by).clamp(BOUNDS[0], BOUNDS[1]);
         let mut fit = fit;
         for (of_session, model) in &mut fit.left_out {
             let run = of_session
                 .first()
                 .map(|run| self.data.locked.training[*run]);
-            let known = run.and_then(|run| {
-                let own = self.data.runs[run].entry.session.as_str();
-                sessions.keys().position(|session| *session == own)
-            });
-            let by = known.map_or(by, |session| without[session]);
-            model.base[0] = (model.base[0] * by).clamp(BOUNDS[0], BOUNDS[1]);
+            let own = run.and_then(|run| without.get(session_of(run)));
+            model.base[0] = moved(model.base[0], own.copied().unwrap_or(by));
         }
-        let friction = (fit.settled.base[0] * by).clamp(BOUNDS[0], BOUNDS[1]);
+        let friction = moved(fit.settled.base[0], by);
         fit.settled.base[0] = friction;
         let number = self.free.iter().position(|b| *b == 0);
         if let Some(estimate) = number.and_then(|k| fit.estimates.get_mut(k)) {

@@ -144,8 +144,7 @@ pub fn screen_runs(
             scores.remaining_share(c) > options.least[0] && information > 1e-6 && enough
         })
         .collect();
-    let u = scores.u.clone();
-    let norms = norms(&scores, &usable, tested);
+    let norms = window_norms(&scores, &usable, tested);
     let named = tested.regular.iter().filter(|c| !c.is_column()).count();
     assert!(
         tested.regular[named..].iter().all(Candidate::is_column),
@@ -162,27 +161,24 @@ pub fn screen_runs(
         own
     };
     let [known, columns, places] = families.each_ref().map(of_family);
-    let scattered = scattered(&scores, regular);
-    let (at_places, common) = (
-        scattered.rows(regular, count - regular).into_owned(),
-        scores.common.rows(regular, count - regular).into_owned(),
-    );
     let nulls = [
         known.by_sign_flips(options.flips, options.seed),
         columns.by_sign_flips(options.flips, options.seed ^ 0xBE40),
         MaxT::with_norms(
-            &at_places,
-            &norms[regular..],
-            &common,
+            &scattered(&places),
+            &norms,
+            &places.common,
             options.flips,
             options.seed ^ 0x10CA,
         ),
     ];
     let alphas = [options.alpha, options.alpha_column, options.alpha_local];
-    let mut t_all = ts(&scores, &norms);
-    for (family, own) in families.iter().zip([&known, &columns]) {
-        t_all[family.clone()].copy_from_slice(&own.t());
-    }
+    let of_window = |(w, norm): (usize, &f64)| match *norm > 0.0 {
+        true => scores.sum(regular + w) / norm,
+        false => 0.0,
+    };
+    let of_windows = norms.iter().enumerate().map(of_window).collect();
+    let t_all = [known.t(), columns.t(), of_windows].concat();
     let sessions = session_numbers(frames.iter().map(|frame| frame.session.as_str()));
     let p_sessions: Vec<Option<f64>> = [&known, &columns, &places]
         .into_iter()
@@ -210,7 +206,7 @@ pub fn screen_runs(
             let size = sum / information;
             let n = runs as f64;
             let spread: f64 = (0..runs)
-                .map(|i| (u[(c, i)] - size * scores.information[(c, i)]).powi(2))
+                .map(|i| (scores.u[(c, i)] - size * scores.information[(c, i)]).powi(2))
                 .sum();
             let scatter = spread * n / (n - 1.0).max(1.0);
             let error = (scatter + scores.shared_variance(c)).sqrt() / information;
@@ -220,11 +216,7 @@ pub fn screen_runs(
                 size: size * scale,
                 error: error * scale,
                 t,
-                bias_t: if norms[c] > 0.0 {
-                    (plain.sum(c) - sum) / norms[c]
-                } else {
-                    0.0
-                },
+                bias_t: (plain.sum(c) - sum) / (error * information).max(1e-300),
                 p_value: if usable[c] { null.p_value(t) } else { 1.0 },
                 p_sessions: p_sessions[c],
                 gain: sum * sum / information,
@@ -241,71 +233,51 @@ pub fn screen_runs(
     }
 }
 
-/// Scores less each window's own size, rescaled for the lost degree of freedom.
+/// Scores of windows less their own sizes, rescaled for the lost degree of freedom.
 ///
 /// The few runs on a track have few sign patterns, and the windows share their norms: an effect in
 /// the data would otherwise appear in its own null, with seven ninths of its T if one of nine signs
 /// is flipped. The rest scatters as noise does.
-fn scattered(scores: &Scores, regular: usize) -> DMatrix<f64> {
-    let mut u = scores.u.clone();
-    for c in regular..u.nrows() {
-        let information = scores.total_information(c);
-        let touched = scores
-            .information
-            .row(c)
-            .iter()
-            .filter(|i| **i > 1e-9)
-            .count() as f64;
+fn scattered(windows: &UnitScores) -> DMatrix<f64> {
+    let mut u = windows.u.clone();
+    for c in 0..u.nrows() {
+        let own = windows.information.row(c);
+        let touched = own.iter().filter(|i| **i > 1e-9).count() as f64;
+        let information = own.sum() + windows.common.row(c).norm_squared();
         if information <= 0.0 || touched < 2.0 {
             continue;
         }
-        let size = scores.u.row(c).sum() / information;
+        let size = windows.u.row(c).sum() / information;
         let freed = (touched / (touched - 1.0)).sqrt();
         for i in 0..u.ncols() {
-            u[(c, i)] = freed * (u[(c, i)] - size * scores.information[(c, i)]);
+            u[(c, i)] = freed * (u[(c, i)] - size * own[i]);
         }
     }
     u
 }
 
-fn ts(scores: &Scores, norms: &[f64]) -> Vec<f64> {
-    let t = |(c, norm): (usize, &f64)| match *norm > 0.0 {
-        true => scores.sum(c) / norm,
-        false => 0.0,
-    };
-    norms.iter().enumerate().map(t).collect()
-}
-
-/// Standard deviations of the sums of scores: of a regular candidate from its own scatter; of a
-/// window from its information times the median scatter of its kind, because the few runs on one
-/// track do not determine their own.
-fn norms(scores: &Scores, usable: &[bool], tested: &CandidateProducts) -> Vec<f64> {
+/// Standard deviations of the sums of scores of windows: from their information and the median
+/// scatter of their kind, because the few runs on one track do not determine their own. 0 if a
+/// window cannot be judged.
+fn window_norms(scores: &Scores, usable: &[bool], tested: &CandidateProducts) -> Vec<f64> {
     let regular = tested.regular.len();
-    let mut norms: Vec<f64> = (0..scores.u.nrows())
-        .map(|c| match usable[c] {
-            true => scores.u.row(c).norm(),
-            false => 0.0,
-        })
-        .collect();
+    let mut norms = vec![0.0; scores.u.nrows() - regular];
     for l in 0..tested.local.len() {
-        let mine: Vec<usize> = (regular..norms.len())
-            .filter(|c| usable[*c] && tested.windows[c - regular].local == l)
+        let mine: Vec<usize> = (0..norms.len())
+            .filter(|w| usable[regular + w] && tested.windows[*w].local == l)
             .collect();
-        let mut inflation: Vec<f64> = mine
-            .iter()
-            .map(|c| norms[*c].powi(2) / scores.total_information(*c))
-            .collect();
+        let information = |w: usize| scores.total_information(regular + w);
+        let inflation = |w: &usize| scores.u.row(regular + w).norm_squared() / information(*w);
+        let mut inflation: Vec<f64> = mine.iter().map(inflation).collect();
         inflation.sort_by(f64::total_cmp);
         let Some(middle) = inflation.get(inflation.len() / 2) else {
             continue;
         };
-        for c in &mine {
-            norms[*c] = (middle * scores.total_information(*c)).sqrt();
+        // The contribution of random effects is common to all runs.
+        for w in &mine {
+            let common = scores.shared_variance(regular + w);
+            norms[*w] = (middle * information(*w) + common).sqrt();
         }
-    }
-    // The contribution of installation errors is common to all runs.
-    for (c, norm) in norms.iter_mut().enumerate().filter(|(_, n)| **n > 0.0) {
-        *norm = norm.hypot(scores.shared_variance(c).sqrt());
     }
     norms
 }
