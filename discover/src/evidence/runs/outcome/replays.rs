@@ -10,7 +10,12 @@
 //! x = 1 - sum_g q_g' / sum_g q_g''
 //! ```
 //!
-//! The same sums without a session belong to the fit without it (the jackknife).
+//! The same sums without a session belong to the fit without it, and the scatter of these x gives a
+//! variance V (the jackknife). Sessions have their own ice and wind: a change d from the stated
+//! friction is written as `d max(0, 1 - V/d^2)`, its estimate of least expected error.
+//!
+//! Source: L. Breiman, Better subset regression using the nonnegative garrote, Technometrics 37
+//! (1995) 373.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -158,7 +163,8 @@ impl Campaign<'_> {
         Ok((replayed, columns))
     }
 
-    /// The fit with the friction at which the training runs among `replayed` are replayed best.
+    /// The fit with the friction at which the training runs among `replayed` are replayed best, less
+    /// what sessions do not agree on.
     ///
     /// Unchanged where friction is not fitted or a run cannot be replayed.
     pub fn with_replayed_friction(&self, fit: RunFit, replayed: &[usize]) -> RunFit {
@@ -215,16 +221,25 @@ impl Campaign<'_> {
                 break;
             }
         }
-        let moved = |friction: f64, by: f64| (friction * by).clamp(BOUNDS[0], BOUNDS[1]);
+        let (own, stated) = (fit.settled.base[0], self.given.base[0]);
+        let n = without.len() as f64;
+        let mean = without.values().sum::<f64>() / n;
+        let squares: f64 = without.values().map(|by| (by - mean).powi(2)).sum();
+        let variance = (n - 1.0) / n * squares * own * own;
+        let written = |friction: f64| -> f64 {
+            let off = friction - stated;
+            let share = (1.0 - variance / (off * off).max(f64::MIN_POSITIVE)).max(0.0);
+            (stated + off * share).clamp(BOUNDS[0], BOUNDS[1])
+        };
         let mut fit = fit;
         for (of_session, model) in &mut fit.left_out {
             let run = of_session
                 .first()
                 .map(|run| self.data.locked.training[*run]);
-            let own = run.and_then(|run| without.get(session_of(run)));
-            model.base[0] = moved(model.base[0], own.copied().unwrap_or(by));
+            let by_others = run.and_then(|run| without.get(session_of(run)));
+            model.base[0] = written(model.base[0] * by_others.copied().unwrap_or(by));
         }
-        let friction = moved(fit.settled.base[0], by);
+        let friction = written(own * by);
         fit.settled.base[0] = friction;
         let number = self.free.iter().position(|b| *b == 0);
         if let Some(estimate) = number.and_then(|k| fit.estimates.get_mut(k)) {
