@@ -106,8 +106,8 @@ pub struct Account {
     pub depends: Vec<Dependence>,
     /// A measurement to make if data and model differ but no effect can be named.
     pub unexplained: Option<String>,
-    /// Sensors and constants that are off by more than their tolerance.
-    pub outside_tolerance: Vec<String>,
+    /// Sensors and constants that are off by more than their tolerance, with their sizes in it.
+    pub outside_tolerance: Vec<(String, f64)>,
 }
 
 /// An assumption on which a selected effect depends.
@@ -138,7 +138,7 @@ impl Account {
             self.remarks.push(format!(
                 "{what}: {size:.2e} {unit} +- {half:.1e}, outside its tolerance of {sd} (a standard deviation): it was corrected for and not named"
             ));
-            self.outside_tolerance.push(what.clone());
+            self.outside_tolerance.push((what.clone(), size.abs() / sd));
         }
         let unit = unit.to_owned();
         (!is_outside && size.abs() > half).then_some(Tolerated { what, size, unit })

@@ -23,9 +23,14 @@ pub fn verdict(account: &Account, located: bool, adequate: bool) -> Verdict {
 
 /// What to check and to measure next.
 pub fn next_experiment(verdict: Verdict, account: &Account, described: &Description) -> String {
-    let outside = account.outside_tolerance.join(", ");
+    /// More are as a rule errors of the first ones.
+    const CHECKED: usize = 3;
+    let mut outside = account.outside_tolerance.clone();
+    outside.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+    let names = outside.into_iter().take(CHECKED).map(|(what, _)| what);
+    let outside = names.collect::<Vec<_>>().join(", ");
     let check = (!outside.is_empty())
-        .then(|| format!("a check of what the fit moves beyond its tolerance: {outside}"));
+        .then(|| format!("a check of what the fit moves farthest beyond its tolerance: {outside}"));
     let measured = Some(measurement(verdict, account, described)).filter(|what| !what.is_empty());
     let both: Vec<String> = check.into_iter().chain(measured).collect();
     both.join("; ")
