@@ -1,6 +1,7 @@
 //! Sign-flip tests with a correction for multiple candidates.
 
 use nalgebra::DMatrix;
+use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::null::random::{normal, sign, stream};
@@ -51,12 +52,7 @@ impl MaxT {
                     *sum += sign * score;
                 }
             }
-            for effect in common.column_iter() {
-                let size = normal(rng);
-                for (sum, derivative) in sums.iter_mut().zip(effect.iter()) {
-                    *sum += size * derivative;
-                }
-            }
+            add_random_effects(common, &mut sums, rng);
             let judged = sums.iter().zip(norms).filter(|(_, norm)| **norm > 0.0);
             judged.fold(0.0_f64, |m, (sum, norm)| m.max((sum / norm).abs()))
         })
@@ -72,6 +68,17 @@ impl MaxT {
     pub fn critical(&self, alpha: f64) -> f64 {
         let at = ((1.0 - alpha) * self.maxima.len() as f64).floor() as usize;
         self.maxima[at.min(self.maxima.len() - 1)]
+    }
+}
+
+/// Draws random effects and adds them to sums; `common` is the derivative of the sums by a standard
+/// deviation of each.
+pub(crate) fn add_random_effects(common: &DMatrix<f64>, sums: &mut [f64], rng: &mut ChaCha8Rng) {
+    for effect in common.column_iter() {
+        let size = normal(rng);
+        for (sum, derivative) in sums.iter_mut().zip(effect.iter()) {
+            *sum += size * derivative;
+        }
     }
 }
 

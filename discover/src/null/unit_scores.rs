@@ -22,8 +22,8 @@
 use nalgebra::DMatrix;
 use rand_chacha::ChaCha8Rng;
 
-use crate::null::random::{below, normal, sign, stream};
-use crate::null::sign_flips::MaxT;
+use crate::null::random::{below, sign, stream};
+use crate::null::sign_flips::{MaxT, add_random_effects};
 use crate::regression::scores::Scores;
 
 /// Scores of several candidates by unit.
@@ -96,8 +96,7 @@ impl UnitScores {
 
     /// t of each candidate.
     pub fn t(&self) -> Vec<f64> {
-        let weighted = Weighted::of(self, |_| 1.0, &self.shared);
-        self.studentised(&weighted)
+        Weighted::of(self, |_| 1.0, &self.shared).studentised(&self.totals())
     }
 
     /// The distribution of the largest |t| with a random sign of each unit.
@@ -117,38 +116,29 @@ impl UnitScores {
         (seed, salt): (u64, u64),
         weight: impl Fn(&mut ChaCha8Rng) -> f64 + Sync + Send,
     ) -> MaxT {
+        let totals = self.totals();
         MaxT::drawn(draws, |k| {
             let rng = &mut stream(seed, salt, k);
             let weights: Vec<f64> = (0..self.u.ncols()).map(|_| weight(rng)).collect();
             let mut random = vec![0.0; self.u.nrows()];
-            for effect in self.common.column_iter() {
-                let size = normal(rng);
-                for (sum, derivative) in random.iter_mut().zip(effect.iter()) {
-                    *sum += size * derivative;
-                }
-            }
+            add_random_effects(&self.common, &mut random, rng);
             let weighted = Weighted::of(self, |unit| weights[unit], &random);
-            let t = self.studentised(&weighted);
+            let t = weighted.studentised(&totals);
             t.into_iter().fold(0.0, |most, t| most.max(t.abs()))
         })
     }
 
-    /// t of each candidate; 0 if fewer than two units have information.
-    fn studentised(&self, weighted: &Weighted) -> Vec<f64> {
+    /// Totals of the information about each candidate.
+    fn totals(&self) -> Vec<Totals> {
         let of = |c: usize| {
             let information = self.information.row(c);
-            let units = information.iter().filter(|i| **i > 0.0).count() as f64;
             let variance = self.common.row(c).norm_squared();
-            let total = information.sum() + variance;
-            if units < 2.0 || total <= 0.0 {
-                return 0.0;
+            Totals {
+                units: information.iter().filter(|i| **i > 0.0).count() as f64,
+                information: information.sum() + variance,
+                squares: information.norm_squared(),
+                variance,
             }
-            let [sum, squares, crossed] =
-                [&weighted.sums, &weighted.squares, &weighted.crossed].map(|of| of[c]);
-            let size = sum / total;
-            let about = squares - 2.0 * size * crossed + size * size * information.norm_squared();
-            let square = units / (units - 1.0) * about.max(0.0) + variance;
-            sum / square.sqrt().max(f64::MIN_POSITIVE)
         };
         (0..self.u.nrows()).map(of).collect()
     }
@@ -161,6 +151,18 @@ impl UnitScores {
         let norm = (difference.norm_squared() + common.norm_squared()).sqrt();
         if norm > 0.0 { sum / norm } else { 0.0 }
     }
+}
+
+/// Totals of the information about a candidate's size, which weights do not change.
+struct Totals {
+    /// Number of units with information.
+    units: f64,
+    /// Sum of the units' information and of V.
+    information: f64,
+    /// Sum of the squares of the units' information.
+    squares: f64,
+    /// V.
+    variance: f64,
 }
 
 /// Sums of weighted scores: themselves, their squares, and their products with the information.
@@ -189,12 +191,29 @@ impl Weighted {
         }
         all
     }
+
+    /// t of each candidate; 0 if fewer than two units have information.
+    fn studentised(&self, totals: &[Totals]) -> Vec<f64> {
+        let of = |(c, of): (usize, &Totals)| {
+            if of.units < 2.0 || of.information <= 0.0 {
+                return 0.0;
+            }
+            let [sum, squares, crossed] =
+                [&self.sums, &self.squares, &self.crossed].map(|sums| sums[c]);
+            let size = sum / of.information;
+            let about = squares - 2.0 * size * crossed + size * size * of.squares;
+            let square = of.units / (of.units - 1.0) * about.max(0.0) + of.variance;
+            sum / square.sqrt().max(f64::MIN_POSITIVE)
+        };
+        totals.iter().enumerate().map(of).collect()
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::null::clusters::session_numbers;
+    use crate::null::random::normal;
 
     const RUNS: usize = 4;
 

@@ -64,8 +64,9 @@ pub trait Evidence {
         account: &mut Account,
     ) -> Result<HeldOutResults, Error>;
 
-    /// The model to write: the fit with effects, the refitted base or the model as given, whichever
-    /// comes first of those that are no worse than the model as given on data they were not fitted to.
+    /// The model to write: the fit with effects or some of them, the refitted base or the model as
+    /// given, whichever comes first of those that are no worse than the model as given on data they
+    /// were not fitted to.
     fn choose(
         &mut self,
         refitted: &Self::Fit,
@@ -144,7 +145,7 @@ impl Account {
         (!is_outside && size.abs() > half).then_some(Tolerated { what, size, unit })
     }
 
-    /// Removes a selected effect for a reason: [`SUPERFLUOUS`] or the insufficient size.
+    /// Removes a selected effect for a reason: [`SUPERFLUOUS`], the insufficient size or worse runs.
     pub fn remove_step(&mut self, step: usize, why: &str) {
         let gone = self.steps.remove(step);
         let message = match self.steps.is_empty() {

@@ -148,24 +148,22 @@ impl Campaign<'_> {
             !fit.owners.is_empty() || contacts.is_some_and(|contacts| contacts.step.is_some())
         };
         let with_effect = has_effects(&last);
-        let mut done: Vec<(ModelKind, Option<Performance>)> = Vec::new();
+        let mut with_effects: Option<Performance> = None;
         let mut withheld = Vec::new();
         let mut chosen = None;
         let mut next = with_effect.then(|| self.tried(&last, &given));
         while let Some(tried) = next.take() {
-            let names = |fit: &RunFit| -> Vec<String> {
-                let effects = fit.residual_model.effects.active[fit.already()..].iter();
-                effects.map(|e| e.effect_name().to_owned()).collect()
-            };
             if tried.reasons.is_empty() {
-                done.push((ModelKind::WithEffect, tried.performance));
+                with_effects = tried.performance;
                 chosen = Some((ModelKind::WithEffect, tried.fit));
                 break;
             }
             let reason = tried.reasons.join("; ");
+            let fit = &tried.fit;
+            let effects = fit.residual_model.effects.active[fit.already()..].iter();
             withheld.push(Withheld {
                 model: ModelKind::WithEffect,
-                effects: names(&tried.fit),
+                effects: effects.map(|e| e.effect_name().to_owned()).collect(),
                 reason: reason.clone(),
             });
             // A dependence that simulations cannot include stays; of the others the step is removed
@@ -189,7 +187,7 @@ impl Campaign<'_> {
                     (last, next) = (fit, Some(tried));
                 }
                 None => {
-                    done.push((ModelKind::WithEffect, tried.performance));
+                    with_effects = tried.performance;
                     account.withhold(&steps, &reason);
                     if let Some(unwritten) = &mut last.unwritten {
                         unwritten.step = 0;
@@ -212,7 +210,6 @@ impl Campaign<'_> {
                 reason: base.reasons.join("; "),
             });
         }
-        done.push((ModelKind::Refitted, base.performance));
         let (mut written, mut fit) = chosen.unwrap_or((ModelKind::AsGiven, as_given));
         // A dependence that simulations cannot include is reported with any model.
         if written != ModelKind::WithEffect {
@@ -229,16 +226,15 @@ impl Campaign<'_> {
                 of_base.reason
             ));
         }
-        let rms = |kind: ModelKind, k: usize| {
-            let (_, performance) = done.iter().find(|(known, _)| *known == kind)?;
+        let rms = |performance: &Option<Performance>, k: usize| {
             performance.as_ref()?.all().nth(k).map(Squares::rms)
         };
         let baselines = given.all().enumerate().map(|(k, squares)| Baseline {
             quantity: squares.name.clone(),
             unit: squares.unit.to_owned(),
             as_given: squares.rms(),
-            refitted: rms(ModelKind::Refitted, k),
-            with_effect: rms(ModelKind::WithEffect, k),
+            refitted: rms(&base.performance, k),
+            with_effect: rms(&with_effects, k),
         });
         Ok(Choice {
             fit,

@@ -17,7 +17,7 @@
 //! Source: L. Breiman, Better subset regression using the nonnegative garrote, Technometrics 37
 //! (1995) 373.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use kufe_sled::{
     Inputs, Model, SimulateOptions, Track, TrackShape, Vehicle, refuse_effects, replay,
@@ -31,14 +31,14 @@ use crate::null::clusters::members;
 
 /// Columns of a replay that are compared, and their units.
 const REPLAYED: [(&str, &str); 3] = [("t_s", "s"), ("v_mps", "m/s"), ("yaw_rate_radps", "rad/s")];
+/// Index of the speed among these columns.
+const SPEED: usize = 1;
 /// Time step [s]: a run of 50 s then differs from one with 1 ms by less than 1 mm.
 const STEP_S: f64 = 2.5e-3;
 /// Speed below which a run counts as at rest [m/s].
 const SLOWEST_MPS: f64 = 1.0;
 /// Rate of a replay's output [Hz].
 const RATE_HZ: f64 = 100.0;
-/// Index of the speed among these columns.
-const SPEED: usize = 1;
 /// Relative step of the friction for differences of its replays: speeds are linear in it beyond.
 const FRICTION_STEP: f64 = 0.1;
 /// Most repetitions where the friction moves by more than a step.
@@ -167,13 +167,10 @@ impl Campaign<'_> {
     /// what sessions do not agree on.
     ///
     /// Unchanged where friction is not fitted or a run cannot be replayed.
-    pub fn with_replayed_friction(&self, fit: RunFit, replayed: &[usize]) -> RunFit {
-        let training: BTreeSet<usize> = self.data.locked.training.iter().copied().collect();
-        let runs: Vec<usize> = replayed
-            .iter()
-            .copied()
-            .filter(|run| training.contains(run))
-            .collect();
+    pub fn with_replayed_friction(&self, mut fit: RunFit, replayed: &[usize]) -> RunFit {
+        let training = &self.data.locked.training;
+        let learned = |run: &usize| training.contains(run);
+        let runs: Vec<usize> = replayed.iter().copied().filter(learned).collect();
         if !self.free.contains(&0) || runs.is_empty() {
             return fit;
         }
@@ -231,11 +228,8 @@ impl Campaign<'_> {
             let share = (1.0 - variance / (off * off).max(f64::MIN_POSITIVE)).max(0.0);
             (stated + off * share).clamp(BOUNDS[0], BOUNDS[1])
         };
-        let mut fit = fit;
         for (of_session, model) in &mut fit.left_out {
-            let run = of_session
-                .first()
-                .map(|run| self.data.locked.training[*run]);
+            let run = of_session.first().map(|run| training[*run]);
             let by_others = run.and_then(|run| without.get(session_of(run)));
             model.base[0] = written(model.base[0] * by_others.copied().unwrap_or(by));
         }

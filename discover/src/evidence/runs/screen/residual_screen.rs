@@ -152,9 +152,10 @@ pub fn screen_runs(
     );
     // Three families of candidates: the catalogue, columns outside it, places.
     let families = [0..named, named..regular, regular..count];
+    let sums = UnitScores::of(&scores);
     let of_family = |family: &Range<usize>| {
         let rows: Vec<usize> = family.clone().collect();
-        let mut own = UnitScores::of(&scores).only(&rows);
+        let mut own = sums.only(&rows);
         for (row, _) in rows.iter().enumerate().filter(|(_, c)| !usable[**c]) {
             own.information.row_mut(row).fill(0.0);
         }
@@ -228,7 +229,7 @@ pub fn screen_runs(
         .collect();
     RunScreen {
         seen,
-        sums: UnitScores::of(&scores),
+        sums,
         cross: cross_information(&grams, prior),
     }
 }
