@@ -1,6 +1,8 @@
 //! Sign-flip tests with a correction for multiple candidates.
 
-use nalgebra::DMatrix;
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVectorView};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
@@ -18,7 +20,21 @@ impl MaxT {
     /// From the largest |T| of each of so many randomisations.
     pub(crate) fn drawn(count: usize, largest: impl Fn(u64) -> f64 + Sync + Send) -> Self {
         let draws = (0..count as u64).into_par_iter();
-        let mut maxima: Vec<f64> = draws.map(largest).collect();
+        Self::of(draws.map(largest).collect())
+    }
+
+    /// The same from blocks of randomisations, whose products cost less together.
+    pub(crate) fn drawn_in_blocks(
+        count: usize,
+        largest: impl Fn(Range<u64>) -> Vec<f64> + Sync + Send,
+    ) -> Self {
+        const BLOCK: usize = 32;
+        let starts = (0..count).into_par_iter().step_by(BLOCK);
+        let block = |start: usize| largest(start as u64..(start + BLOCK).min(count) as u64);
+        Self::of(starts.flat_map_iter(block).collect())
+    }
+
+    fn of(mut maxima: Vec<f64>) -> Self {
         maxima.sort_by(f64::total_cmp);
         Self { maxima }
     }
@@ -43,18 +59,15 @@ impl MaxT {
         flips: usize,
         seed: u64,
     ) -> Self {
-        Self::drawn(flips, |k| {
-            let rng = &mut stream(seed, 0xF11B, k);
-            let mut sums = vec![0.0; u.nrows()];
-            for scores in u.column_iter() {
-                let sign = sign(rng);
-                for (sum, score) in sums.iter_mut().zip(scores.iter()) {
-                    *sum += sign * score;
-                }
-            }
-            add_random_effects(common, &mut sums, rng);
-            let judged = sums.iter().zip(norms).filter(|(_, norm)| **norm > 0.0);
-            judged.fold(0.0_f64, |m, (sum, norm)| m.max((sum / norm).abs()))
+        Self::drawn_in_blocks(flips, |draws| {
+            let streams = draws.map(|k| stream(seed, 0xF11B, k));
+            let [signs, sizes] = drawn(streams, [u.ncols(), common.ncols()], sign);
+            let sums = u * signs + common * sizes;
+            let largest = |sums: DVectorView<f64>| {
+                let judged = sums.iter().zip(norms).filter(|(_, norm)| **norm > 0.0);
+                judged.fold(0.0_f64, |m, (sum, norm)| m.max((sum / norm).abs()))
+            };
+            sums.column_iter().map(largest).collect()
         })
     }
 
@@ -71,15 +84,23 @@ impl MaxT {
     }
 }
 
-/// Draws random effects and adds them to sums; `common` is the derivative of the sums by a standard
-/// deviation of each.
-pub(crate) fn add_random_effects(common: &DMatrix<f64>, sums: &mut [f64], rng: &mut ChaCha8Rng) {
-    for effect in common.column_iter() {
-        let size = normal(rng);
-        for (sum, derivative) in sums.iter_mut().zip(effect.iter()) {
-            *sum += size * derivative;
-        }
+/// Weights of units and standard normal sizes of random effects, a column of each per stream.
+pub(crate) fn drawn(
+    streams: impl Iterator<Item = ChaCha8Rng>,
+    [units, effects]: [usize; 2],
+    weight: impl Fn(&mut ChaCha8Rng) -> f64,
+) -> [DMatrix<f64>; 2] {
+    let (mut weights, mut sizes) = (Vec::new(), Vec::new());
+    let mut count = 0;
+    for mut rng in streams {
+        weights.extend((0..units).map(|_| weight(&mut rng)));
+        sizes.extend((0..effects).map(|_| normal(&mut rng)));
+        count += 1;
     }
+    [
+        DMatrix::from_vec(units, count, weights),
+        DMatrix::from_vec(effects, count, sizes),
+    ]
 }
 
 /// |T| of each row.

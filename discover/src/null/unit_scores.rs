@@ -19,11 +19,11 @@
 //! M. D. Webb, Reworking wild bootstrap-based inference for clustered errors, Canadian Journal of
 //! Economics 56 (2023) 839.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVectorView};
 use rand_chacha::ChaCha8Rng;
 
 use crate::null::random::{below, sign, stream};
-use crate::null::sign_flips::{MaxT, add_random_effects};
+use crate::null::sign_flips::{MaxT, drawn};
 use crate::regression::scores::Scores;
 
 /// Scores of several candidates by unit.
@@ -117,14 +117,21 @@ impl UnitScores {
         weight: impl Fn(&mut ChaCha8Rng) -> f64 + Sync + Send,
     ) -> MaxT {
         let totals = self.totals();
-        MaxT::drawn(draws, |k| {
-            let rng = &mut stream(seed, salt, k);
-            let weights: Vec<f64> = (0..self.u.ncols()).map(|_| weight(rng)).collect();
-            let mut random = vec![0.0; self.u.nrows()];
-            add_random_effects(&self.common, &mut random, rng);
-            let weighted = Weighted::of(self, |unit| weights[unit], &random);
-            let t = weighted.studentised(&totals);
-            t.into_iter().fold(0.0, |most, t| most.max(t.abs()))
+        MaxT::drawn_in_blocks(draws, |draws| {
+            let streams = draws.map(|k| stream(seed, salt, k));
+            let counts = [self.u.ncols(), self.common.ncols()];
+            let [weights, sizes] = drawn(streams, counts, &weight);
+            let random = &self.common * sizes;
+            let largest = |(weights, random): (DVectorView<f64>, DVectorView<f64>)| {
+                let weighted = Weighted::of(self, |unit| weights[unit], random.as_slice());
+                let t = weighted.studentised(&totals);
+                t.into_iter().fold(0.0, |most: f64, t| most.max(t.abs()))
+            };
+            weights
+                .column_iter()
+                .zip(random.column_iter())
+                .map(largest)
+                .collect()
         })
     }
 

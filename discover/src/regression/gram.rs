@@ -4,21 +4,23 @@ use nalgebra::DMatrix;
 
 use crate::regression::inverse::ridge_inverse;
 
+/// The product of two series, in sums that do not wait for one another.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    const LANES: usize = 8;
+    let (a, b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let rest = a.remainder().iter().zip(b.remainder());
+    let rest: f64 = rest.map(|(x, y)| x * y).sum();
+    let mut sums = [0.0; LANES];
+    for (x, y) in a.zip(b) {
+        for (sum, (x, y)) in sums.iter_mut().zip(x.iter().zip(y)) {
+            *sum += x * y;
+        }
+    }
+    sums.iter().sum::<f64>() + rest
+}
+
 /// Products of all columns with each other, `X'X`; each symmetric half is computed once.
 pub fn squares(columns: &DMatrix<f64>) -> DMatrix<f64> {
-    const LANES: usize = 8;
-    let dot = |a: &[f64], b: &[f64]| -> f64 {
-        let (a, b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-        let rest = a.remainder().iter().zip(b.remainder());
-        let rest: f64 = rest.map(|(x, y)| x * y).sum();
-        let mut sums = [0.0; LANES];
-        for (x, y) in a.zip(b) {
-            for (sum, (x, y)) in sums.iter_mut().zip(x.iter().zip(y)) {
-                *sum += x * y;
-            }
-        }
-        sums.iter().sum::<f64>() + rest
-    };
     let (rows, m) = columns.shape();
     let of = |k: usize| &columns.as_slice()[k * rows..(k + 1) * rows];
     let mut squares = DMatrix::zeros(m, m);

@@ -31,7 +31,18 @@ pub fn ahead(series: &[f64], samples: f64) -> Vec<f64> {
         near.map(|(w, k)| w * series[k.clamp(0, last) as usize])
             .sum()
     };
-    (0..series.len() as isize).map(value).collect()
+    // Samples whose six neighbours are all within the series.
+    let len = series.len() as isize;
+    let from = (-first).clamp(0, len);
+    let to = (len - first - nodes.len() as isize + 1).clamp(from, len);
+    let within = |near: &[f64]| -> f64 { weights.iter().zip(near).map(|(w, x)| w * x).sum() };
+    let windows = series.windows(nodes.len());
+    let inner = windows.skip((from + first).max(0) as usize).map(within);
+    (0..from)
+        .map(value)
+        .chain(inner.take((to - from) as usize))
+        .chain((to..len).map(value))
+        .collect()
 }
 
 /// Slip angles as forces follow them, front and rear, sample after sample:

@@ -1,8 +1,10 @@
 //! Recorded runs, a part of them held out, and the model that they are compared with.
 
-use std::sync::{Arc, OnceLock};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, OnceLock};
 
-use kufe_sled::Model;
+use kufe_sled::effects::Effects;
+use kufe_sled::{Inputs, Model};
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::Candidates;
@@ -26,6 +28,14 @@ use crate::procedure::shared_effects::ScreenEstimate;
 /// Effects on sensors: names and parameters.
 pub type SensorEffects = Vec<(String, Vec<f64>)>;
 
+/// The effects on sensors among these.
+pub fn sensor_effects(effects: &Effects) -> SensorEffects {
+    let on_sensors = effects.active.iter().filter(|e| e.moves_signals());
+    on_sensors
+        .map(|e| (e.name.clone(), e.values.clone()))
+        .collect()
+}
+
 /// A campaign of runs.
 pub struct Campaign<'a> {
     pub data: &'a Data,
@@ -38,6 +48,8 @@ pub struct Campaign<'a> {
     pub selected_contacts: Option<FoundContacts>,
     /// The cached track channel, and the effects on sensors that it was computed with.
     pub survey: Option<(SensorEffects, Option<SurveyedTrack>)>,
+    /// Cached inputs of each run's replay, and the effects on sensors that they were corrected with.
+    pub replay_inputs: Mutex<HashMap<usize, (SensorEffects, Arc<Inputs>)>>,
     /// The effect of the catalogue that a law was preferred to by first-order scores.
     pub runner_up: Option<Selection<Amplitude>>,
     pub held_out: Vec<Frame>,

@@ -1,5 +1,7 @@
 //! Runs as evidence.
 
+use std::sync::Mutex;
+
 use kufe_sled::effects::{CATALOGUE, Effects, Kind, Level};
 use kufe_sled::{Model, Vehicle, refuse_effects};
 
@@ -86,6 +88,7 @@ impl<'a> Campaign<'a> {
             whole: Vec::new(),
             selected_contacts: None,
             survey: None,
+            replay_inputs: Mutex::default(),
             runner_up: None,
         };
         if let Some(contacts) = contacts {

@@ -1,6 +1,6 @@
 //! Design matrix: derivatives of the whitened rows by each parameter.
 
-use kufe_sled::effects::Active;
+use kufe_sled::effects::{Active, SENSORS};
 use nalgebra::{DMatrix, Matrix3};
 use rayon::prelude::*;
 
@@ -8,7 +8,8 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::simulated_runs::truth;
 use crate::evidence::runs::model::instant::Instant;
 use crate::evidence::runs::model::on_run::{FORMS, ModelOnRun};
-use crate::evidence::runs::model::readings::{Differences, Readings};
+use crate::evidence::runs::model::readings::Readings;
+use crate::evidence::runs::model::residual_jacobian::ResidualJacobian;
 use crate::evidence::runs::model::residual_model::{BALANCES, BASE, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::model::windows::Window;
@@ -19,6 +20,15 @@ use crate::regression::prior::Prior;
 
 /// Columns of each run's own level: of friction and of lateral grip.
 pub const OWN_LEVELS: usize = 2;
+
+/// A change of sensor readings or of constants.
+enum Shift {
+    /// An installation error, by its index.
+    Part(usize),
+    /// Delays of the sensors by effects [s].
+    Delays([f64; SENSORS]),
+}
+
 /// A model, its whitening and the candidates.
 pub struct Design<'a> {
     pub residual_model: &'a ResidualModel,
@@ -121,10 +131,6 @@ impl Design<'_> {
             0 => 0,
             _ => installation.parts.len(),
         };
-        let installed = (0..parts).map(|part| ResidualModel {
-            installation: installation.moved(part, 0.01),
-            ..residual_model.clone()
-        });
         let trials: Vec<(Active, Option<&[f64]>)> = self
             .candidates
             .iter()
@@ -137,18 +143,20 @@ impl Design<'_> {
         let first_trial = first_form + self.forms();
         // Delays and installation errors need the channels at other times.
         let delays = residual_model.effects.delays();
-        let late_moved = moved
-            .iter()
-            .enumerate()
+        let late = |model: &ResidualModel| {
+            let there = model.effects.on_track(&frame.track);
+            Shift::Delays(there.delays())
+        };
+        let late_moved = (BASE..)
+            .zip(&moved)
             .filter(|(_, other)| other.effects.delays() != delays)
-            .map(|(k, other)| (BASE + k, other.clone()));
-        let late_trials = trials
-            .iter()
-            .enumerate()
+            .map(|(k, other)| (k, late(other)));
+        let late_trials = (first_trial..)
+            .zip(&trials)
             .filter(|(_, (trial, _))| trial.is_late())
-            .map(|(k, (trial, _))| (first_trial + k, residual_model.with(trial.clone())));
-        let shifted: Vec<(usize, ResidualModel)> = late_moved
-            .chain((first_part..).zip(installed))
+            .map(|(k, (trial, _))| (k, late(&residual_model.with(trial.clone()))));
+        let shifted: Vec<(usize, Shift)> = late_moved
+            .chain((first_part..).zip((0..parts).map(Shift::Part)))
             .chain(late_trials)
             .collect();
         let moved: Vec<(usize, ModelOnRun)> = (BASE..)
@@ -287,34 +295,35 @@ impl Design<'_> {
     fn put_shifted(
         &self,
         frame: &Frame,
-        shifted: &[(usize, ResidualModel)],
+        shifted: &[(usize, Shift)],
         (instants, residual): (&[Instant], &[Vec<f64>; BALANCES]),
         raw: &mut [Vec<Vec<f64>>; BALANCES],
     ) {
         if shifted.is_empty() {
             return;
         }
-        let modelled = match self.noise {
-            None => truth(frame, self.residual_model, residual),
-            Some(_) => frame.clone(),
+        let predicted = match self.noise {
+            None => Some(truth(frame, self.residual_model, residual)),
+            Some(_) => None,
         };
-        let on_modelled = ModelOnRun::new(self.residual_model, &modelled);
-        let readings = Readings::new(self.residual_model, &modelled);
-        let shifted: Vec<(usize, Differences)> = shifted
-            .iter()
-            .map(|(k, other)| (*k, readings.differences(other)))
-            .filter(|(_, reads)| !reads.are_none())
-            .collect();
-        for (i, known) in instants.iter().enumerate() {
+        let modelled = predicted.as_ref().unwrap_or(frame);
+        let on_modelled = ModelOnRun::new(self.residual_model, modelled);
+        let readings = Readings::new(self.residual_model, modelled);
+        let jacobian = |(i, known): (usize, &Instant)| {
             let at = on_modelled.instant_near(i, &on_modelled.measured(i), known);
-            let by = on_modelled.jacobian_of_readings(i, &at, &on_modelled.forces(&at));
-            for (k, reads) in &shifted {
-                let more = reads.residual_change(i, &by);
-                for (raw, more) in raw.iter_mut().zip(more) {
-                    if let Some(to) = raw[*k].get_mut(i) {
-                        *to = -more / 0.01;
-                    }
-                }
+            on_modelled.jacobian_of_readings(i, &at, &on_modelled.forces(&at))
+        };
+        let jacobians: Vec<ResidualJacobian> = instants.iter().enumerate().map(jacobian).collect();
+        for (k, shift) in shifted {
+            let reads = match shift {
+                Shift::Part(part) => readings.with_part_moved(*part, 0.01),
+                Shift::Delays(delays) => readings.with_delays(delays),
+            };
+            if reads.are_none() {
+                continue;
+            }
+            for (c, raw) in raw.iter_mut().enumerate() {
+                reads.add_change(c, -1.0 / 0.01, &jacobians, &mut raw[*k]);
             }
         }
     }

@@ -148,7 +148,7 @@ impl SizeLaw {
 /// All installation errors with their sizes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Installation {
-    pub parts: Vec<Part>,
+    pub parts: Arc<[Part]>,
     /// Sizes in standard deviations.
     pub sizes: Vec<f64>,
     /// Whether the sizes are fixed in fits.
@@ -247,11 +247,11 @@ impl Installation {
                 });
             }
         }
-        Self::of(parts, None)
+        Self::of(parts.into(), None)
     }
 
     /// All errors at their means.
-    fn of(parts: Vec<Part>, information: Option<Information>) -> Self {
+    fn of(parts: Arc<[Part]>, information: Option<Information>) -> Self {
         let law = SizeLaw::of(parts.len(), information.as_ref());
         Self {
             sizes: law.mean.iter().copied().collect(),
@@ -275,7 +275,7 @@ impl Installation {
     /// The same with some errors of 0.
     pub fn without(&self, are: impl Fn(&Part) -> bool) -> Self {
         let mut without = self.clone();
-        let parts = without.parts.iter().zip(&mut without.sizes);
+        let parts = self.parts.iter().zip(&mut without.sizes);
         for (_, size) in parts.filter(|(part, _)| are(part)) {
             *size = 0.0;
         }
@@ -492,7 +492,7 @@ mod tests {
             .unwrap();
         let mean = &prior * &information.scores;
         let found = both.found(&DMatrix::identity(2, 2));
-        for (k, ((size, error), part)) in found.iter().zip(&both.parts).enumerate() {
+        for (k, ((size, error), part)) in found.iter().zip(both.parts.iter()).enumerate() {
             assert!((size / part.sd - mean[k]).abs() < 1e-12);
             assert!((error / part.sd - prior[(k, k)].sqrt()).abs() < 1e-12);
         }

@@ -64,7 +64,8 @@ impl ResidualModel {
         let on_run = ModelOnRun::new(self, frame);
         let of = |i: usize| {
             let signals = on_run.measured(i);
-            let residual = on_run.track(i, &on_run.balance(i, &signals), &signals);
+            let (_, state, motion) = on_run.motion(i, &signals);
+            let residual = on_run.track(i, &state, &motion, &signals);
             (residual, signals[Sensor::Speed])
         };
         let (residual, speed) = (0..frame.len()).map(of).unzip();
@@ -364,19 +365,23 @@ impl<'a> ModelOnRun<'a> {
         self.balances(at, &self.with_effects(at, moved))
     }
 
-    /// Residual of the track channel [m/s2]; 0 without a survey.
-    fn track(&self, i: usize, balance: &Balance, signals: &Signals) -> f64 {
+    /// Residual along the path of the sled [m/s2]; 0 without a survey. The slope is positive
+    /// downhill.
+    fn track(&self, i: usize, state: &State, motion: &Motion, signals: &Signals) -> f64 {
         let Some(slope) = self.slopes().get(i) else {
             return 0.0;
         };
         let slope = slope + self.vehicle.effects.slope(self.frame.s[i]);
-        residual_along_track(balance, signals, slope)
+        let (sine, cosine) = state.alpha_cog_rad.sin_cos();
+        let [ahead, aside, _] = motion.accel_mps2;
+        signals.rate(Sensor::Speed) - GRAVITY * slope.sin() - ahead * cosine + aside * sine
     }
 
     pub fn residual(&self, i: usize) -> [f64; CHANNELS] {
         let at = self.instant(i, &self.measured(i));
         let [along, side, yaw] = self.balances(&at, &self.forces(&at));
-        [along, side, yaw, self.track(i, &at.balance, &at.signals)]
+        let Balance { state, motion, .. } = &at.balance;
+        [along, side, yaw, self.track(i, state, motion, &at.signals)]
     }
 
     /// Scale of a sensor's reading.
@@ -449,12 +454,6 @@ fn with_base_moved(laws: &LawForces, vehicle: &Vehicle, b: usize, share: f64) ->
         _ => across[1] += rear.k_n_per_rad * share * by_rear.k_n_per_rad,
     }
     forces
-}
-
-/// Residual along the path of the sled [m/s2]; the slope [rad] is positive downhill.
-fn residual_along_track(balance: &Balance, signals: &Signals, slope: f64) -> f64 {
-    let (a, (sine, cosine)) = (&balance.motion.accel_mps2, balance.chassis);
-    signals.rate(Sensor::Speed) - GRAVITY * slope.sin() - a[0] * cosine + a[1] * sine
 }
 
 #[cfg(test)]

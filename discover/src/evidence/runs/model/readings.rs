@@ -1,12 +1,12 @@
-//! Changes of sensor readings and constants between models of installation errors and delays.
+//! Changes of sensor readings and constants by installation errors and delays.
 
-use kufe_sled::Sled;
 use kufe_sled::effects::{SENSORS, Sensor};
+use kufe_sled::{Sled, Vehicle};
 
 use crate::evidence::runs::model::channels::Channels;
-use crate::evidence::runs::model::installation::Part;
+use crate::evidence::runs::model::installation::{Installation, Part};
 use crate::evidence::runs::model::residual_jacobian::ResidualJacobian;
-use crate::evidence::runs::model::residual_model::{BALANCES, ResidualModel};
+use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
 
 /// Channels of the inertial unit.
@@ -42,25 +42,36 @@ impl<'a> Readings<'a> {
     /// Readings of a run corrected by a model.
     pub fn new(own: &'a ResidualModel, frame: &'a Frame) -> Self {
         let delays = own.effects.on_track(&frame.track).delays();
-        let channels = corrected(own, frame, &Sensor::ALL, &delays);
-        let mut unmixed = corrected(own, frame, &UNIT, &delays);
-        own.installation.correct_coupling(&mut unmixed);
+        let installation = &own.installation;
+        let channels = corrected(installation, frame, &Sensor::ALL, &delays);
+        let mut unmixed = corrected(installation, frame, &UNIT, &delays);
+        installation.correct_coupling(&mut unmixed);
         Self {
             own,
             frame,
             delays,
             channels,
             unmixed,
-            sled: sled_of(own, frame),
+            sled: sled_of(&own.vehicle, installation, frame),
         }
     }
 
-    /// Differences from the readings by another model, which differs in delays by effects or in one
-    /// installation error: of sensors or of constants.
-    pub fn differences(&self, other: &ResidualModel) -> Differences {
+    /// Differences from the readings with one installation error changed by so many standard
+    /// deviations.
+    pub fn with_part_moved(&self, part: usize, by: f64) -> Differences {
+        let installation = self.own.installation.moved(part, by);
+        self.differences(&installation, &self.delays)
+    }
+
+    /// The same with other delays by effects [s].
+    pub fn with_delays(&self, delays: &[f64; SENSORS]) -> Differences {
+        self.differences(&self.own.installation, delays)
+    }
+
+    /// Differences of sensors or of constants.
+    fn differences(&self, other: &Installation, delays: &[f64; SENSORS]) -> Differences {
         let Self { own, frame, .. } = self;
-        let delays = other.effects.on_track(&frame.track).delays();
-        let [sizes, others] = [own, &other].map(|model| &model.installation.sizes);
+        let [sizes, others] = [&own.installation, other].map(|installation| &installation.sizes);
         let parts = own.installation.parts.iter();
         let moved: Vec<&Part> = parts
             .zip(sizes.iter().zip(others))
@@ -77,9 +88,9 @@ impl<'a> Readings<'a> {
             true => UNIT.to_vec(),
             false => Sensor::ALL.into_iter().filter(reads).collect(),
         };
-        let mut channels = corrected(other, frame, &sensors, &delays);
+        let mut channels = corrected(other, frame, &sensors, delays);
         if couples {
-            other.installation.correct_coupling(&mut channels);
+            other.correct_coupling(&mut channels);
         }
         let before = if couples {
             &self.unmixed
@@ -96,14 +107,14 @@ impl<'a> Readings<'a> {
         };
         Differences {
             sensors: sensors.into_iter().map(between).collect(),
-            sleds: [self.sled, sled_of(other, frame)],
+            sleds: [self.sled, sled_of(&own.vehicle, other, frame)],
         }
     }
 }
 
-/// Channels of a run, these corrected by a model's installation and delays.
+/// Channels of a run, these corrected for installation errors and delays.
 fn corrected<'a>(
-    model: &ResidualModel,
+    installation: &Installation,
     frame: &'a Frame,
     sensors: &[Sensor],
     delays: &[f64; SENSORS],
@@ -111,21 +122,19 @@ fn corrected<'a>(
     let mut channels = Channels::new(frame);
     for sensor in sensors {
         let delay = delays[*sensor as usize];
-        model
-            .installation
-            .correct(*sensor, &frame.session, delay, &mut channels);
+        installation.correct(*sensor, &frame.session, delay, &mut channels);
     }
     channels
 }
 
-/// The constants of a run's sled by a model.
-fn sled_of(model: &ResidualModel, frame: &Frame) -> Sled {
-    let sled = model.vehicle.sled;
+/// The constants of a run's sled, corrected for installation errors.
+fn sled_of(vehicle: &Vehicle, installation: &Installation, frame: &Frame) -> Sled {
+    let sled = vehicle.sled;
     let mut sled = Sled {
         mass_kg: frame.mass_kg.unwrap_or(sled.mass_kg),
         ..sled
     };
-    model.installation.correct_constants(&mut sled);
+    installation.correct_constants(&mut sled);
     sled
 }
 
@@ -134,17 +143,21 @@ impl Differences {
         self.sensors.is_empty() && self.sleds[0] == self.sleds[1]
     }
 
-    /// Change of the residuals of a sample, from their derivatives.
-    pub fn residual_change(&self, i: usize, by: &ResidualJacobian) -> [f64; BALANCES] {
-        let mut residual = match self.sensors.is_empty() {
-            true => by.of_constants(&self.sleds[0], &self.sleds[1]),
-            false => [0.0; BALANCES],
-        };
-        for (sensor, [value, rate]) in &self.sensors {
-            let rate = rate.get(i).copied().unwrap_or(0.0);
-            let more = by.of_sensor(*sensor, value[i], rate);
-            residual.iter_mut().zip(more).for_each(|(sum, x)| *sum += x);
+    /// Adds the change of a balance's residuals times a factor, from their derivatives by sample.
+    pub fn add_change(&self, balance: usize, by: f64, at: &[ResidualJacobian], to: &mut [f64]) {
+        if self.sensors.is_empty() {
+            let [before, after] = &self.sleds;
+            for (to, at) in to.iter_mut().zip(at) {
+                *to += by * at.of_constants(before, after)[balance];
+            }
         }
-        residual
+        for (sensor, [value, rate]) in &self.sensors {
+            for ((to, at), value) in to.iter_mut().zip(at).zip(value) {
+                *to += by * at.by_value(*sensor)[balance] * value;
+            }
+            for ((to, at), rate) in to.iter_mut().zip(at).zip(rate) {
+                *to += by * at.by_rate(*sensor)[balance] * rate;
+            }
+        }
     }
 }

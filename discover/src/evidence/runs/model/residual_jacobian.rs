@@ -39,17 +39,27 @@ fn sum<const N: usize>(parts: [(f64, &[f64; 3]); N]) -> [f64; 3] {
 }
 
 impl ResidualJacobian {
+    /// Derivatives of the residuals by a sensor's value.
+    #[inline]
+    pub fn by_value(&self, sensor: Sensor) -> &[f64; 3] {
+        &self.value[sensor as usize]
+    }
+
+    /// Derivatives of the residuals by the derivative of a sensor's value.
+    #[inline]
+    pub fn by_rate(&self, sensor: Sensor) -> &[f64; 3] {
+        match sensor {
+            Sensor::RollRate | Sensor::PitchRate | Sensor::YawRate => {
+                &self.rate[sensor as usize - Sensor::RollRate as usize]
+            }
+            _ => &[0.0; 3],
+        }
+    }
+
     /// Change of the residuals by changes of a sensor's value and its derivative.
     #[inline]
     pub fn of_sensor(&self, sensor: Sensor, value: f64, rate: f64) -> [f64; 3] {
-        let by_value = &self.value[sensor as usize];
-        match sensor {
-            Sensor::RollRate | Sensor::PitchRate | Sensor::YawRate => {
-                let gyro = sensor as usize - Sensor::RollRate as usize;
-                sum([(value, by_value), (rate, &self.rate[gyro])])
-            }
-            _ => sum([(value, by_value)]),
-        }
+        sum([(value, self.by_value(sensor)), (rate, self.by_rate(sensor))])
     }
 
     /// Change of the residuals between two sets of constants.

@@ -18,13 +18,14 @@
 //! (1995) 373.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use kufe_sled::{
     Inputs, Model, SimulateOptions, Track, TrackShape, Vehicle, refuse_effects, replay,
 };
 use rayon::prelude::*;
 
-use crate::evidence::runs::campaign::{Campaign, RunFit};
+use crate::evidence::runs::campaign::{Campaign, RunFit, sensor_effects};
 use crate::evidence::runs::model::residual_model::{BOUNDS, ResidualModel};
 use crate::evidence::runs::outcome::next_model::next_model;
 use crate::null::clusters::members;
@@ -93,25 +94,25 @@ impl Campaign<'_> {
     ) -> Result<(Vec<usize>, Vec<Squares>), String> {
         let tracks: Vec<Track> = self.data.downhill_tracks();
         let all = &self.data.runs;
+        let shapes: Vec<_> = tracks.iter().map(|t| (t, TrackShape::new(t))).collect();
         let on_track = |i: &usize| tracks.iter().any(|t| t.name == all[*i].entry.track);
         let able = || (0..all.len()).filter(on_track).collect();
         let runs: Vec<usize> = stated.map_or_else(able, <[usize]>::to_vec);
         let of_run = |i: &usize| -> Result<([f64; 3], [f64; 3]), String> {
             let (run, vehicle) = (&all[*i], vehicle_of(*i));
-            let track = tracks.iter().find(|t| t.name == run.entry.track);
-            let track = track.expect("runs without a track are filtered out");
+            let track = shapes.iter().find(|(t, _)| t.name == run.entry.track);
+            let (track, shape) = track.expect("runs without a track are filtered out");
             let failed = |error: kufe_sled::Error| {
                 format!("run {} cannot be replayed with it: {error}", run.entry.run)
             };
-            let inputs = Inputs::of(run, vehicle, track.s_m[0]).map_err(failed)?;
+            let inputs = self.replay_inputs(*i, vehicle, track).map_err(failed)?;
             let options = SimulateOptions {
                 step_s: STEP_S,
                 rate_hz: RATE_HZ,
                 conditions: run.entry.conditions,
                 ..SimulateOptions::default()
             };
-            let shape = TrackShape::new(track);
-            let replay = replay(&inputs, vehicle, &shape, &options).map_err(failed)?;
+            let replay = replay(&inputs, vehicle, shape, &options).map_err(failed)?;
             if let Some(stopped) = replay.stopped {
                 return Err(format!(
                     "run {} stops in its replay: {stopped}",
@@ -161,6 +162,29 @@ impl Campaign<'_> {
             REPLAYED.iter().enumerate().map(of_column).collect()
         };
         Ok((replayed, columns))
+    }
+
+    /// The inputs of a run's replay, with the vehicle's effects on sensors taken out.
+    fn replay_inputs(
+        &self,
+        run: usize,
+        vehicle: &Vehicle,
+        track: &Track,
+    ) -> Result<Arc<Inputs>, kufe_sled::Error> {
+        let cache = || {
+            let cache = self.replay_inputs.lock();
+            cache.expect("no thread panics while it has the lock")
+        };
+        let own = sensor_effects(&vehicle.effects);
+        if let Some((known, inputs)) = cache().get(&run)
+            && *known == own
+        {
+            return Ok(inputs.clone());
+        }
+        let inputs = Inputs::of(&self.data.runs[run], vehicle, track.s_m[0])?;
+        let inputs = Arc::new(inputs);
+        cache().insert(run, (own, inputs.clone()));
+        Ok(inputs)
     }
 
     /// The fit with the friction at which the training runs among `replayed` are replayed best, less

@@ -4,6 +4,8 @@
 //! channels are preserved; the derivative is the convolution with the kernel's derivative. The
 //! amplitude at the corner is 1/sqrt(2).
 
+use crate::regression::gram::dot;
+
 /// A Gaussian kernel on a uniform grid.
 #[derive(Clone, Debug)]
 pub struct Kernel {
@@ -79,7 +81,7 @@ impl Kernel {
         centres
             .map(|i| {
                 let window = &x[i - half..=i + half];
-                window.iter().zip(kernel).map(|(a, b)| a * b).sum()
+                dot(window, kernel)
             })
             .collect()
     }

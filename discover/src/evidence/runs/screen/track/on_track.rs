@@ -4,7 +4,7 @@ use std::f64::consts::{PI, SQRT_2};
 
 use kufe_sled::GRAVITY;
 
-use crate::evidence::runs::campaign::Campaign;
+use crate::evidence::runs::campaign::{Campaign, sensor_effects};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::installation::{Information, Installation, Part};
@@ -93,11 +93,7 @@ impl Campaign<'_> {
         if !residual_model.frozen.is_empty() {
             return None;
         }
-        let active = residual_model.effects.active.iter();
-        let on_sensors = active.filter(|e| e.moves_signals());
-        let own: Vec<_> = on_sensors
-            .map(|e| (e.name.clone(), e.values.clone()))
-            .collect();
+        let own = sensor_effects(&residual_model.effects);
         match &self.survey {
             Some((known, survey)) if *known == own => survey.clone(),
             _ => {
