@@ -13,6 +13,8 @@ use crate::evidence::runs::fit::estimate::Estimate;
 use crate::evidence::runs::fit::gauss_newton::{conditional_residuals, residuals};
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::Design;
+use crate::evidence::runs::model::discrepancy::Discrepancy;
+use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
@@ -48,6 +50,8 @@ pub struct Campaign<'a> {
     pub selected_contacts: Option<FoundContacts>,
     /// The cached track channel, and the effects on sensors that it was computed with.
     pub survey: Option<(SensorEffects, Option<SurveyedTrack>)>,
+    /// Cached installation errors and discrepancy of runs, by the names of the runs and the model.
+    pub installed: Mutex<HashMap<String, (Installation, Discrepancy)>>,
     /// Cached inputs of each run's replay, and the effects on sensors that they were corrected with.
     pub replay_inputs: Mutex<HashMap<usize, (SensorEffects, Arc<Inputs>)>>,
     /// The effect of the catalogue that a law was preferred to by first-order scores.

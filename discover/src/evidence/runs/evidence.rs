@@ -89,6 +89,7 @@ impl<'a> Campaign<'a> {
             selected_contacts: None,
             survey: None,
             replay_inputs: Mutex::default(),
+            installed: Mutex::default(),
             runner_up: None,
         };
         if let Some(contacts) = contacts {

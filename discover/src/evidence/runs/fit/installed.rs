@@ -81,6 +81,21 @@ impl Campaign<'_> {
     /// not used, since sensors are mounted anew.
     pub fn installed_in(&self, model: &ResidualModel, frames: &[Frame]) -> ResidualModel {
         let frames: Vec<Frame> = frames.iter().map(without_contacts).collect();
+        let names: Vec<&str> = frames.iter().map(|frame| frame.name.as_str()).collect();
+        let (effects, discrepancy) = (&model.effects, &model.discrepancy);
+        let inputs = format!("{:?}", (names, model.base, effects, discrepancy));
+        let cache = || {
+            let cache = self.installed.lock();
+            cache.expect("no thread panics while it has the lock")
+        };
+        let installed = |(installation, discrepancy): (Installation, Discrepancy)| ResidualModel {
+            installation,
+            discrepancy,
+            ..model.clone()
+        };
+        if let Some(known) = cache().get(&inputs) {
+            return installed(known.clone());
+        }
         let installation = self.stated_installation(model, &frames);
         if frames.is_empty() || installation.parts.is_empty() {
             return model.clone();
@@ -101,10 +116,9 @@ impl Campaign<'_> {
         let Ok(fit) = fitting.fit(&start) else {
             return model.clone();
         };
-        ResidualModel {
-            frozen: model.frozen.clone(),
-            model_error: model.model_error,
-            ..fit.model.with_fixed(true)
-        }
+        let fitted = fit.model.with_fixed(true);
+        let fitted = (fitted.installation, fitted.discrepancy);
+        cache().insert(inputs, fitted.clone());
+        installed(fitted)
     }
 }
