@@ -26,6 +26,8 @@ pub struct Options {
     pub strict: bool,
     /// Names of the only effects that are searched for, or [`OUTSIDE_CATALOGUE`]; empty: all.
     pub only: Vec<String>,
+    /// Whether only the base is fitted and screened.
+    pub quick: bool,
     /// Thresholds of the search.
     pub rules: Rules,
 }
@@ -40,6 +42,7 @@ impl Default for Options {
             lateral: true,
             strict: false,
             only: Vec::new(),
+            quick: false,
             rules: Rules::default(),
         }
     }

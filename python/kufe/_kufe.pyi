@@ -495,13 +495,12 @@ class Discovery:
     def report(self) -> dict[str, Any]:
         """What the command writes to `report.json`."""
     @property
-    def next_model(self) -> str:
-        """The model with what was found: TOML that every command accepts."""
+    def next_model(self) -> str | None:
+        """The model with what was found: TOML that every command accepts; None where `quick`."""
     @property
     def next_case(self) -> str | None:
         """
-        The next case, as its file's text, where pressures stand beside other data of a campaign;
-        else None.
+        The next case, as its file's text, where a campaign has pressures and other data; else None.
         """
     @property
     def html(self) -> str:
@@ -675,6 +674,7 @@ def discover(
     twins: int = 40,
     channels: Literal["all", "lateral", "longitudinal"] = "all",
     only: Sequence[str] = (),
+    quick: bool = False,
     progress: _Progress = None,
 ) -> Discovery:
     """Find the effect that a model does not have and name it."""

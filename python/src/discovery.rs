@@ -13,9 +13,9 @@ use crate::work::work;
 #[pyclass(frozen, module = "kufe")]
 pub struct Discovery {
     report: Report,
-    /// The model with what was found: TOML that every command accepts.
+    /// The model with what was found: TOML that every command accepts; None where `quick`.
     #[pyo3(get)]
-    next_model: String,
+    next_model: Option<String>,
     /// The next case, as its file's text, where a campaign has pressures and other data; else None.
     #[pyo3(get)]
     next_case: Option<String>,
@@ -28,9 +28,11 @@ pub struct Discovery {
 ///
 /// `only` names the effects to look for, and `"unknown"` for what is outside the catalogue; all
 /// where it is empty.
+///
+/// `quick` fits the base and screens the effects once: nothing is tested on held-out data.
 #[allow(clippy::too_many_arguments)] // keywords in Python
 #[pyfunction]
-#[pyo3(signature = (data, model = None, *, seed = 1, twins = 40, channels = "all", only = Vec::new(), progress = None))]
+#[pyo3(signature = (data, model = None, *, seed = 1, twins = 40, channels = "all", only = Vec::new(), quick = false, progress = None))]
 pub fn discover(
     py: Python<'_>,
     data: PathBuf,
@@ -39,6 +41,7 @@ pub fn discover(
     twins: u64,
     channels: &str,
     only: Vec<String>,
+    quick: bool,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Discovery> {
     if !(10..=1000).contains(&twins) {
@@ -57,6 +60,7 @@ pub fn discover(
         longitudinal: channels != "lateral",
         lateral: channels != "longitudinal",
         only,
+        quick,
         ..Options::default()
     };
     let found = work(py, progress, move |watch, _| {

@@ -38,6 +38,9 @@ pub struct Args {
     /// outside the catalogue
     #[arg(long, value_name = "EFFECTS", value_delimiter = ',')]
     only: Vec<String>,
+    /// Fit the base and screen the effects once, without a model to write
+    #[arg(long)]
+    quick: bool,
     /// Refuse runs with missing files, values or rows, uneven times or standstill, instead of
     /// excluding them
     #[arg(long)]
@@ -67,6 +70,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         twins,
         strict: args.strict,
         only: args.only.clone(),
+        quick: args.quick,
         rules: rules.unwrap_or_default(),
         ..Options::default()
     };
@@ -113,7 +117,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     });
     let viewer = write_view(&output, viewed, global)?;
     output.text("report.html", &discovery_page(report, viewer))?;
-    output.text("model.next.toml", &found.next_model)?;
+    if let Some(model) = &found.next_model {
+        output.text("model.next.toml", model)?;
+    }
     if let Some(case) = &found.next_case {
         output.text("case.next.toml", case)?;
     }

@@ -10,7 +10,6 @@ use crate::procedure::evidence::{
     Account, Description, Evidence, ExtendedFit, HeldOutResults, Screen, Selection,
 };
 use crate::procedure::misfit_decrease::Decrease;
-use crate::procedure::rules::SearchRules;
 use crate::procedure::shared_effects::{Amount, ScreenEstimate, SharesEffects};
 
 /// Data that know some effects, each with one size; a fit is the name of the effect added last.
@@ -242,24 +241,4 @@ fn two_kinds_together_select_an_effect_that_none_selects_alone() {
         None
     );
     assert_eq!(weakly(of(1.0, 1e-4), Vec::new(), Vec::new()), None);
-}
-
-#[test]
-fn a_rise_in_the_own_channel_is_rejected_with_other_data() {
-    let falls = [[-2.0, 9.0], [-3.0, 10.0], [-2.5, 11.0], [-2.2, 10.0]];
-    let of = |decrease: Option<Decrease>| StatedData {
-        decrease,
-        ..StatedData::default()
-    };
-    let runs = of(Decrease::over_channels(["side", "yaw"], &falls, &falls));
-    let experiments = of(Decrease::over(&[5.0, 6.0, 5.5], 0.0));
-    let sum = with_joint([runs, experiments], |joint, fit| {
-        joint.misfit_decrease(fit, fit)
-    });
-    let (sum, rules) = (sum.ok().flatten(), SearchRules::default());
-    let is_accepted_in = |channel| sum.as_ref().map(|sum| sum.is_accepted_in(channel, &rules));
-    assert_eq!(
-        [is_accepted_in("yaw"), is_accepted_in("side")],
-        [Some(true), Some(false)]
-    );
 }

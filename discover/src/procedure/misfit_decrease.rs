@@ -107,13 +107,6 @@ impl Decrease {
             && by >= rules.material * self.repeats
     }
 
-    /// The same for an effect selected in this channel, whose misfit may not rise significantly.
-    pub fn is_accepted_in(&self, channel: &str, rules: &SearchRules) -> bool {
-        let rises = |[by, error]: [f64; 2]| by < -rules.beyond_scatter * error;
-        let mut own = self.by_channel.iter().filter(|(name, _)| *name == channel);
-        self.is_accepted(rules) && !own.any(|(_, fall)| rises(*fall))
-    }
-
     /// The decrease in standard errors: unweighted or weighted, whichever is larger. The unweighted
     /// one dilutes a step of one channel by the scatter of the others.
     pub fn strength(&self) -> f64 {
@@ -241,19 +234,6 @@ mod tests {
         assert!(!observed(3.6).is_accepted(&rules) && !observed(-4.0).is_accepted(&rules));
         let text = observed(-4.0).in_words("yaw");
         assert!(text.contains("-4.0 of the predicted fall"), "{text}");
-    }
-
-    #[test]
-    fn a_rise_in_the_own_channel_is_rejected_whatever_falls_in_another() {
-        let rules = SearchRules::default();
-        let falls = [[-2.0, 9.0], [-3.0, 10.0], [-2.5, 11.0], [-2.2, 10.0]];
-        let decrease = Decrease::over_channels(["side", "yaw"], &falls, &falls).unwrap();
-        assert!(decrease.is_accepted(&rules) && decrease.is_accepted_in("yaw", &rules));
-        assert!(!decrease.is_accepted_in("side", &rules), "{decrease:?}");
-        // Within its scatter it may.
-        let falls = [[-2.0, 9.0], [3.0, 10.0], [-2.5, 11.0], [1.0, 10.0]];
-        let decrease = Decrease::over_channels(["side", "yaw"], &falls, &falls).unwrap();
-        assert!(decrease.is_accepted_in("side", &rules));
     }
 
     fn falls_learned() -> Vec<[f64; 2]> {

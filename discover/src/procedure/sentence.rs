@@ -47,7 +47,10 @@ pub fn sentence(report: &Report, account: &Account, nothing: &str) -> String {
         Verdict::Inadequate => "The model does not explain what repeats from run to run, and no effect of the catalogue does.".to_owned(),
         Verdict::None if !nothing.is_empty() => nothing.to_owned(),
         Verdict::None => "Nothing to be found: no effect exceeds chance and the noise of the inputs significantly.".to_owned(),
-        Verdict::NotIdentifiable => format!("Something differs that these data cannot name: {next}."),
+        Verdict::NotIdentifiable => {
+            let why = account.unexplained.as_deref().unwrap_or_default();
+            format!("Something differs that these data cannot name: {why}.")
+        }
     }
 }
 
@@ -98,11 +101,14 @@ pub fn adequacy(steps: &[Step], remaining: &[Remaining]) -> String {
             low: 1.0 - own.share.high,
             high: 1.0 - own.share.low,
         };
-        Some(format!(
-            "The answer explains {} of the {} misfit that repeats from run to run. ",
-            share(&explained),
-            own.channel
-        ))
+        // An interval from 0 to 1 states nothing.
+        (explained.low > 0.0 || explained.high < 1.0).then(|| {
+            format!(
+                "The answer explains {} of the {} misfit that repeats from run to run. ",
+                share(&explained),
+                own.channel
+            )
+        })
     });
     let rest = match worst.is_small {
         true => format!(

@@ -41,7 +41,6 @@ fn measurement(verdict: Verdict, account: &Account, described: &Description) -> 
     let report = &described.report;
     let meaning = |name: &String| described.effects.iter().find(|e| e.name == *name);
     match verdict {
-        Verdict::NotIdentifiable => account.unexplained.clone().unwrap_or_default(),
         Verdict::DependsOn => {
             let mut what: Vec<&str> = account.depends.iter().map(|d| d.decides.as_str()).collect();
             what.dedup();
@@ -63,7 +62,7 @@ fn measurement(verdict: Verdict, account: &Account, described: &Description) -> 
                 places.join("; ")
             )
         }
-        Verdict::None => described.next_after_nothing.clone(),
+        Verdict::NotIdentifiable | Verdict::None => described.next_after_nothing.clone(),
         Verdict::Law => {
             let of_laws = account.steps.iter().filter(|s| s.law.is_some());
             let members = of_laws.flat_map(|s| &s.class);

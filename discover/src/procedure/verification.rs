@@ -40,7 +40,7 @@ pub fn verify<E: Evidence>(
         let all = all.get_or_insert_with(|| whole.clone());
         let is_only = account.steps.len() == 1;
         let mut weakest: Option<Weakest<E::Fit>> = None;
-        for (step, known) in account.steps.iter().enumerate() {
+        for step in 0..account.steps.len() {
             // Without its only step a model is the base.
             let (mut without, mut decrease, mut before) = (base.clone(), whole.clone(), 0.0);
             if !is_only {
@@ -55,7 +55,7 @@ pub fn verify<E: Evidence>(
             }
             let decrease = decrease.of_all(all, before);
             let one = Weakest {
-                is_accepted: decrease.is_accepted_in(&known.channel, rules),
+                is_accepted: decrease.is_accepted(rules),
                 step,
                 decrease,
                 without,

@@ -147,7 +147,7 @@ fn searched(shear: f64, seed: u64) -> (Report, Model) {
         ..Options::default()
     };
     let found = discover(&data, Some(&file), &options, &|_| {}).unwrap();
-    let next = Model::from_toml(&found.next_model, "model.next.toml").unwrap();
+    let next = Model::from_toml(found.next_model.as_deref().unwrap(), "model.next.toml").unwrap();
     println!("{}", found.report.sentence);
     (found.report, next)
 }

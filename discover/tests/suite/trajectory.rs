@@ -80,7 +80,7 @@ fn misfits_of_forces_and_trajectory_decrease_alike_on_held_out_runs() {
             "{}",
             found.report.sentence
         );
-        let next = Model::from_toml(&found.next_model, "next").unwrap();
+        let next = Model::from_toml(found.next_model.as_deref().unwrap(), "next").unwrap();
         let [before, after, floor] = [&Model::published(), &next, &truth(hidden)]
             .map(|model| gaps(&found, &recorded, model));
         println!(

@@ -74,7 +74,7 @@ fn walls_are_one_effect_with_a_force_per_run_and_in_the_next_model() {
 
     // Held-out runs, by the commands' own balances: contacts are set by the lateral one and tested
     // by the yaw one.
-    let next = Model::from_toml(&found.next_model, "next").unwrap();
+    let next = Model::from_toml(found.next_model.as_deref().unwrap(), "next").unwrap();
     let locked = &report.held_out.runs;
     let held: Vec<_> = recorded
         .into_iter()

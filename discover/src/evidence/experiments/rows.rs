@@ -50,7 +50,7 @@ const KNOWN: [&str; 6] = [
 /// that repeats another one under another name.
 pub fn read(table: &Table, drag_area: f64) -> Result<Vec<Row>, Error> {
     let names = table.texts("specimen")?;
-    let pressure = table.numbers("p_max_pa", 0.0, 1e10)?;
+    let pressure = table.numbers("p_max_pa", 1e4, 1e11)?;
     let pressure_sd = table.numbers("p_max_sd_pa", 0.0, 1e10)?;
     let mu = table.numbers("mu", 0.0, 1.0)?;
     let mu_sd = table.numbers("mu_sd", 1e-9, 1.0)?;

@@ -47,8 +47,9 @@ fn notes(report: &Report) -> Vec<(&'static str, String)> {
             _ => "The model with friction and grip refitted".to_owned(),
         };
         let text = format!(
-            "{which} is worse than the model as given on data it was not fitted to: {}.",
-            withheld.reason
+            "{which} is worse than the model as given on data it was not fitted to: {}.{}",
+            withheld.reason,
+            written(report)
         );
         notes.push(("Not written", text));
     }
@@ -69,6 +70,15 @@ fn notes(report: &Report) -> Vec<(&'static str, String)> {
     notes
 }
 
+/// The effects of the model that is written in place of one with more of them.
+fn written(report: &Report) -> String {
+    let effects: Vec<&str> = report.steps.iter().map(|s| s.effect.as_str()).collect();
+    match report.written {
+        ModelKind::WithEffect => format!(" The model that is written has {}.", effects.join(", ")),
+        _ => String::new(),
+    }
+}
+
 fn in_words(report: &Report) -> String {
     let words = match report.verdict {
         Verdict::Named if report.steps.len() > 1 => "Effects are missing from the model",
@@ -79,6 +89,9 @@ fn in_words(report: &Report) -> String {
         Verdict::Located => "Something is missing at some places, and has no name",
         Verdict::Inadequate => "Something that repeats from run to run is missing, and has no name",
         Verdict::None => "Nothing is missing that these data could show",
+        Verdict::NotIdentifiable if !report.steps.is_empty() => {
+            "The screen selects an effect, which is not tested yet"
+        }
         Verdict::NotIdentifiable => "Something differs, but these data cannot name it",
     };
     let is_all = report.adequate || report.steps.is_empty();

@@ -104,11 +104,19 @@ impl Fitting<'_> {
     /// # Errors
     /// [`Error::BaseFit`] if a residual is not finite.
     pub fn fit(&self, model: &ResidualModel) -> Result<Fit, Error> {
+        /// Tolerance of the criterion: a parameter is then within a standard error.
+        const ENOUGH: f64 = 0.5;
+        self.fit_within(model, ENOUGH)
+    }
+
+    /// The same with another tolerance of the criterion.
+    ///
+    /// # Errors
+    /// As [`fit`](Self::fit).
+    pub fn fit_within(&self, model: &ResidualModel, enough: f64) -> Result<Fit, Error> {
         const ROUNDS: usize = 12;
         /// Smallest share of a step.
         const LEAST: f64 = 0.05;
-        /// Tolerance of the criterion: a parameter is then within a standard error.
-        const ENOUGH: f64 = 0.5;
         let mut model = model.clone();
         let mut rows = conditional_residuals(&model, self.frames);
         for _ in 0..ROUNDS {
@@ -133,7 +141,7 @@ impl Fitting<'_> {
                 }
                 share *= 0.5;
             }
-            if gained < ENOUGH {
+            if gained < enough {
                 break;
             }
         }

@@ -42,12 +42,14 @@ impl Campaign<'_> {
     /// [`Error::BaseFit`] if a residual is not finite.
     pub fn fitted_anew(&self, model: &ResidualModel, owners: Vec<usize>) -> Result<RunFit, Error> {
         const ROUND: u64 = 6_500_003;
+        /// Tolerance of the criterion without a discrepancy: the fit with one starts there.
+        const START: f64 = 5.0;
         let start = ResidualModel {
             base: self.given.base,
             installation: self.stated_installation(model, &self.training),
             ..model.without_discrepancy()
         };
-        let start = self.fitting().fit(&start)?.model;
+        let start = self.fitting().fit_within(&start, START)?.model;
         let by_inputs = self
             .simulator(&start)
             .residuals(&self.training, &start, ROUND);

@@ -21,15 +21,18 @@ use rayon::prelude::*;
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::contacts::own::without_pushes;
+use crate::evidence::runs::fit::row_noise::expected;
 use crate::evidence::runs::model::residual_model::{
     BALANCES, BASE_NAMES, CHANNEL_NAMES, ResidualModel,
 };
 use crate::evidence::runs::outcome::misfit_decrease::with_whole_side;
 use crate::evidence::runs::outcome::replays::Squares;
-use crate::finding::{Baseline, Fitted, ModelKind, Withheld};
-use crate::procedure::evidence::{Account, Choice};
+use crate::evidence::runs::outcome::superfluous::NO_SIZE;
+use crate::finding::{Baseline, Fitted, ModelKind, Rival, Withheld};
+use crate::procedure::evidence::{Account, Choice, Evidence};
 use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::rules::SearchRules;
+use crate::procedure::shared_effects::{Amount, SharesEffects};
 
 /// Rows of a piece of a run for comparisons of misfits: four seconds, beyond which residuals are
 /// uncorrelated.
@@ -124,7 +127,7 @@ impl Campaign<'_> {
     /// # Errors
     /// Those of a fit with one effect less.
     pub fn chosen(
-        &self,
+        &mut self,
         refitted: &RunFit,
         mut last: RunFit,
         account: &mut Account,
@@ -153,6 +156,15 @@ impl Campaign<'_> {
         let mut chosen = None;
         let mut next = with_effect.then(|| self.tried(&last, &given));
         while let Some(tried) = next.take() {
+            // With the base as stated a size may be within its error.
+            let of_no_size = self.of_no_size(&tried.fit, &account.steps);
+            if let (Some(step), true) = (of_no_size, tried.reasons.is_empty()) {
+                account.remove_step(step, NO_SIZE);
+                let fit = self.without_step(&last, step)?;
+                last = self.with_significant_steps(fit, account)?;
+                next = (!account.steps.is_empty()).then(|| self.tried(&last, &given));
+                continue;
+            }
             if tried.reasons.is_empty() {
                 with_effects = tried.performance;
                 chosen = Some((ModelKind::WithEffect, tried.fit));
@@ -184,7 +196,13 @@ impl Campaign<'_> {
             match shorter.into_iter().min_by(|(_, _, a), (_, _, b)| a.cmp(b)) {
                 Some((step, fit, tried)) => {
                     account.remove_step(step, &format!("made other runs worse ({reason})"));
-                    (last, next) = (fit, Some(tried));
+                    let remaining = account.steps.len();
+                    last = self.with_significant_steps(fit, account)?;
+                    next = match account.steps.len() {
+                        n if n == remaining => Some(tried),
+                        0 => None,
+                        _ => Some(self.tried(&last, &given)),
+                    };
                 }
                 None => {
                     with_effects = tried.performance;
@@ -194,6 +212,9 @@ impl Campaign<'_> {
                     }
                 }
             }
+        }
+        if let (Some((ModelKind::WithEffect, fit)), Some(own)) = (&chosen, &with_effects) {
+            self.join_replayed_rivals((refitted, fit), (own, &given), account)?;
         }
         let mut base = self.tried(refitted, &given);
         let misfit = base.performance.as_ref().map(Performance::misfit);
@@ -242,6 +263,56 @@ impl Campaign<'_> {
             baselines: baselines.collect(),
             withheld,
         })
+    }
+
+    /// Adds to the class of each effect the rivals with which replays are at least as good.
+    ///
+    /// First-order scores can distinguish two effects by errors of the model that have nothing to do
+    /// with either. The rival of largest gain takes the effect's place in a fit of its own, then the
+    /// next one, until the replays are worse.
+    fn join_replayed_rivals(
+        &mut self,
+        (refitted, fit): (&RunFit, &RunFit),
+        (own, given): (&Performance, &Performance),
+        account: &mut Account,
+    ) -> Result<(), Error> {
+        /// Most rivals of an effect that are fitted.
+        const MOST: usize = 3;
+        let last = account.steps.len().saturating_sub(1);
+        for (number, step) in account.steps.iter_mut().enumerate() {
+            let outside = |rival: &&mut Rival| !step.class.contains(&rival.effect);
+            for rival in step.rivals.iter_mut().filter(outside).take(MOST) {
+                let without = match last {
+                    0 => refitted.clone(),
+                    _ => self.without_step(fit, number)?,
+                };
+                let amount = Amount {
+                    effect: rival.effect.clone(),
+                    key: rival.parameter.clone(),
+                    unit: rival.unit.clone(),
+                    value: rival.size,
+                    error: f64::NAN,
+                };
+                let Some(selection) = self.select(&without, &amount) else {
+                    continue;
+                };
+                let mut other = self.add(&without, &selection, last)?.fit;
+                self.write(&mut other);
+                let tried = self.tried(&other, given);
+                let better = |other: &Performance| other.misfit() <= own.misfit();
+                if !tried.performance.as_ref().is_some_and(better) {
+                    break;
+                }
+                rival.in_class = true;
+            }
+            let joined = step.rivals.iter().filter(|rival| rival.in_class);
+            for effect in joined.map(|rival| &rival.effect) {
+                if !step.class.contains(effect) {
+                    step.class.push(effect.clone());
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The better base of a fit, refitted or as stated, each with the friction of the replays.
@@ -339,15 +410,24 @@ impl Campaign<'_> {
         })
     }
 
+    /// Squares of each balance on the held-out runs, at the noise of the model as given: with less
+    /// mass all forces are smaller and nothing is explained.
     fn channel_squares(&self, model: &ResidualModel) -> Vec<Squares> {
         let used: Vec<usize> = (0..BALANCES).filter(|c| self.used[*c]).collect();
+        let alike = ResidualModel {
+            model_error: self.given.model_error,
+            ..model.clone()
+        };
         let of_run = |frame| -> Vec<Vec<[f64; 2]>> {
             let frame = &without_pushes(frame);
             let rows = with_whole_side(model, frame);
+            let [given, own] = [&self.given, &alike].map(|model| expected(model, frame));
             let pieces = frame.row_count().div_ceil(PIECE_ROWS).max(1);
             let of_channel = |c: &usize| {
                 let length = rows[*c].len().div_ceil(pieces).max(1);
-                let squares = |piece: &[f64]| piece.iter().map(|r| r * r).sum();
+                let by = given[(*c, *c)] / own[(*c, *c)];
+                let by = if by.is_finite() { by } else { 1.0 };
+                let squares = |piece: &[f64]| by * piece.iter().map(|r| r * r).sum::<f64>();
                 let pieces = rows[*c].chunks(length);
                 pieces
                     .map(|piece| [squares(piece), piece.len() as f64])

@@ -85,8 +85,8 @@ impl Campaign<'_> {
         read().map_err(|error| format!("it cannot be simulated: {error}"))
     }
 
-    /// Squares of the replays' differences, one piece per session, and the indices of the runs;
-    /// runs whose track has no table are omitted.
+    /// Squares of the replays' differences, one piece per session, and the indices of the runs; runs
+    /// whose track has no table, and those that all estimates are fitted to, are omitted.
     pub fn replay_squares<'v>(
         &self,
         vehicle_of: impl Fn(usize) -> &'v Vehicle + Sync,
@@ -96,7 +96,13 @@ impl Campaign<'_> {
         let all = &self.data.runs;
         let shapes: Vec<_> = tracks.iter().map(|t| (t, TrackShape::new(t))).collect();
         let on_track = |i: &usize| tracks.iter().any(|t| t.name == all[*i].entry.track);
-        let able = || (0..all.len()).filter(on_track).collect();
+        // The estimates without their session are those of other runs; of one session there are none.
+        let sessions = members(self.training.iter().map(|frame| frame.session.as_str()));
+        let fitted = |i: &usize| self.data.segmented || self.data.locked.training.contains(i);
+        let able = || {
+            let able = (0..all.len()).filter(on_track);
+            able.filter(|i| sessions.len() > 1 || !fitted(i)).collect()
+        };
         let runs: Vec<usize> = stated.map_or_else(able, <[usize]>::to_vec);
         let of_run = |i: &usize| -> Result<([f64; 3], [f64; 3]), String> {
             let (run, vehicle) = (&all[*i], vehicle_of(*i));

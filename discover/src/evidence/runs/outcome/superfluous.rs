@@ -6,6 +6,9 @@ use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::finding::Step;
 use crate::procedure::evidence::Account;
 
+/// Why such an effect is removed.
+pub const NO_SIZE: &str = "had an interval that contains 0";
+
 impl Campaign<'_> {
     /// The fit with the steps that are significant given the others, with final estimates.
     pub fn with_significant_steps(
@@ -18,13 +21,13 @@ impl Campaign<'_> {
             let Some(step) = self.of_no_size(&fit, &account.steps) else {
                 return Ok(fit);
             };
-            account.remove_step(step, "had an interval that contains 0");
+            account.remove_step(step, NO_SIZE);
             fit = self.without_step(&fit, step)?;
         }
     }
 
     /// The first step whose amplitudes all have intervals that contain 0.
-    fn of_no_size(&self, last: &RunFit, steps: &[Step]) -> Option<usize> {
+    pub fn of_no_size(&self, last: &RunFit, steps: &[Step]) -> Option<usize> {
         let of_forces = |step: &usize| steps[*step].channel != CHANNEL_NAMES[3].0;
         let sizes = self.parameters(last, steps.len());
         let nothing = |step: &usize| {
