@@ -223,8 +223,12 @@ impl Campaign<'_> {
         };
         let needed = (1.0 - limit.log2()).ceil();
         Some(format!(
-            "with {} training runs no p-value by sign-flips can be below {least:.1e}; {what} must reach {limit}, so that only what exceeds the tolerances by itself can be selected: {needed} runs are needed in addition to the held-out ones",
-            self.training.len()
+            "with {} training {} no p-value by sign-flips can be below {least:.1e}; {what} must reach {limit}, so that only what exceeds the tolerances by itself can be selected: {needed} are needed in addition to the held-out ones",
+            self.training.len(),
+            match self.data.segmented {
+                true => "segments",
+                false => "runs",
+            }
         ))
     }
 
