@@ -112,6 +112,30 @@ fn constant_and_absent_columns_list_the_effects_that_need_them() -> Outcome {
 }
 
 #[test]
+fn a_quick_search_selects_without_a_model_to_write() -> Outcome {
+    let folder = tempfile::tempdir()?;
+    let at = folder.path();
+    let rows = table(|ice, _| 1.0 - 0.03 * (ice + 5.0));
+    std::fs::write(at.join("experiments.csv"), rows)?;
+    std::fs::write(at.join("model.toml"), MODEL)?;
+    let output = discover(at, "experiments.csv", &["--quick", "--json"])?;
+    let found: Value = serde_json::from_slice(&output.stdout)?;
+    assert_eq!(
+        found["verdict"], "not-identifiable",
+        "{}",
+        found["sentence"]
+    );
+    assert_eq!(found["steps"][0]["effect"], "temperature");
+    assert!(at.join("out/report.html").exists() && next(at).is_err());
+    // Without an effect both searches end alike.
+    std::fs::write(at.join("experiments.csv"), table(|_, _| 1.0))?;
+    let output = discover(at, "experiments.csv", &["--quick", "--json"])?;
+    let found: Value = serde_json::from_slice(&output.stdout)?;
+    assert_eq!(found["verdict"], report(at, MODEL)?["verdict"]);
+    Ok(())
+}
+
+#[test]
 fn a_hidden_temperature_is_named_and_acts_in_the_next_model() -> Outcome {
     let folder = tempfile::tempdir()?;
     let at = folder.path();

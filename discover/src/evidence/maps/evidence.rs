@@ -18,6 +18,7 @@
 use std::path::Path;
 
 use kufe::case::effects::{CATALOGUE, Effect};
+use kufe::plot::quantity;
 
 use crate::error::Error;
 use crate::evidence::maps::bins::bins;
@@ -122,6 +123,20 @@ impl<'a> Maps<'a> {
 
     /// Removes effects without which chi2 rises by less than a selected effect must lower it.
     fn remove_steps(&mut self, mut fit: MapFit, account: &mut Account) -> Result<MapFit, Error> {
+        let least = |misfit: &Misfit| self.options.rules.maps.least_drop * misfit.mean_square();
+        // On the finer meshes the misfit must fall as well, relative to its errors and in Pa.
+        let start = &self.start.misfit;
+        let falls =
+            start.chi2 - fit.misfit.chi2 >= least(&fit.misfit) && start.rms > fit.misfit.rms;
+        if let ([only], false) = (&account.steps[..], falls) {
+            let [before, after] = [start.rms, fit.misfit.rms].map(|rms| quantity(rms, "Pa"));
+            account.remarks.push(format!(
+                "{} lowers the misfit on the meshes of the search, not on finer ones ({before} before, {after} after): not named",
+                only.effect
+            ));
+            account.steps.clear();
+            return Ok(self.start.clone());
+        }
         let mut k = 0;
         while fit.active.len() > 1 && k < fit.active.len() {
             let mut without = self.without(&fit, k)?;
@@ -129,7 +144,7 @@ impl<'a> Maps<'a> {
                 without = polish(&self.training, &without.active, &without.errors)?;
             }
             let raised = without.misfit.chi2 - fit.misfit.chi2;
-            if raised < self.options.rules.maps.least_drop * fit.misfit.mean_square() {
+            if raised < least(&fit.misfit) {
                 account.remove_step(k, SUPERFLUOUS);
                 account.steps[0].gap_before = self.start.misfit.rms;
                 fit = without;

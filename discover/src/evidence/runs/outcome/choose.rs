@@ -214,7 +214,7 @@ impl Campaign<'_> {
             }
         }
         if let (Some((ModelKind::WithEffect, fit)), Some(own)) = (&chosen, &with_effects) {
-            self.join_replayed_rivals((refitted, fit), (own, &given), account)?;
+            self.join_better_rivals((refitted, fit), (own, &given), account)?;
         }
         let mut base = self.tried(refitted, &given);
         let misfit = base.performance.as_ref().map(Performance::misfit);
@@ -265,12 +265,12 @@ impl Campaign<'_> {
         })
     }
 
-    /// Adds to the class of each effect the rivals with which replays are at least as good.
+    /// Adds to the class of each effect the rivals than which it is worse on other runs.
     ///
     /// First-order scores can distinguish two effects by errors of the model that have nothing to do
     /// with either. The rival of largest gain takes the effect's place in a fit of its own, then the
-    /// next one, until the replays are worse.
-    fn join_replayed_rivals(
+    /// next one, until the effect is not worse.
+    fn join_better_rivals(
         &mut self,
         (refitted, fit): (&RunFit, &RunFit),
         (own, given): (&Performance, &Performance),
@@ -299,7 +299,8 @@ impl Campaign<'_> {
                 let mut other = self.add(&without, &selection, last)?.fit;
                 self.write(&mut other);
                 let tried = self.tried(&other, given);
-                let better = |other: &Performance| other.misfit() <= own.misfit();
+                let rules = &self.options.rules.search;
+                let better = |other: &Performance| !own.worse_than(other, rules).is_empty();
                 if !tried.performance.as_ref().is_some_and(better) {
                     break;
                 }
