@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
 use kufe::jobs::{Failure, table::read_table};
 use kufe::report::{LONGEST_TREE, read_json};
@@ -150,9 +149,14 @@ fn result(path: &Path) -> Result<ResultInfo, Failure> {
     })
 }
 
-/// Size, channels and own attributes of a map; its pixels are not read.
+/// Size, channels and own attributes of a map; its pixels are read, but not decoded.
 fn map(path: &Path) -> exr::error::Result<MapInfo> {
-    let meta = MetaData::read_from_buffered(BufReader::new(open_regular(path)?), false)?;
+    let reader = exr::block::read(BufReader::new(open_regular(path)?), false)?;
+    let meta = reader.meta_data().clone();
+    // A file that was cut ends within its pixels.
+    for chunk in reader.all_chunks(false)? {
+        chunk?;
+    }
     let header = meta.headers.first();
     let header = header.ok_or(exr::error::Error::Invalid("a map has a layer".into()))?;
     let own = header.own_attributes.other.iter();

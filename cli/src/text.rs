@@ -94,11 +94,13 @@ fn column(rows: &[&Data], key: &str) -> Vec<String> {
         .collect()
 }
 
-/// Rows of cells, each column as wide as the widest of its cells.
+/// Rows of cells, each column as wide as the widest of its cells, and each row on one line.
 pub fn aligned(rows: &[impl AsRef<[String]>], indent: &str) -> String {
     let mut lines = vec![indent.to_owned(); rows.len()];
     for column in 0..rows.first().map_or(0, |row| row.as_ref().len()) {
-        let cells = rows.iter().map(|row| row.as_ref()[column].as_str());
+        let cells = rows
+            .iter()
+            .map(|row| row.as_ref()[column].replace('\n', "\\n"));
         let wide = cells.clone().map(|cell| cell.chars().count()).max();
         let wide = wide.unwrap_or_default();
         for (line, cell) in lines.iter_mut().zip(cells) {
@@ -184,4 +186,15 @@ fn range(unit: &str, datum: &Datum, inner: &Data) -> Option<String> {
     } else {
         parts.join(", ")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::aligned;
+
+    #[test]
+    fn a_name_with_a_line_break_stays_on_its_line() {
+        let rows = [["a\nb", "1"], ["c", "2"]].map(|row| row.map(str::to_string));
+        assert_eq!(aligned(&rows, ""), "a\\nb  1\nc     2\n");
+    }
 }

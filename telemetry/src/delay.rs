@@ -32,9 +32,9 @@ pub struct LoggerClock {
 /// one that is found.
 ///
 /// A clock is found from the channels that its logger shares with loggers whose clocks are known:
-/// the same column in both, and the motion of a rigid body, `a_x = dv/dt`,
-/// `a_y = r v - d(alpha v)/dt + x dr/dt`, `a_z = g - q v - x dq/dt` with x from the accelerometer's
-/// place. An unknown place (0.2 m over the speed) and unmeasured slip (0.03 s) are part of the
+/// the same column in both, and the motion of a rigid body, `dv/dt = a_x + g_x` with gravity's
+/// share by the rates, `a_y = r v - d(alpha v)/dt + x dr/dt`, `a_z = g - q v - x dq/dt` with x from
+/// the accelerometer's place. An unknown place (0.2 m over the speed) and unmeasured slip (0.03 s) are part of the
 /// stated error.
 ///
 /// # Errors
@@ -124,8 +124,15 @@ const CORNER_HZ: f64 = 10.0;
 /// Samples compared [corners].
 const SAMPLES: f64 = 5.0;
 
+/// Corner of the low pass at most where the slope of the track is felt [Hz]: it is as long as
+/// curves are.
+const SLOPE_HZ: f64 = 2.0;
+
 /// Least correlation that is a relation.
 const LEAST: f64 = 0.5;
+
+/// Least correlation with several columns, of which some combination always fits in part.
+const LEAST_OF_SEVERAL: f64 = 0.85;
 
 /// A series without the samples at an end stop of its sensor, which follow no motion.
 fn without_saturation(series: &Series) -> Series {
@@ -171,20 +178,30 @@ fn delay(
     // Each relation's band is that of its slower side.
     let corner = |pair: &Pair| {
         let rate = pair.rate_hz();
-        rate.map_or(0.0, |rate| (0.4 * rate).min(CORNER_HZ))
+        let most = match pair.kind {
+            Kind::Longitudinal => SLOPE_HZ,
+            _ => CORNER_HZ,
+        };
+        rate.map_or(0.0, |rate| (0.4 * rate).min(most))
     };
     let corners: Vec<f64> = pairs.iter().map(corner).collect();
     let (guess, first) = guess(&pairs, &corners, within)?;
     let mut found: Vec<Relation> = Vec::new();
-    let mut best = (0.0, "");
+    let mut poor = Vec::new();
     for (pair, corner) in pairs.iter().zip(&corners) {
         let Some(refined) = sharpened(pair, guess, first, *corner) else {
             continue;
         };
-        if refined.correlation > best.0 {
-            best = (refined.correlation, &pair.name);
-        }
-        if refined.correlation >= LEAST {
+        let least = match pair.kind {
+            Kind::Longitudinal => LEAST_OF_SEVERAL,
+            _ => LEAST,
+        };
+        if refined.correlation < least {
+            let (name, rho) = (&pair.name, refined.correlation);
+            poor.push(format!(
+                "\"{name}\" correlates by {rho:.2}, expected {least} or more"
+            ));
+        } else {
             found.push(Relation {
                 relation: pair.name.clone(),
                 delay_s: refined.delay_s,
@@ -194,18 +211,23 @@ fn delay(
         }
     }
     if found.is_empty() {
-        return Err(format!(
-            "the best relation, \"{}\", correlates by {:.2} only, expected {LEAST} or more",
-            best.1, best.0
-        ));
+        let alike = format!("no relation fits best near {guess:+.2} s, where all together do");
+        return Err(if poor.is_empty() {
+            alike
+        } else {
+            poor.join(", ")
+        });
     }
     let (clock, mut remarks) = mean(found);
     // A column of the other sign fits at no delay.
     let same = pairs.iter().zip(&corners);
     for (pair, corner) in same.filter(|(pair, _)| pair.kind == Kind::Same) {
         let sides = pair.sides(first.min(*corner));
-        let rho = sides.and_then(|sides| correlation(&sides, clock.delay_s, SAMPLES * first));
-        if let Some(rho) = rho.filter(|rho| *rho < -OPPOSITE) {
+        let rho = sides.and_then(|sides| matched(&sides, clock.delay_s, SAMPLES * first));
+        if let Some(rho) = rho
+            .map(|both| both.correlation())
+            .filter(|rho| *rho < -OPPOSITE)
+        {
             remarks.push(format!(
                 "\"{}\" correlates by {rho:.2}: sign = -1 is missing in one of the two",
                 pair.name
@@ -358,7 +380,7 @@ fn search(sides: &[Sides], rate_hz: f64, within: Option<f64>) -> Result<f64, Str
 
 /// Both sides at uniform times of their own clocks; NaN where there is none.
 struct Sampled {
-    lhs: Vec<f64>,
+    lhs: Vec<Vec<f64>>,
     rhs: Vec<f64>,
     /// From the first time of the right side to the first of the left one [s].
     apart: f64,
@@ -369,16 +391,23 @@ impl Sampled {
     fn of(side: &Sides, step: f64) -> Sampled {
         let [lhs, rhs] = side.spans();
         let apart = lhs[0] - rhs[0];
-        let sampled = |span: [f64; 2], value: &dyn Fn(f64) -> Option<[f64; 2]>| {
+        let times = |span: [f64; 2]| {
             let count = ((span[1] - span[0]) / step) as usize + 1;
-            let values = (0..count).map(|i| value(span[0] + i as f64 * step));
-            values.map(|x| x.map_or(f64::NAN, |[x, _]| x)).collect()
+            (0..count).map(move |i| span[0] + i as f64 * step)
         };
+        let mut columns = vec![Vec::new(); side.columns()];
+        for t in times(lhs) {
+            let values = side.lhs(t);
+            for (k, column) in columns.iter_mut().enumerate() {
+                column.push(values.as_ref().map_or(f64::NAN, |values| values[k][0]));
+            }
+        }
+        // The speed of the other clock varies slowly; it is brought into place when the delay is
+        // refined.
+        let value = |t| side.rhs(t, apart).map_or(f64::NAN, |[x, _]| x);
         Sampled {
-            lhs: sampled(lhs, &|t| side.lhs(t)),
-            // The speed of the other clock varies slowly; it is brought into place when the delay
-            // is refined.
-            rhs: sampled(rhs, &|t| side.rhs(t, apart)),
+            lhs: columns,
+            rhs: times(rhs).map(value).collect(),
             apart,
             step,
         }
@@ -389,28 +418,89 @@ impl Sampled {
         // Sample j of the right side belongs to sample j + shift of the other.
         let shift = ((ahead - self.apart) / self.step).round() as i64;
         let from = (-shift).max(0);
-        let to = (self.lhs.len() as i64 - shift).min(self.rhs.len() as i64);
-        if to <= from {
-            return None;
-        }
-        let mut sums = [0.0; 6];
-        for j in from..to {
-            let (a, b) = (self.lhs[(j + shift) as usize], self.rhs[j as usize]);
-            if a.is_nan() || b.is_nan() {
-                continue;
-            }
-            for (sum, term) in sums.iter_mut().zip([1.0, a, b, a * a, b * b, a * b]) {
-                *sum += term;
-            }
-        }
-        let [n, a, b, aa, bb, ab] = sums;
-        let shorter = self.lhs.len().min(self.rhs.len()) as f64;
+        let to = (self.lhs[0].len() as i64 - shift).min(self.rhs.len() as i64);
+        let at = |j: &i64| (j + shift) as usize;
+        let both = |j: &i64| !(self.lhs[0][at(j)].is_nan() || self.rhs[*j as usize].is_nan());
+        let shared: Vec<i64> = (from..to).filter(both).collect();
+        let shorter = self.lhs[0].len().min(self.rhs.len()) as f64;
+        let n = shared.len() as f64;
         if n < LEAST_PAIRS as f64 || n < LEAST_SHARE * shorter {
             return None;
         }
-        let spread = ((aa - a * a / n) * (bb - b * b / n)).sqrt();
-        let rho = (ab - a * b / n) / spread;
+        let column = |column: &Vec<f64>| [shared.iter().map(|j| column[at(j)]).collect(), vec![]];
+        let rhs = shared.iter().map(|j| self.rhs[*j as usize]).collect();
+        let rho = Matched::new(self.lhs.iter().map(column).collect(), [rhs, vec![]]).correlation();
         rho.is_finite().then_some((n, rho))
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Both sides with their derivatives at the same times, less their means; the columns of the left
+/// one are orthonormal.
+struct Matched {
+    lhs: Vec<[Vec<f64>; 2]>,
+    rhs: [Vec<f64>; 2],
+}
+
+/// Share of a column that is rounding.
+const ROUNDING: f64 = 1e-6;
+
+impl Matched {
+    fn new(mut lhs: Vec<[Vec<f64>; 2]>, mut rhs: [Vec<f64>; 2]) -> Matched {
+        let sizes: Vec<f64> = lhs.iter().map(|[x, _]| dot(x, x)).collect();
+        for x in lhs.iter_mut().chain([&mut rhs]).flatten() {
+            let mean = x.iter().sum::<f64>() / x.len() as f64;
+            x.iter_mut().for_each(|x| *x -= mean);
+        }
+        // Gram and Schmidt.
+        for (k, size) in sizes.into_iter().enumerate() {
+            let (before, rest) = lhs.split_at_mut(k);
+            let own = &mut rest[0];
+            for other in before {
+                let share = dot(&other[0], &own[0]);
+                for (own, other) in own.iter_mut().zip(other) {
+                    own.iter_mut()
+                        .zip(other)
+                        .for_each(|(x, y)| *x -= share * *y);
+                }
+            }
+            let square = dot(&own[0], &own[0]);
+            let factor = match square > ROUNDING.powi(2) * size {
+                true => square.sqrt().recip(),
+                false => 0.0,
+            };
+            own.iter_mut().flatten().for_each(|x| *x *= factor);
+        }
+        Matched { lhs, rhs }
+    }
+
+    /// The combination of the left side that is closest to `y`, and its derivative.
+    fn closest(&self, y: &[f64]) -> [Vec<f64>; 2] {
+        let mut sum = [vec![0.0; y.len()], vec![0.0; y.len()]];
+        for column in &self.lhs {
+            let share = dot(&column[0], y);
+            for (sum, column) in sum.iter_mut().zip(column) {
+                sum.iter_mut()
+                    .zip(column)
+                    .for_each(|(sum, x)| *sum += share * x);
+            }
+        }
+        sum
+    }
+
+    /// Correlation of the right side with that combination; with one column it has a sign.
+    fn correlation(&self) -> f64 {
+        let rhs = &self.rhs[0];
+        let shares = self.lhs.iter().map(|[x, _]| dot(x, rhs));
+        let shares: Vec<f64> = shares.collect();
+        let size = match shares[..] {
+            [share] => share,
+            _ => dot(&shares, &shares).sqrt(),
+        };
+        size / dot(rhs, rhs).sqrt()
     }
 }
 
@@ -438,51 +528,62 @@ fn refine(sides: &Sides, guess_s: f64, rate_hz: f64, reach_s: f64) -> Option<Del
     let mut last = None;
     for _ in 0..STEPS {
         let next = linear(sides, delay, rate_hz)?;
-        if (next.delay_s - guess_s).abs() > reach_s {
+        let step = next.delay_s - delay;
+        // Far from the best fit a step of Newton's is too long.
+        delay += step.clamp(-0.25 * reach_s, 0.25 * reach_s);
+        if (delay - guess_s).abs() > reach_s {
             return None;
         }
-        last = Some(next);
-        if (next.delay_s - delay).abs() < 1e-9 {
+        last = Some(DelayEstimate {
+            delay_s: delay,
+            ..next
+        });
+        if step.abs() < 1e-9 {
             break;
         }
-        delay = next.delay_s;
     }
     last
 }
 
-/// One step of Newton's method: with `e = lhs - a - b rhs` and the derivative of `rhs` orthogonal
-/// to `rhs`, the delay is where their product sums to zero. Its change with the delay is, by parts,
-/// the product of both sides' derivatives: independent noise of the sides adds nothing to that.
+/// One step of Newton's method. With `a` the combination of `lhs` closest to `rhs`, their product
+/// is largest at the delay, so that of `a` with the derivative of `rhs` sums to zero. Its change
+/// with the delay is, by parts, the product of both derivatives, less that of the combination:
+/// independent noise of the sides adds nothing to that.
 fn linear(sides: &Sides, delay: f64, rate_hz: f64) -> Option<DelayEstimate> {
-    let rows = rows(sides, delay, rate_hz)?;
-    let dot = |j: usize, k: usize| rows.iter().map(|row| row[j] * row[k]).sum::<f64>();
-    let (aa, ab, bb) = (dot(0, 0), dot(0, 2), dot(2, 2));
-    let (b, slope) = (ab / bb, dot(2, 3) / bb);
-    let score = |[a, _, rhs, d]: &[f64; 4]| (a - b * rhs) * (d - slope * rhs);
-    let scores: Vec<f64> = rows.iter().map(score).collect();
-    let change = dot(1, 3);
-    if !(b > 0.0 && change > 0.0) {
+    let sums = matched(sides, delay, rate_hz)?;
+    let [rhs, slope] = &sums.rhs;
+    let [near, near_slope] = sums.closest(rhs);
+    let [followed, _] = sums.closest(slope);
+    let correlation = sums.correlation();
+    let change = dot(&near_slope, slope) - dot(&followed, &followed);
+    if !(correlation > 0.0 && change > 0.0) {
         return None;
     }
+    let b = dot(&near, rhs) / dot(rhs, rhs);
+    let residual: Vec<f64> = near.iter().zip(rhs).map(|(a, rhs)| a - b * rhs).collect();
+    let slopes = slope
+        .iter()
+        .zip(&followed)
+        .map(|(d, followed)| d - followed);
+    let scores: Vec<f64> = slopes.zip(&residual).map(|(d, e)| d * e).collect();
     let memory = (MEMORY_S * rate_hz) as usize;
     let mut variance = 0.0;
     for lag in 0..=memory.min(scores.len() - 1) {
-        let product: f64 = scores.iter().zip(&scores[lag..]).map(|(x, y)| x * y).sum();
         let bartlett = 1.0 - lag as f64 / (memory + 1) as f64;
+        let product = dot(&scores, &scores[lag..]);
         variance += if lag == 0 { 1.0 } else { 2.0 * bartlett } * product;
     }
-    let shift = -scores.iter().sum::<f64>() / change;
+    let shift = -dot(&residual, slope) / change;
     Some(DelayEstimate {
         // The shift moves `rhs`, which is early where the clock of `lhs` is late.
         delay_s: delay + sides.ahead(shift),
         sd_s: variance.max(0.0).sqrt() / change,
-        correlation: ab / (aa * bb).sqrt(),
+        correlation,
     })
 }
 
-/// Both sides and their derivatives at the times that they share, less their means; `None` where
-/// these are too few.
-fn rows(sides: &Sides, delay: f64, rate_hz: f64) -> Option<Vec<[f64; 4]>> {
+/// Both sides at the times that they share; `None` where these are too few.
+fn matched(sides: &Sides, delay: f64, rate_hz: f64) -> Option<Matched> {
     let ahead = sides.ahead(delay);
     let [lhs, rhs] = sides.spans();
     let from = lhs[0].max(rhs[0] + ahead);
@@ -491,27 +592,18 @@ fn rows(sides: &Sides, delay: f64, rate_hz: f64) -> Option<Vec<[f64; 4]>> {
     if !(20.0..1e7).contains(&count) {
         return None;
     }
-    let mut rows: Vec<[f64; 4]> = Vec::new();
+    let mut columns = vec![[Vec::new(), Vec::new()]; sides.columns() + 1];
     for i in 0..=count as usize {
         let t = from + i as f64 / rate_hz;
-        if let (Some([a, da]), Some([b, db])) = (sides.lhs(t), sides.rhs(t - ahead, ahead)) {
-            rows.push([a, da, b, db]);
+        if let (Some(lhs), Some(rhs)) = (sides.lhs(t), sides.rhs(t - ahead, ahead)) {
+            for (column, both) in columns.iter_mut().zip(lhs.into_iter().chain([rhs])) {
+                column
+                    .iter_mut()
+                    .zip(both)
+                    .for_each(|(x, value)| x.push(value));
+            }
         }
     }
-    let n = rows.len() as f64;
-    if n < 20.0 {
-        return None;
-    }
-    for k in 0..4 {
-        let mean = rows.iter().map(|row| row[k]).sum::<f64>() / n;
-        rows.iter_mut().for_each(|row| row[k] -= mean);
-    }
-    Some(rows)
-}
-
-/// Correlation of both sides at a delay.
-fn correlation(sides: &Sides, delay: f64, rate_hz: f64) -> Option<f64> {
-    let rows = rows(sides, delay, rate_hz)?;
-    let dot = |j: usize, k: usize| rows.iter().map(|row| row[j] * row[k]).sum::<f64>();
-    Some(dot(0, 2) / (dot(0, 0) * dot(2, 2)).sqrt())
+    let rhs = columns.pop()?;
+    (rhs[0].len() >= 20).then(|| Matched::new(columns, rhs))
 }

@@ -8,6 +8,7 @@ use kufe_sled::{COLUMNS, Sensor, correlation, median};
 
 use crate::log::{Channel, Log};
 use crate::plan::index_help;
+use crate::text::continue_days;
 use crate::unit::{column_unit, conversion, has_dimension, name_unit, unit_words};
 
 /// One file of a run, with its path as the mapping is to name it.
@@ -121,7 +122,11 @@ fn head(logger: &Logger, run: &str) -> String {
         text += &format!("time = {}          # {why}\n", quoted(name));
         text.extend(unit.map(|unit| format!("time_unit = {unit:?}\n")));
     } else if !logger.sample.clocked {
-        text += "# ? no channel seems to be a time: name it, or state the rate of the samples\n# rate_hz = 100.0\n";
+        let why = logger.sample.no_time.as_deref();
+        let why = why.unwrap_or("no channel seems to be a time");
+        text += &format!(
+            "# ? {why}: name the time, or state the rate of the samples\n# rate_hz = 100.0\n"
+        );
     }
     text
 }
@@ -267,6 +272,8 @@ const OWN: usize = 1000;
 pub(crate) struct Sample {
     /// The time channel, its unit where the file does not state it, and why.
     pub time: Option<(String, Option<&'static str>, String)>,
+    /// A channel with the name of a time that is none, with the reason.
+    pub no_time: Option<String>,
     /// Whether the file has times of its own.
     pub clocked: bool,
     /// Whether its box is upside down, or has axes forward, right and down.
@@ -285,9 +292,12 @@ impl Sample {
         };
         let mut times: Vec<(usize, &Channel, Option<&'static str>, String)> = Vec::new();
         for channel in &log.channels {
-            if let (Some(rank), Some(guess)) =
-                (time_rank(&channel.name), time_unit(&channel.values))
-            {
+            let time = time_rank(&channel.name).map(|rank| (rank, time_unit(&channel.values)));
+            if let Some((_, Err(why))) = &time {
+                let (name, why) = (&channel.name, why);
+                found.no_time = Some(format!("{name:?} has the name of a time, but {why}"));
+            }
+            if let Some((rank, Ok(guess))) = time {
                 let (unit, why) = match (stated_unit(channel, "s"), guess.units) {
                     (Some(unit), _) => (None, format!("the file says {unit}")),
                     (None, [unit]) => (Some(*unit), guess.why),
@@ -492,15 +502,18 @@ pub(crate) fn unit_by_values(column: &str, values: &[f64]) -> Option<UnitGuess> 
     Some(UnitGuess { units, why })
 }
 
-/// The unit of a time by its usual step, if it is a time: it never falls.
-pub(crate) fn time_unit(values: &[f64]) -> Option<UnitGuess> {
-    let finite = finite(values);
-    let mut steps: Vec<f64> = finite.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    if steps.iter().any(|step| *step < 0.0) {
-        return None;
+/// The unit of a time by its usual step, if it is a time: it never falls but at midnight.
+///
+/// # Errors
+/// Why it is none, in words.
+pub(crate) fn time_unit(values: &[f64]) -> Result<UnitGuess, String> {
+    let mut finite = finite(values);
+    continue_days(&mut finite, true);
+    if let Some(pair) = finite.windows(2).find(|pair| pair[1] < pair[0]) {
+        return Err(format!("it falls from {} to {}", pair[0], pair[1]));
     }
-    steps.retain(|step| *step > 0.0);
-    let step = median(steps)?;
+    let steps = finite.windows(2).map(|pair| pair[1] - pair[0]);
+    let step = median(steps.filter(|step| *step > 0.0)).ok_or("it does not grow")?;
     let (units, per_second): (&[&str], f64) = match step {
         _ if step < 0.6 => (&["s"], 1.0),
         _ if (1000.0..1e6).contains(&step) => (&["us"], 1e6),
@@ -513,7 +526,7 @@ pub(crate) fn time_unit(values: &[f64]) -> Option<UnitGuess> {
     if per_second > 0.0 {
         why += &format!(": {:.0} Hz", per_second / step);
     }
-    Some(UnitGuess { units, why })
+    Ok(UnitGuess { units, why })
 }
 
 /// Columns, the words in names of their channels, and words that exclude a channel; words are
@@ -612,6 +625,24 @@ fn plain(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_time_that_runs_backwards_is_named_with_the_reason() {
+        let channel = |name: &str, values: &[f64]| Channel {
+            name: name.to_string(),
+            values: values.to_vec(),
+            ..Channel::default()
+        };
+        let times = [0.0, 0.01, 0.02, 0.01, 0.02];
+        let channels = vec![channel("Time", &times), channel("v_mps", &[1.0; 5])];
+        let log = Log {
+            channels,
+            ..Log::default()
+        };
+        let text = guess_mapping(&[(PathBuf::from("a.csv"), log)]);
+        let expected = "\"Time\" has the name of a time, but it falls from 0.02 to 0.01";
+        assert!(text.contains(expected), "{text}");
+    }
 
     #[test]
     fn names_of_four_makers_and_two_languages_are_known() {

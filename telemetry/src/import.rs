@@ -13,7 +13,7 @@ use crate::mapping::{ChannelSource, LoggerFiles, Mapping, PlannedRun};
 use crate::recording::read_log;
 use crate::relation::Series;
 use crate::resample::{Base, resample};
-use crate::text::TextOptions;
+use crate::text::{TextOptions, continue_days};
 use crate::unit::{column_unit, conversion};
 
 /// Imports the runs of one mapping.
@@ -525,6 +525,7 @@ pub(crate) fn times(
         let expected = format!("{}, one for each of {name}", time.len());
         return Err(wrong(&channel.name, found, expected));
     }
+    continue_days(&mut time, true);
     let mut last = f64::NEG_INFINITY;
     let mut repeated = 0;
     for (row, t) in time.iter_mut().enumerate() {

@@ -1,7 +1,10 @@
 //! Relations between the channels of two loggers: pairs of expressions, one in each clock, that are
 //! equal except for a scale and a constant.
 
+use std::borrow::Cow;
+
 use kufe_sled::{Spline, low_pass};
+use nalgebra::{Rotation3, Vector3};
 use serde::Serialize;
 
 use crate::resample::{Stretch, stretches};
@@ -95,7 +98,8 @@ const SLIP: f64 = 0.03;
 pub(crate) enum Kind {
     /// A column with itself.
     Same,
-    /// `a_x` with `dv/dt`.
+    /// `dv/dt` with `a_x` and the components of [`forward_axis`], which gravity has a constant
+    /// share of.
     Longitudinal,
     /// `a_y` with `r v - d(alpha v)/dt + x dr/dt`.
     Lateral,
@@ -103,9 +107,8 @@ pub(crate) enum Kind {
     Vertical,
 }
 
-/// The motions of a rigid body: their names, and the columns of both sides.
-const MOTIONS: [(Kind, &str, [&str; 2]); 3] = [
-    (Kind::Longitudinal, "ax = dv/dt", ["ax_mps2", "v_mps"]),
+/// Forces across the sled: their names, and the columns of both sides.
+const ACROSS: [(Kind, &str, [&str; 2]); 2] = [
     (
         Kind::Lateral,
         "ay = yaw rate * v",
@@ -122,7 +125,7 @@ const MOTIONS: [(Kind, &str, [&str; 2]); 3] = [
 pub(crate) struct Pair<'a> {
     pub kind: Kind,
     pub name: String,
-    lhs: &'a Series,
+    lhs: Vec<Cow<'a, Series>>,
     main: &'a Series,
     /// Speed, where the relation has it, and whether it is in the clock of `lhs`.
     speed: Option<(&'a Series, bool)>,
@@ -138,7 +141,7 @@ pub(crate) struct Pair<'a> {
 /// A pair's sides at a corner of the low pass.
 pub(crate) struct Sides<'a> {
     pair: &'a Pair<'a>,
-    lhs: Signal,
+    lhs: Vec<Signal>,
     main: Signal,
     speed: Option<Signal>,
     slip: Option<Signal>,
@@ -160,7 +163,8 @@ pub(crate) fn pairs<'a>(
     for own in late {
         if let Some(other) = in_known(&own.column) {
             let name = format!("{} in both", own.column);
-            pairs.push(Pair::new(Kind::Same, name, other, own, false));
+            let lhs = vec![Cow::Borrowed(other)];
+            pairs.push(Pair::new(Kind::Same, name, lhs, own, false));
         }
     }
     for lhs_late in [false, true] {
@@ -171,39 +175,80 @@ pub(crate) fn pairs<'a>(
                 in_known(column)
             }
         };
-        for (kind, name, [acceleration, main]) in MOTIONS {
+        let rates = RATES.map(|column| side(column, true));
+        if let (Some(speed), Some(force), [Some(roll), Some(pitch), Some(yaw)]) =
+            (side("v_mps", false), side("ax_mps2", true), rates)
+            && let Some(axis) = forward_axis([roll, pitch, yaw])
+        {
+            let lhs = [Cow::Borrowed(force)].into_iter();
+            let lhs = lhs.chain(axis.map(Cow::Owned)).collect();
+            let name = "dv/dt = ax + gravity along the sled".to_string();
+            pairs.push(Pair::new(Kind::Longitudinal, name, lhs, speed, lhs_late));
+        }
+        for (kind, name, [acceleration, main]) in ACROSS {
             let (Some(lhs), Some(rhs)) = (side(acceleration, true), side(main, false)) else {
                 continue;
             };
+            let speed = side("v_mps", false).map(|v| (v, false));
+            let Some(speed) = speed.or(side("v_mps", true).map(|v| (v, true))) else {
+                continue;
+            };
+            let is_lateral = kind == Kind::Lateral;
+            let slip = side("alpha_rad", false).filter(|_| is_lateral);
+            // The slip sensor's velocity is that of its own place.
+            let at = slip.map_or(Some(0.0), |_| place("alpha_rad"));
+            let ahead = place(acceleration).zip(at).map(|(sensor, at)| sensor - at);
+            let unknown_place = match ahead {
+                Some(_) => 0.0,
+                None => PLACE / mean(speed.0).abs().max(1.0),
+            };
+            let unknown_slip = if slip.is_none() && is_lateral {
+                SLIP
+            } else {
+                0.0
+            };
+            let lhs = vec![Cow::Borrowed(lhs)];
             let mut pair = Pair::new(kind, name.to_string(), lhs, rhs, lhs_late);
-            if kind != Kind::Longitudinal {
-                let speed = side("v_mps", false).map(|v| (v, false));
-                let Some(speed) = speed.or(side("v_mps", true).map(|v| (v, true))) else {
-                    continue;
-                };
-                let is_lateral = kind == Kind::Lateral;
-                let slip = side("alpha_rad", false).filter(|_| is_lateral);
-                // The slip sensor's velocity is that of its own place.
-                let at = slip.map_or(Some(0.0), |_| place("alpha_rad"));
-                let ahead = place(acceleration).zip(at).map(|(sensor, at)| sensor - at);
-                let unknown_place = match ahead {
-                    Some(_) => 0.0,
-                    None => PLACE / mean(speed.0).abs().max(1.0),
-                };
-                let unknown_slip = if slip.is_none() && is_lateral {
-                    SLIP
-                } else {
-                    0.0
-                };
-                pair.speed = Some(speed);
-                pair.slip = slip;
-                pair.ahead_m = ahead.unwrap_or(0.0);
-                pair.doubt_s = f64::hypot(unknown_place, unknown_slip);
-            }
+            pair.speed = Some(speed);
+            pair.slip = slip;
+            pair.ahead_m = ahead.unwrap_or(0.0);
+            pair.doubt_s = f64::hypot(unknown_place, unknown_slip);
             pairs.push(pair);
         }
     }
     pairs
+}
+
+/// Rates about the axes of the sled.
+const RATES: [&str; 3] = ["roll_rate_radps", "pitch_rate_radps", "yaw_rate_radps"];
+
+/// Components of the sled's forward axis along three axes that do not turn, from its rates: `dR/dt
+/// = R w`. Gravity along the sled is a constant combination of them. `None` where the rates share
+/// no time.
+fn forward_axis(rates: [&Series; 3]) -> Option<[Series; 3]> {
+    let [roll, pitch, yaw] = rates.map(|rate| Signal::of(rate, f64::INFINITY));
+    let rates = [roll?, pitch?, yaw?];
+    let span = |i: usize| rates.each_ref().map(|rate| rate.span()[i]).into_iter();
+    let (from, to) = (
+        span(0).fold(f64::MIN, f64::max),
+        span(1).fold(f64::MAX, f64::min),
+    );
+    let step = rates[0].rate_hz.recip();
+    let mut axis: [Series; 3] = Default::default();
+    let (mut rotation, mut rate) = (Rotation3::identity(), Vector3::zeros());
+    for i in 0..((to - from) / step).max(0.0) as usize {
+        let t = from + i as f64 * step;
+        for (component, series) in rotation.matrix().column(0).iter().zip(&mut axis) {
+            series.time.push(t);
+            series.values.push(*component);
+        }
+        // In a gap the last rates continue.
+        if let [Some(p), Some(q), Some(r)] = rates.each_ref().map(|rate| rate.at(t + 0.5 * step)) {
+            rate = Vector3::new(p[0], q[0], r[0]);
+        }
+        rotation *= Rotation3::from_scaled_axis(rate * step);
+    }
+    (to > from).then_some(axis)
 }
 
 fn mean(series: &Series) -> f64 {
@@ -216,7 +261,7 @@ impl<'a> Pair<'a> {
     fn new(
         kind: Kind,
         name: String,
-        lhs: &'a Series,
+        lhs: Vec<Cow<'a, Series>>,
         main: &'a Series,
         lhs_late: bool,
     ) -> Pair<'a> {
@@ -240,7 +285,7 @@ impl<'a> Pair<'a> {
         let speed = self.speed.map(|(series, _)| of(series));
         Some(Sides {
             pair: self,
-            lhs: of(self.lhs)?,
+            lhs: self.lhs.iter().map(|lhs| of(lhs)).collect::<Option<_>>()?,
             main: of(self.main)?,
             speed: speed.map_or(Some(None), |speed| speed.map(Some))?,
             slip: self.slip.and_then(of),
@@ -250,14 +295,21 @@ impl<'a> Pair<'a> {
     /// The rate of the slower side [Hz].
     pub fn rate_hz(&self) -> Option<f64> {
         let rate = |series: &Series| Signal::of(series, f64::INFINITY).map(|signal| signal.rate_hz);
-        Some(rate(self.lhs)?.min(rate(self.main)?))
+        Some(rate(&self.lhs[0])?.min(rate(self.main)?))
     }
 }
 
 impl Sides<'_> {
-    /// `lhs` and its derivative at a time of its own clock.
-    pub fn lhs(&self, t: f64) -> Option<[f64; 2]> {
-        self.lhs.at(t).map(|[value, slope, _]| [value, slope])
+    /// How many columns `lhs` has.
+    pub fn columns(&self) -> usize {
+        self.lhs.len()
+    }
+
+    /// Columns of `lhs` and their derivatives at a time of its own clock.
+    pub fn lhs(&self, t: f64) -> Option<Vec<[f64; 2]>> {
+        let columns = self.lhs.iter().map(|column| column.at(t));
+        let both = columns.map(|column| column.map(|[value, slope, _]| [value, slope]));
+        both.collect()
     }
 
     /// `rhs` and its derivative at a time of its own clock; `ahead` leads from there to the clock
@@ -291,7 +343,7 @@ impl Sides<'_> {
 
     /// First and last time of both sides [s].
     pub fn spans(&self) -> [[f64; 2]; 2] {
-        [self.lhs.span(), self.main.span()]
+        [self.lhs[0].span(), self.main.span()]
     }
 
     /// From the clock of `rhs` to that of `lhs`, by the delay of the logger whose delay is sought.

@@ -2,6 +2,7 @@
 //! Logic and of spreadsheets.
 
 use std::io::Read;
+use std::iter;
 
 use chrono::NaiveDate;
 
@@ -297,7 +298,7 @@ impl<'a> Iterator for Rows<'a> {
                     None => &self.text[from..self.at],
                 };
                 self.line += cell.bytes().filter(|b| *b == b'\n').count() as u64;
-                if blanks && bytes.get(self.at) == Some(&b'\r') {
+                if blanks && bytes[self.at..].starts_with(b"\r\n") {
                     self.at += 1;
                 }
                 let ended = bytes.get(self.at).is_none_or(|b| *b == b'\n');
@@ -600,7 +601,7 @@ fn is_units(cells: &[&str]) -> bool {
 /// more than `most` numbers, its first rows are read, with a remark.
 ///
 /// # Errors
-/// [`Error::File`] where there are no rows of numbers, no channel, a row with more or fewer cells
+/// [`Error::File`] where there are no rows of numbers, no channel, a row with more cells
 /// than names, or more than `most` numbers in the channels that are wanted;
 /// [`Error::Cell`] for text in a channel that is wanted.
 pub fn read_text(
@@ -689,6 +690,9 @@ struct Columns<'a> {
     refused: Option<String>,
     /// How many more numbers may be read.
     room: u64,
+    /// Rows with fewer cells than names, and the line of the first.
+    short_rows: u64,
+    first_short: Option<u64>,
 }
 
 impl<'a> Columns<'a> {
@@ -722,6 +726,8 @@ impl<'a> Columns<'a> {
             log,
             refused: None,
             room: most,
+            short_rows: 0,
+            first_short: None,
         })
     }
 
@@ -739,11 +745,15 @@ impl<'a> Columns<'a> {
         if self.layout.head.iter().any(repeated) || comment {
             return Ok(true);
         }
-        if cells.len() < width || cells[width..].iter().any(|cell| !cell.is_empty()) {
-            let found = cells.len();
+        let found = cells.len();
+        if cells.iter().skip(width).any(|cell| !cell.is_empty()) {
             let wrong =
                 format!("row {line}: found {found} cells, expected {width}, one below each name");
             return Err(Error::file(self.file, wrong));
+        }
+        if found < width {
+            self.short_rows += 1;
+            self.first_short.get_or_insert(*line);
         }
         let count = self.read.iter().filter(|read| **read).count() as u64;
         self.room = match self.room.checked_sub(count) {
@@ -751,7 +761,12 @@ impl<'a> Columns<'a> {
             None if self.any => return Ok(false),
             None => return Err(Error::too_many(self.file)),
         };
-        for (i, cell) in cells[..width].iter().enumerate() {
+        for (i, cell) in cells
+            .iter()
+            .chain(iter::repeat(&""))
+            .take(width)
+            .enumerate()
+        {
             if !self.read[i] {
                 continue;
             }
@@ -784,6 +799,12 @@ impl<'a> Columns<'a> {
     /// As [`read_text`].
     fn log(self) -> Result<Log, Error> {
         let (mut log, vbox) = (self.log, self.layout.vbox);
+        if let Some(line) = self.first_short {
+            let (file, rows) = (self.file, self.short_rows);
+            log.remarks.push(format!(
+                "{file}: {rows} rows, the first of them row {line}, have fewer cells than there are names: the others are missing values"
+            ));
+        }
         for (channel, clock) in log.channels.iter_mut().zip(self.clocks) {
             channel.values.shrink_to_fit();
             let name = channel.name.to_lowercase();
@@ -794,7 +815,7 @@ impl<'a> Columns<'a> {
             }
             if clock || packed {
                 channel.unit = Some("s".to_string());
-                continue_days(&mut channel.values);
+                continue_days(&mut channel.values, false);
             }
             let to_degrees = match name.as_str() {
                 "lat" | "latitude" if vbox => 1.0 / 60.0,
@@ -838,14 +859,21 @@ fn unpacked(packed: f64) -> f64 {
     3600.0 * hours + 60.0 * minutes + (seconds * 1e6).round() / 1e6
 }
 
-/// Adds a day after each midnight.
-fn continue_days(times: &mut [f64]) {
-    let (mut last, mut added) = (f64::NAN, 0.0);
+/// Adds a day after each midnight [s]: where times fall by half a day or, if `exact`, where a day
+/// more is within two steps of the time before.
+pub(crate) fn continue_days(times: &mut [f64], exact: bool) {
+    let (mut last, mut step, mut added) = (f64::NAN, 0.0, 0.0);
     for t in times.iter_mut().filter(|t| t.is_finite()) {
-        if *t + added < last - 0.5 * DAY {
+        let later = *t + added - last;
+        let is_midnight = match exact {
+            true => later < 0.0 && later + DAY > 0.0 && later + DAY < 2.0 * step,
+            false => later < -0.5 * DAY,
+        };
+        if is_midnight {
             added += DAY;
         }
         *t += added;
+        step = *t - last;
         last = *t;
     }
 }
@@ -1024,7 +1052,65 @@ mod tests {
             assert_eq!(log.remarks.len(), 1, "{last}");
             assert!(log.remarks[0].starts_with("a.csv: row 4, the last, has no line end"));
         }
-        assert!(read("t,v,w\n0,1,2\n1,2,3\n2,3\n", Some(&["v"])).is_err());
-        assert!(read("t,v,w\n0,1,2\n1,2\n2,3,4\n", Some(&["v"])).is_err());
+    }
+    #[test]
+    fn plain_times_continue_after_midnight_and_nowhere_else() {
+        let mut times = [86_399.98, 86_399.99, 0.0, 0.01];
+        continue_days(&mut times, true);
+        assert!((times[3] - 86_400.01).abs() < 1e-9);
+        for other in [[86_399.0, 86_399.01, 5.0], [19.97, 19.98, 14.99]] {
+            let mut times = other;
+            continue_days(&mut times, true);
+            assert_eq!(times, other);
+        }
+    }
+
+    #[test]
+    fn cells_that_a_row_lacks_are_missing_values() {
+        let log = read("t,v,w\n0,1,2\n1\n2,3\n3,4,5\n", Some(&["v", "w"])).unwrap();
+        let [_, v, w] = &log.channels[..] else {
+            panic!("{log:?}");
+        };
+        let there = |x: &[f64]| x.iter().map(|x| x.is_finite()).collect::<Vec<_>>();
+        assert_eq!(there(&v.values), [true, false, true, true]);
+        assert_eq!(there(&w.values), [true, false, false, true]);
+        assert_eq!(
+            log.remarks,
+            [
+                "a.csv: 2 rows, the first of them row 3, have fewer cells than there are names: the others are missing values"
+            ]
+        );
+    }
+
+    #[test]
+    fn any_bytes_are_read_or_refused_in_words() {
+        // A lone carriage return among blanks, before a letter of two bytes.
+        let _ = read("a b\n1 2\n3 \ré\n", None);
+        let parts = [
+            "1",
+            " ",
+            ",",
+            ";",
+            "\t",
+            "\r",
+            "\n",
+            "\"",
+            "é",
+            "a",
+            "[data]\n",
+            "\0",
+            "-",
+            "[column names]\n",
+        ];
+        let mut state = 1_u32;
+        for _ in 0..4000 {
+            let mut text = String::new();
+            for _ in 0..24 {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                text += parts[(state >> 16) as usize % parts.len()];
+            }
+            let _ = read(&text, None);
+            let _ = read(&format!("a b c\n1 2 3\n{text}"), Some(&["b"]));
+        }
     }
 }

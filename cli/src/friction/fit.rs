@@ -34,7 +34,7 @@ pub struct Args {
 ///
 /// # Errors
 /// [`Failure::Usage`], [`Failure::BadInput`] for the table and the output,
-/// [`Failure::NotConverged`].
+/// [`Failure::NotConverged`], also where the fit is no law that a model can have.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if !(args.confidence > 0.0 && args.confidence < 1.0) {
         let text = format!(
@@ -53,15 +53,22 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let fit = fit_mu(&experiments, weighting, args.confidence)
         .map_err(|error| Failure::from(error).within(&name))?;
     let law = fit.law(PressureLaw::PUBLISHED.mu_cap, 1.0, ZetaActsOn::Mu);
-    law.check()
-        .map_err(|error| Failure::from(error).within(&name))?;
     let result = PressureFit::new(&fit, &law, &experiments, args.confidence);
     let inputs = std::slice::from_ref(&args.experiments);
     let output = OutputDir::begin("friction fit", inputs, &args.out, global.force)?;
-    let toml = model_form(&law).map_err(Failure::bad_input)?;
-    output.text("friction.toml", &toml)?;
+    let checked = law.check();
+    if checked.is_ok() {
+        let toml = model_form(&law).map_err(Failure::bad_input)?;
+        output.text("friction.toml", &toml)?;
+    }
     output.picture("mu.png", &mu_picture(&experiments, &fit, &law))?;
-    output.finish("fit.json", &result, global, || summary(&fit))
+    output.finish("fit.json", &result, global, || summary(&fit))?;
+    let unusable = |error| {
+        Failure::NotConverged(format!(
+            "{name}: the fitted quadratic is no law of friction for a model ({error}): friction.toml is not written"
+        ))
+    };
+    checked.map_err(unusable)
 }
 
 /// `[friction.longitudinal]` as a model file has it.

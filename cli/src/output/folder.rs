@@ -63,6 +63,9 @@ impl OutputDir {
         force: bool,
     ) -> Result<OutputDir, Failure> {
         let place = resolved(target);
+        if place.is_file() {
+            return Err(Failure::in_file(target, "is a file, expected a folder"));
+        }
         let output = OutputDir {
             command,
             named: target.to_path_buf(),

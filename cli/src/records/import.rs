@@ -79,14 +79,14 @@ fn text(ImportedRuns { list, notes }: &ImportedRuns) -> String {
     let expected: usize = counts().map(|count| count.expected).sum();
     let read: usize = counts().map(|count| count.read).sum();
     if read < expected {
-        text += &format!("{read} of {expected} samples have a value\n");
+        text += &format!("{read} of {expected} samples of the recordings have a value\n");
     }
     let missing = list.runs.iter().map(|run| run.missing_rows.values().sum());
     let missing: Vec<usize> = missing.filter(|count| *count > 0).collect();
     if !missing.is_empty() {
         let (values, runs) = (missing.iter().sum::<usize>(), missing.len());
         text += &format!(
-            "{values} values are missing, in {runs} runs: their places are in RUN.import.json\n"
+            "{values} values of {runs} runs are missing, next to such gaps included: their places are in RUN.import.json\n"
         );
     }
     let loggers = notes.iter().flat_map(|note| &note.loggers);

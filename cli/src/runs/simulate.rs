@@ -18,7 +18,7 @@ use kufe_sled::{
 
 use crate::output::OutputDir;
 use crate::runs::{all_runs, draw_tables, run_format, write_mat, write_view};
-use crate::terminal::{Global, warn_if_cut};
+use crate::terminal::{Global, warn, warn_if_cut};
 use crate::text::{document_text, table_text};
 
 /// Runs that are listed; the document has them all.
@@ -114,13 +114,24 @@ pub struct Args {
 }
 
 impl Args {
-    /// Step, rate and longest time.
-    fn steps(&self) -> SimulateOptions {
-        SimulateOptions {
+    /// Step, rate, longest time and first speed.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] for a value out of range.
+    fn steps(&self) -> Result<SimulateOptions, Failure> {
+        let options = SimulateOptions {
             step_s: self.step_s,
             rate_hz: self.rate_hz,
             most_s: self.most_s,
+            start_speed_mps: self.start_speed_mps,
             ..SimulateOptions::default()
+        };
+        match options.out_of_range() {
+            None => Ok(options),
+            Some((key, value, [low, high])) => Err(Failure::Usage(format!(
+                "--{} {value}: expected {low} to {high}",
+                key.replace('_', "-")
+            ))),
         }
     }
 
@@ -162,10 +173,9 @@ fn drive(args: &Args, model: &Path, track: &Path, global: &Global) -> Result<(),
         session: args.session.clone(),
         noise: !args.no_noise,
         options: SimulateOptions {
-            start_speed_mps: args.start_speed_mps,
             conditions: args.conditions()?,
             seed: args.seed,
-            ..args.steps()
+            ..args.steps()?
         },
     };
     warn_if_cut(track);
@@ -189,6 +199,12 @@ fn drive(args: &Args, model: &Path, track: &Path, global: &Global) -> Result<(),
         output.picture("overview.png", &run_picture(&prepared))?;
     }
     draw_tables(&output, &vehicle, &samples)?;
+    for run in document.runs.iter().filter(|run| !run.finished) {
+        let (run, most) = (&run.run, args.most_s);
+        warn(&format!(
+            "run {run} is not at the finish after {most} s (--most-s)"
+        ));
+    }
     let listed = &document.runs[..document.runs.len().min(LISTED)];
     let text = table_text(
         &listed,
@@ -213,7 +229,7 @@ fn replay(
         entry: entry(args, file, &track)?,
         track,
         strict: args.strict,
-        options: args.steps(),
+        options: args.steps()?,
     };
     let output = OutputDir::begin("simulate --replay", &inputs, &args.out, global.force)?;
     let mut replayed = global.watched(|watch| drive.drive(watch))?;

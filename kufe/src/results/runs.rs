@@ -124,6 +124,9 @@ const COLUMNS: [Column; 12] = [
 
 /// Writes `evaluation.csv`: a row a run.
 ///
+/// A name that a spreadsheet would take for a formula gets an apostrophe before it, which
+/// spreadsheets take for the mark of a text.
+///
 /// # Errors
 /// Those of the writer.
 pub fn write_evaluation_csv(writer: impl Write, runs: &[RunEvaluation]) -> std::io::Result<()> {
@@ -135,11 +138,20 @@ pub fn write_evaluation_csv(writer: impl Write, runs: &[RunEvaluation]) -> std::
             ("driver_class", &run.driver_class),
             ("session", &run.session),
         ];
-        let names = names.map(|(key, name)| (key.to_owned(), Datum::Text(name.clone())));
+        let names = names.map(|(key, name)| (key.to_owned(), Datum::Text(no_formula(name))));
         let numbers = COLUMNS.map(|(key, of)| (key.to_owned(), Datum::Number(of(run))));
         names.into_iter().chain(numbers).collect()
     });
     write_csv(writer, &rows.collect::<Vec<Data>>())
+}
+
+fn no_formula(name: &str) -> String {
+    let mark = if name.starts_with(['=', '+', '-', '@']) {
+        "'"
+    } else {
+        ""
+    };
+    format!("{mark}{name}")
 }
 
 /// `validation.json`: measured and modelled lateral force.
@@ -491,5 +503,21 @@ impl ImportedRun {
             imported.delays.insert(name.clone(), delay);
         }
         imported
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::no_formula;
+
+    #[test]
+    fn no_name_is_a_formula_in_a_spreadsheet() {
+        for (name, cell) in [
+            ("=cmd()", "'=cmd()"),
+            ("@SUM(1)", "'@SUM(1)"),
+            ("A-1", "A-1"),
+        ] {
+            assert_eq!(no_formula(name), cell);
+        }
     }
 }

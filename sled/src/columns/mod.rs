@@ -70,8 +70,24 @@ pub fn read_csv(
     let failure = |error: csv::Error| Error::file(file, error);
     let mut table = csv::ReaderBuilder::new()
         .buffer_capacity(1 << 16)
+        .flexible(true)
         .from_reader(reader);
-    let names = table.headers().map_err(failure)?.iter();
+    let names = table.byte_headers().map_err(failure)?.iter();
+    let names: Result<Vec<_>, _> = names.map(std::str::from_utf8).collect();
+    let foreign = match &names {
+        Ok(names) if names.iter().any(|name| name.contains('\0')) => Some("text in UTF-16"),
+        Ok(names) => match names[..] {
+            [one] if one.contains(';') => Some("cells separated by semicolons"),
+            _ => None,
+        },
+        Err(_) => Some("no text in UTF-8"),
+    };
+    if let Some(what) = foreign {
+        let expected = "expected UTF-8 with commas between cells";
+        let reason = format!("{what}; {expected}: kufe runs import writes that of such files");
+        return Err(Error::file(file, reason));
+    }
+    let names = names.unwrap_or_default().into_iter();
     let names: Vec<String> = names.map(|name| name.trim().to_string()).collect();
     let named = |i: &usize| !names[*i].is_empty() && names[..*i].contains(&names[*i]);
     if let Some(twice) = (0..names.len()).find(named) {
@@ -82,6 +98,16 @@ pub fn read_csv(
     let mut record = csv::ByteRecord::new();
     let mut count = 0;
     while table.read_byte_record(&mut record).map_err(failure)? {
+        if record.len() != names.len() {
+            // A line of blanks is no row.
+            if record.iter().all(|cell| cell.trim_ascii().is_empty()) {
+                continue;
+            }
+            let (found, expected) = (record.len(), names.len());
+            let reason = format!("found {found} cells, expected {expected}, one below each name");
+            let row = record.position().map_or(0, csv::Position::line);
+            return Err(Error::row(file, row, reason));
+        }
         for ((cell, slot), name) in record.iter().zip(&mut columns).zip(&names) {
             let Some(values) = slot else { continue };
             match parse_number(cell) {

@@ -174,11 +174,11 @@ impl Model {
 }
 
 /// Least and largest value of a key, in words as well.
-fn range(key: &str) -> (f64, f64, &'static str) {
+pub(crate) fn range(key: &str) -> (f64, f64, &'static str) {
     match key {
-        "sled.mass_kg" | "sled.j_yy_kgm2" | "sled.j_zz_kgm2" | "sled.l_f_m" | "sled.l_r_m" => {
-            (f64::MIN_POSITIVE, f64::MAX, "a positive number")
-        }
+        "sled.mass_kg" => (0.1, 1e5, "0.1 to 1e5 kg"),
+        "sled.j_yy_kgm2" | "sled.j_zz_kgm2" => (1e-3, 1e6, "0.001 to 1e6 kg m2"),
+        "sled.l_f_m" | "sled.l_r_m" => (1e-2, 10.0, "0.01 to 10 m"),
         "sled.accel_x_m" | "sled.accel_y_m" | "sled.accel_z_m" | "sled.slip_x_m" => {
             (-10.0, 10.0, "metres, within 10 m")
         }
@@ -225,6 +225,19 @@ mod tests {
         assert!(message.contains("sled.cda_m2"), "{message}");
         let message = refused(|text| text + "\n[tolerances]\ndelay_s = -0.001\n");
         assert!(message.contains("tolerances.delay_s = -0.001"), "{message}");
+        for [key, value] in [
+            ["mass_kg", "390000.0"],
+            ["j_zz_kgm2", "1e7"],
+            ["l_f_m", "820.0"],
+            ["k_n_per_rad", "1e12"],
+        ] {
+            let own = |line: &str| match line.starts_with(&format!("{key} = ")) {
+                true => format!("{key} = {value}\n"),
+                false => line.to_string() + "\n",
+            };
+            let message = refused(|text| text.lines().map(own).collect());
+            assert!(message.contains(key), "{message}");
+        }
         let message = refused(|text| text.replace("mu = 0.004", "mu = 4.0"));
         assert!(message.contains("friction.longitudinal"), "{message}");
     }

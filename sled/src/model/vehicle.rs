@@ -11,7 +11,7 @@ use crate::conditions::Conditions;
 use crate::effects::{Active, Effects};
 use crate::error::Error;
 use crate::friction::{Longitudinal, MagicFormula, PressureLaw};
-use crate::model::model_toml::Model;
+use crate::model::model_toml::{Model, range};
 use crate::sled::{ModelConditions, Sled};
 
 /// A sled with the friction of both runners.
@@ -107,12 +107,16 @@ impl Vehicle {
         let mut keys = ["mass_kg", "j_yy_kgm2", "j_zz_kgm2"]
             .into_iter()
             .zip(inertia);
-        if let Some((key, value)) = keys.find(|(_, value)| value.is_nan() || *value <= 0.0) {
+        let outside = |(key, value): &(&str, f64)| {
+            let (low, high, _) = range(&format!("sled.{key}"));
+            !(low..=high).contains(value)
+        };
+        if let Some((key, value)) = keys.find(outside) {
             return Err(Error::KeyRange {
                 file: model.name(),
                 key: format!("sled.{key} with [effects]"),
                 value,
-                expected: "a positive number",
+                expected: range(&format!("sled.{key}")).2,
             });
         }
         Ok(vehicle)

@@ -8,8 +8,9 @@ const LONGEST: usize = 100;
 /// A name as part of a file's name.
 ///
 /// Letters, digits, `-`, `_` and `.` are unchanged, and other characters become `_`. A name that
-/// changes by this, a hidden one and a long one end in a hash of the whole name: different names
-/// give different files, and none of them is outside its folder.
+/// changes by this, a hidden one, a long one, one that begins like an option and a name of a device
+/// on Windows end in a hash of the whole name: different names give different files, and none of
+/// them is outside its folder.
 pub fn file_stem(name: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_.".contains(c);
     let mut stem = String::new();
@@ -19,14 +20,24 @@ pub fn file_stem(name: &str) -> String {
         }
         stem.push(if plain(c) { c } else { '_' });
     }
-    if stem == name && !name.starts_with('.') && !name.is_empty() {
+    let first = name.split('.').next().unwrap_or_default().to_lowercase();
+    let number = first.trim_start_matches("com").trim_start_matches("lpt");
+    let is_port = number.len() + 3 == first.len() && number.parse::<u8>().is_ok();
+    let is_device = is_port || ["con", "prn", "aux", "nul"].contains(&&*first);
+    if stem == name && !name.starts_with(['.', '-']) && !name.is_empty() && !is_device {
         return stem;
     }
     // FNV-1a of 32 bits.
     let hash = name.bytes().fold(0x811c_9dc5_u32, |hash, byte| {
         (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193)
     });
-    format!("{}-{hash:08x}", stem.trim_start_matches('.'))
+    // A device is one with any ending.
+    let stem = if is_device {
+        stem.replace('.', "_")
+    } else {
+        stem
+    };
+    format!("{}-{hash:08x}", stem.trim_start_matches(['.', '-']))
 }
 
 /// The file of a run.
@@ -63,12 +74,21 @@ mod tests {
             "a_b",
             "a\nb",
             "a\u{1b}b",
+            "con",
+            "NUL.old",
+            "Com1",
+            "-rf",
             &long,
             &format!("{long}y"),
         ];
         let stems: Vec<String> = names.iter().map(|name| file_stem(name)).collect();
         for (stem, name) in stems.iter().zip(names) {
-            assert!(!stem.starts_with('.') && !stem.is_empty(), "{name:?}");
+            assert!(
+                !stem.starts_with(['.', '-']) && !stem.is_empty(),
+                "{name:?}"
+            );
+            let device = stem.split('.').next().unwrap().to_lowercase();
+            assert!(!["con", "nul", "com1"].contains(&&*device), "{name:?}");
             assert!(!stem.contains(['/', '\\', ':', '\n', '\u{1b}']), "{name:?}");
             assert!(stem.len() < 120, "{name:?}");
             assert_eq!(

@@ -50,10 +50,18 @@ pub fn read_good_runs(
     needs: &Needs,
     on_gaps: OnGaps,
 ) -> Result<(Vec<Run>, Vec<Error>), Error> {
-    let read: Vec<Result<Run, Error>> = read_index(index)?
-        .into_par_iter()
-        .map(|entry| read_needed(entry, needs, on_gaps))
-        .collect();
+    let read = |(place, entry): (usize, Entry)| {
+        let is_there = entry.file.exists();
+        read_needed(entry, needs, on_gaps).map_err(|error| match is_there {
+            true => error,
+            false => {
+                let index = index.display().to_string();
+                Error::row(&index, place as u64 + 2, error.to_string())
+            }
+        })
+    };
+    let entries = read_index(index)?.into_par_iter().enumerate();
+    let read: Vec<Result<Run, Error>> = entries.map(read).collect();
     let (good, bad): (Vec<_>, Vec<_>) = read.into_iter().partition(Result::is_ok);
     let mut good: Vec<Run> = good.into_iter().flatten().collect();
     let mut bad: Vec<Error> = bad.into_iter().filter_map(Result::err).collect();

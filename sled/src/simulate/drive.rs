@@ -148,10 +148,18 @@ pub(crate) fn integrate(
         if (steps % every == 0 || finished)
             && let Some(what) = world.trouble(&y)
         {
-            trouble = Some(Error::Stopped {
-                s_m: y[0],
-                t_s: start_s + steps as f64 * h,
-                what,
+            let last = instants.last().filter(|_| !y[0].is_finite());
+            trouble = Some(match last {
+                Some(Instant { state, .. }) => Error::Stopped {
+                    s_m: state.s_m,
+                    t_s: state.t_s,
+                    what: what + &world.not_finite(state),
+                },
+                None => Error::Stopped {
+                    s_m: y[0],
+                    t_s: start_s + steps as f64 * h,
+                    what,
+                },
             });
             break false;
         }
@@ -254,24 +262,30 @@ impl Default for SimulateOptions {
     }
 }
 
+impl SimulateOptions {
+    /// The first option out of its range: name, value, least and largest value.
+    pub fn out_of_range(&self) -> Option<(&'static str, f64, [f64; 2])> {
+        let ranges = [
+            ("step_s", self.step_s, [1e-6, 0.01]),
+            ("rate_hz", self.rate_hz, [1.0, 10_000.0]),
+            ("start_speed_mps", self.start_speed_mps, [1.0, 60.0]),
+            ("most_s", self.most_s, [0.1, 3600.0]),
+            ("cross_curvature_1pm", self.cross_curvature_1pm, [0.0, 2.0]),
+        ];
+        let outside = |(_, value, [low, high]): &(_, f64, [f64; 2])| !(low..=high).contains(&value);
+        ranges.into_iter().find(outside)
+    }
+}
+
 /// Steps an output interval.
 pub(crate) fn steps_an_interval(options: &SimulateOptions) -> Result<usize, Error> {
-    let ranges = [
-        ("step_s", options.step_s, 1e-6, 0.01),
-        ("rate_hz", options.rate_hz, 1.0, 10_000.0),
-        ("start_speed_mps", options.start_speed_mps, 1.0, 60.0),
-        ("most_s", options.most_s, 0.1, 3600.0),
-        ("cross_curvature_1pm", options.cross_curvature_1pm, 0.0, 2.0),
-    ];
-    for (key, value, low, high) in ranges {
-        if !(low..=high).contains(&value) {
-            return Err(Error::KeyRange {
-                file: "simulation".to_string(),
-                key: format!("{key} (from {low} to {high})"),
-                value,
-                expected: "a number in that range",
-            });
-        }
+    if let Some((key, value, [low, high])) = options.out_of_range() {
+        return Err(Error::KeyRange {
+            file: "simulation".to_string(),
+            key: format!("{key} (from {low} to {high})"),
+            value,
+            expected: "a number in that range",
+        });
     }
     let steps = 1.0 / (options.rate_hz * options.step_s) - 1e-9;
     Ok(steps.ceil().max(1.0) as usize)

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::effects::Relaxed;
+use crate::effects::{Active, Relaxed};
 use crate::friction::GRAVITY;
 
 use crate::conditions::Conditions;
@@ -333,10 +333,26 @@ impl World<'_> {
             + 0.5 * sled.j_zz_kgm2 * y[YAW] * y[YAW]
     }
 
+    /// The effects whose forces are not finite at a state, in words.
+    pub(crate) fn not_finite(&self, state: &State) -> String {
+        let is_finite = |effect: &Active| {
+            let mut alone = self.vehicle.clone();
+            alone.effects.active = vec![effect.clone()];
+            let at = Balance::new(&alone.sled, state, &Motion::default());
+            let forces = forces_at(&alone, &at);
+            let all = forces.front_body.iter().chain(&forces.rear);
+            all.chain(&forces.body).all(|force| force.is_finite())
+        };
+        let active = self.vehicle.effects.active.iter();
+        let names = active.filter(|effect| !is_finite(effect));
+        let names = names.map(|effect| format!(", for [effects.{}] is not", effect.name));
+        names.collect()
+    }
+
     /// Why a simulation cannot go on from here, if so.
     pub(crate) fn trouble(&self, y: &Unknowns) -> Option<String> {
         if y.iter().any(|value| !value.is_finite()) {
-            return Some("the motion is no longer finite".to_string());
+            return Some("the motion is not finite after this".to_string());
         }
         let (v, n, chi) = (y[VX], y[N], y[CHI]);
         if v < 0.5 {

@@ -309,3 +309,72 @@ fn a_column_of_the_other_sign_in_two_loggers_is_told() {
     };
     assert!(told("") && !told(", sign = -1"));
 }
+
+/// A run down a banked track with dips, row by row: time, specific force, rates and speed.
+fn on_a_track(seconds: f64, rate_hz: f64) -> Vec<[f64; 8]> {
+    let (dt, gravity) = (1.0 / rate_hz, 9.806_65);
+    let wave = |t: f64, f: f64| (std::f64::consts::TAU * f * t).sin();
+    let turn = |t: f64| 0.45 * wave(t, 0.13) + 0.15 * wave(t, 0.05);
+    let slope = |t: f64| 0.1 + 0.06 * wave(t, 0.17) + 0.04 * wave(t, 0.31);
+    let bank = |t: f64| -1.8 * turn(t);
+    let rate = |angle: &dyn Fn(f64) -> f64, t: f64| (angle(t + 1e-4) - angle(t - 1e-4)) / 2e-4;
+    let mut v: f64 = 12.0;
+    let row = |i: usize| {
+        let t = i as f64 * dt;
+        let (st, ct) = slope(t).sin_cos();
+        let (sb, cb) = bank(t).sin_cos();
+        let (heading_t, slope_t) = (turn(t), rate(&slope, t));
+        let roll = rate(&bank, t) - heading_t * st;
+        let pitch = slope_t * cb + heading_t * ct * sb;
+        let yaw = heading_t * ct * cb - slope_t * sb;
+        let ax = -0.4 - 5e-4 * v * v;
+        let ay = yaw * v + gravity * ct * sb;
+        let az = -pitch * v + gravity * ct * cb;
+        let row = [t, ax, ay, az, roll, pitch, yaw, v];
+        v += dt * (ax + gravity * st);
+        row
+    };
+    (0..(seconds * rate_hz) as usize).map(row).collect()
+}
+
+#[test]
+fn a_speed_alone_is_brought_into_place_on_a_banked_and_sloping_track() {
+    let late = 3.37;
+    let folder = tempfile::tempdir().unwrap();
+    let rows = on_a_track(44.0, 100.0);
+    let mut imu = COLUMNS[..6]
+        .iter()
+        .fold("time".to_string(), |head, name| head + "," + name);
+    let mut gps = "time,v_mps".to_string();
+    for row in &rows {
+        let [t, rest @ .., v] = row;
+        let cells: Vec<String> = rest.iter().map(|x| format!("{x:.5}")).collect();
+        imu += &format!("\n{t:.2},{}", cells.join(","));
+        gps += &format!("\n{:.2},{v:.3}", t + late);
+    }
+    std::fs::write(folder.path().join("imu_r1.csv"), imu + "\n").unwrap();
+    std::fs::write(folder.path().join("gps_r1.csv"), gps + "\n").unwrap();
+    let from = |logger: &str, name: &str| {
+        format!(
+            "{name} = {{ logger = \"{logger}\", from = \"{name}\", unit = \"{}\" }}\n",
+            kufe_telemetry::column_unit(name)
+        )
+    };
+    let mut mapping = "clock = \"imu\"\n[logger.imu]\nfiles = \"imu_*.csv\"\ntime = \"time\"\n[logger.gps]\nfiles = \"gps_*.csv\"\ntime = \"time\"\n[channels]\n".to_string();
+    mapping.extend(COLUMNS[..6].iter().map(|name| from("imu", name)));
+    let accelerations = mapping.replace("yaw_rate_radps = ", "# ") + &from("gps", "v_mps");
+    mapping += &from("gps", "v_mps");
+    let imported = import(folder.path(), &mapping).unwrap();
+    let clock = &imported[0].note.loggers["gps"].clock;
+    let sd = clock.delay_sd_s.unwrap();
+    assert!(
+        sd < 0.1 && (clock.delay_s - late).abs() < 3.0 * sd.max(0.01),
+        "{clock:?}"
+    );
+    // Without the direction of gravity nothing relates them.
+    let refused = import(folder.path(), &accelerations).unwrap_err();
+    assert!(
+        refused.contains("no channels of it are related"),
+        "{refused}"
+    );
+}

@@ -80,6 +80,12 @@ fn files_that_are_not_known_end_with_one_error_that_says_what_was_expected() {
     refused(bench.folder.path(), &["info", "."], 3, &["is a folder"]);
     let missing = ["info", "nothing.json"];
     refused(bench.folder.path(), &missing, 3, &["cannot be read"]);
+    bench.write("case.toml", CASE);
+    bench.succeeds(&["press", "case.toml", "-o", "out"]);
+    let map = std::fs::read(bench.folder.path().join("out/pressure.exr")).unwrap();
+    let cut = bench.folder.path().join("cut.exr");
+    std::fs::write(&cut, &map[..map.len() / 2]).unwrap();
+    refused(bench.folder.path(), &["info", "cut.exr"], 3, &["cut.exr: "]);
 }
 
 #[test]

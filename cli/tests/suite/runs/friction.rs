@@ -57,6 +57,28 @@ Gamma 2,11.8e6,0.6e6,0.0027,0.0003
 Gamma 3,9.6e6,0.5e6,0.0033,0.0003
 ";
 
+#[test]
+fn a_fit_that_is_no_law_is_written_without_the_lines_of_a_model() -> Outcome {
+    let folder = tempfile::tempdir()?;
+    let out = folder.path().join("out");
+    let mut table = "specimen,p_max_pa,p_max_sd_pa,mu,mu_sd\n".to_string();
+    for k in 0..8 {
+        let p = 8.0 + 2.0 * f64::from(k);
+        let mu = 1e-3 * (8.0 - 0.05 * (p - 15.0).powi(2));
+        writeln!(table, "s{k},{p}e6,0.1e6,{mu},0.0001")?;
+    }
+    std::fs::write(folder.path().join("concave.csv"), &table)?;
+    let fit = ["friction", "fit", "concave.csv", "-o", "out"];
+    let parts = ["concave.csv", "no law of friction", "b = -0.05"];
+    refused(folder.path(), &fit, 4, &parts)?;
+    assert!(out.join("fit.json").exists() && out.join("mu.png").exists());
+    assert!(!out.join("friction.toml").exists());
+    let negative = table.replace(",0.00", ",-0.00");
+    std::fs::write(folder.path().join("negative.csv"), negative)?;
+    let fit = ["friction", "fit", "negative.csv", "-o", "other"];
+    refused(folder.path(), &fit, 3, &["negative.csv", "largest mu = -"])
+}
+
 /// A blunt paraboloid on thick ice: its pressure lies inside the published law.
 fn case(fz: f64) -> String {
     format!(

@@ -1,6 +1,6 @@
 //! `kufe simulate`, `fit lateral`, `validate` and `evaluate` as a user meets them.
 
-use crate::kufe::{json, octave, refused, succeeds};
+use crate::kufe::{json, kufe, octave, refused, succeeds};
 
 #[test]
 fn sample_data_goes_through_fit_validation_and_evaluation() {
@@ -178,6 +178,31 @@ fn a_simulated_run_is_read_like_a_measured_one_and_repeats_bit_by_bit() {
         2,
         &["--skill 2"],
     );
+    for (option, value) in [
+        ("--rate-hz", "0"),
+        ("--step-s", "10"),
+        ("--start-speed-mps", "0"),
+    ] {
+        let words = ["simulate", "model.toml", "track_w.csv", option, value];
+        refused(folder, &words, 2, &[option, "expected"]);
+    }
+    let words = [
+        "simulate",
+        "model.toml",
+        "track_w.csv",
+        "--most-s",
+        "1",
+        "-o",
+        "short",
+    ];
+    let short = kufe(folder, &words);
+    let reported = String::from_utf8_lossy(&short.stderr);
+    assert!(
+        reported.contains("is not at the finish after 1 s"),
+        "{reported}"
+    );
+    let onto = ["simulate", "model.toml", "track_w.csv", "-o", "model.toml"];
+    refused(folder, &onto, 3, &["model.toml", "expected a folder"]);
     std::fs::write(folder.join("up.csv"), "s_m,slope_rad,curvature_1pm,bank_rad\n0,-0.2,0,0\n50,-0.2,0,0\n100,-0.2,0,0\n200,-0.2,0,0\n").expect("writable");
     refused(
         folder,

@@ -174,13 +174,19 @@ impl MagicFormula {
     /// # Errors
     /// [`Error::OutOfRange`] with the key.
     pub fn check(&self) -> Result<(), Error> {
-        const POSITIVE: &str = "a positive number";
-        in_range("mu_zeta", self.mu_zeta, self.mu_zeta > 0.0, POSITIVE)?;
+        const TO_1E6: &str = "above 0, up to 1e6";
+        let mu_zeta = self.mu_zeta;
+        in_range("mu_zeta", mu_zeta, mu_zeta > 0.0 && mu_zeta <= 1e6, TO_1E6)?;
         let c = self.c > 0.0 && self.c < 2.0;
         in_range("c", self.c, c, "above 0, below 2")?;
         in_range("e", self.e, self.e <= 1.0, "at most 1")?;
         let k = self.k_n_per_rad;
-        in_range("k_n_per_rad", k, k > 0.0, POSITIVE)
+        in_range(
+            "k_n_per_rad",
+            k,
+            k > 0.0 && k <= 1e9,
+            "above 0, up to 1e9 N/rad",
+        )
     }
 
     /// `(1-E) x + E atan x` with the arctangent of `x` known.

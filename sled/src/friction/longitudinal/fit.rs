@@ -24,8 +24,8 @@ const LEAST_SD: f64 = 1e-20;
 /// taken as stated.
 ///
 /// # Errors
-/// [`Error::TooFew`] below four experiments, [`Error::OutOfRange`] where a weighted fit meets
-/// `mu_sd` below 1e-20, [`Error::Undetermined`] below three different pressures, [`Error::NotConverged`].
+/// [`Error::TooFew`] below four experiments, [`Error::OutOfRange`] where no friction is positive
+/// or a weighted fit meets `mu_sd` below 1e-20, [`Error::Undetermined`] below three different pressures, [`Error::NotConverged`].
 pub fn fit_mu(
     experiments: &[Experiment],
     weighting: Weighting,
@@ -35,6 +35,9 @@ pub fn fit_mu(
         let what = "mu(p) fit: experiments";
         return Err(Error::too_few(what, experiments.len(), 4));
     }
+    let largest = experiments.iter().map(|e| e.mu).fold(f64::MIN, f64::max);
+    let expected = "above 0 in one experiment at least";
+    in_range("largest mu", largest, largest > 0.0, expected)?;
     let points = Points::new(experiments);
     let freedom = experiments.len() - 3;
     let plain = points.plain()?;

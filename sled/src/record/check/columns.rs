@@ -92,7 +92,7 @@ pub fn check_columns(
 }
 
 fn refuse_too_large(values: &[f64], column: &str, most: f64, file: &str) -> Result<(), Error> {
-    let too_large = |value: &f64| value.is_finite() && value.abs() > most;
+    let too_large = |value: &f64| value.abs() > most;
     let Some(first) = values.iter().position(too_large) else {
         return Ok(());
     };
@@ -210,12 +210,15 @@ impl Base {
     pub fn of(time: &[f64], row: &dyn Fn(usize) -> u64, file: &str) -> Result<Base, Error> {
         let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let usual = usual_step(&steps);
-        let error = |i: usize, what| bad_step(file, row(i + 1), what, [time[i], steps[i], usual]);
+        let step = |i: usize, what, expected| {
+            bad_step(file, row(i + 1), what, [time[i], steps[i], expected])
+        };
+        let error = |i: usize, what| step(i, what, usual);
         if let Some(i) = steps.iter().position(|step| *step <= 0.0) {
             return Err(error(i, "time is constant or runs backwards"));
         }
         if usual < LEAST_STEP_S {
-            return Err(error(0, "more than 100 000 rows a second"));
+            return Err(step(0, "more than 100 000 rows a second", LEAST_STEP_S));
         }
         if let Some(i) = steps.iter().position(|step| *step < ONE_STEP.start * usual) {
             return Err(error(i, "irregular time"));

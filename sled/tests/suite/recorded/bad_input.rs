@@ -352,7 +352,7 @@ fn an_index_with_other_columns_or_values_is_refused() {
         ),
         (
             format!("{header}\nK1,absent.csv,e,A1,A,d1,-8,-2,95000\n"),
-            ["absent.csv", "No such file", ""],
+            ["runs.csv, row 2", "absent.csv", "No such file"],
         ),
     ] {
         std::fs::write(&path, text).unwrap();
@@ -363,6 +363,48 @@ fn an_index_with_other_columns_or_values_is_refused() {
             &parts,
         );
     }
+}
+
+#[test]
+fn infinite_numbers_and_files_of_other_forms_are_refused_and_blank_lines_are_none() {
+    let infinite = |i: usize, column: &str, value: f64| match (i, column) {
+        (70, "ay_mps2") => "inf".to_string(),
+        _ => value.to_string(),
+    };
+    has(&reported(200, &infinite), &["row 72", "ay_mps2", "inf"]);
+    let folder = tempfile::tempdir().unwrap();
+    run_file(folder.path(), "bad", 200, &plain);
+    let index = index(folder.path(), &[("K1", "bad.csv")]);
+    let path = folder.path().join("bad.csv");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let read = |bytes: &[u8]| {
+        std::fs::write(&path, bytes).unwrap();
+        let read = read_runs(&index, &Needs::FORCES, OnGaps::Refuse);
+        read.map(|runs| runs[0].len())
+            .map_err(|error| error.to_string())
+    };
+    let semicolons = text.replace(',', ";");
+    has(
+        &read(semicolons.as_bytes()).unwrap_err(),
+        &["semicolons", "kufe runs import"],
+    );
+    let wide = |text: &str| {
+        text.encode_utf16()
+            .flat_map(u16::to_le_bytes)
+            .collect::<Vec<u8>>()
+    };
+    for wide in [wide(&text), wide(&format!("\u{feff}{text}"))] {
+        let error = read(&wide).unwrap_err();
+        has(&error, &["bad.csv", "UTF-", "kufe runs import"]);
+    }
+    let end = text.match_indices('\n').nth(50).unwrap().0;
+    let with = |line: &str| format!("{}\n{line}{}", &text[..end], &text[end..]);
+    assert_eq!(read(with("").as_bytes()), Ok(200));
+    assert_eq!(read(with("  ").as_bytes()), Ok(200));
+    has(
+        &read(with("\0\0").as_bytes()).unwrap_err(),
+        &["row 52", "1 cells", "expected 11"],
+    );
 }
 
 #[test]
