@@ -140,8 +140,8 @@ fn carried(rows: &[[f64; 3]; 3], p: &[f64; 3]) -> [f64; 3] {
     rows.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2])
 }
 
-/// Most triangles, and most vertices, read from one file that may use one mesh many times.
-const MOST_TRIANGLES: usize = 50_000_000;
+/// Triangles, and vertices, that any file may place, however small it is.
+const FEW_TRIANGLES: usize = 1_000_000;
 
 /// Refuses more of something in one file than the limit.
 pub(crate) fn at_most(limit: usize, found: usize, what: &str) -> Result<(), MeshError> {
@@ -152,8 +152,12 @@ pub(crate) fn at_most(limit: usize, found: usize, what: &str) -> Result<(), Mesh
 }
 
 /// Meshes read from one file, each placed by its transform.
+///
+/// A file may use one mesh many times: it may place some times the triangles that it can hold.
 #[derive(Default)]
 pub(crate) struct PlacedMeshes {
+    /// Triangles, and vertices, that the file can hold by its size.
+    pub(crate) held: usize,
     pub(crate) positions: Vec<[f64; 3]>,
     pub(crate) triangles: Vec<[usize; 3]>,
 }
@@ -167,9 +171,12 @@ impl PlacedMeshes {
         transform: &Matrix4<f64>,
     ) -> Result<(), MeshError> {
         let first = self.positions.len();
-        at_most(MOST_TRIANGLES, first + vertices.len(), "vertices")?;
+        let most = self.held.max(FEW_TRIANGLES);
+        let placed = "with its meshes at every place that uses them; expected each once";
+        let vertex_count = first + vertices.len();
+        at_most(most, vertex_count, &format!("vertices {placed}"))?;
         let count = self.triangles.len() + triangles.len();
-        at_most(MOST_TRIANGLES, count, "triangles")?;
+        at_most(most, count, &format!("triangles {placed}"))?;
         // A transform that mirrors reverses the winding.
         let mirrored = transform.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
         for mut corners in triangles {
