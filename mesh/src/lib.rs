@@ -43,7 +43,7 @@ pub use hull::{
 };
 pub use ice::{ExrImage, HeightMap, IceSurface, Waviness, load_height_map};
 pub use scan::{
-    Estimate, Noise, Orientation, ScanFrame, keel_spacing, noise_of_faces,
+    Estimate, Noise, Orientation, PlacedScan, ScanFrame, keel_spacing, noise_of_faces,
     noise_of_hull, strips_of_hull, strips_warning, unlike_runner,
 };
 pub use shapes::{
