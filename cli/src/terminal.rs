@@ -202,7 +202,8 @@ pub fn error_text(text: &str) {
 
 /// The error of a word that is no file and nearly one of a command's `subcommands`.
 pub fn misspelt(word: &str, subcommands: &[&str]) -> Option<String> {
-    if Path::new(word).extension().is_some() || Path::new(word).exists() {
+    let path = Path::new(word);
+    if subcommands.contains(&word) || path.extension().is_some() || path.exists() {
         return None;
     }
     let like = subcommands.iter();

@@ -67,6 +67,14 @@ pub fn broken_at(text: &str, span: Option<Range<usize>>, message: &str) -> Strin
         .replace("invalid type: string", "found")
         .replace("invalid value: string", "found")
         .replace("expected f64", "expected a number");
+    let message = match message.split_once("expected struct ") {
+        // The name is one of this program's source.
+        Some((before, name)) => {
+            let after = name.trim_start_matches(|c: char| c.is_alphanumeric());
+            format!("{before}expected a table{after}")
+        }
+        None => message,
+    };
     format!("line {}: {found}{message}", line + 1)
 }
 

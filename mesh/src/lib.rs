@@ -37,13 +37,14 @@ pub use hexahedra::{
     mesh_over_heights, read_gmsh, read_vtu, write_pvd, write_vtp, write_vtu,
 };
 pub use hull::{
-    Axis, Hull, HullFormat, HullOptions, HullReport, check_hull, hull_files, load_hull, read_3mf,
-    read_gltf, read_obj, read_stl, size_warnings, tessellate, tessellate_turning,
+    Axis, Hull, HullFormat, HullOptions, HullReport, check_hull, checked_runner, hull_files,
+    load_hull, read_3mf, read_gltf, read_obj, read_stl, size_warnings, tessellate,
+    tessellate_turning,
 };
 pub use ice::{ExrImage, HeightMap, IceSurface, Waviness, load_height_map};
 pub use scan::{
-    Estimate, Noise, Orientation, ScanFrame, keel_spacing, noise_of_faces, noise_of_hull,
-    strips_of_hull, strips_warning, unlike_runner,
+    Estimate, Noise, Orientation, PlacedScan, ScanFrame, keel_spacing, noise_of_faces,
+    noise_of_hull, strips_of_hull, strips_warning, unlike_runner,
 };
 pub use shapes::{
     BobRunner, Ends, LugeSteel, Paraboloid, Profile, Rocker, Section, Swept, Underside, load_points,

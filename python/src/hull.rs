@@ -308,7 +308,7 @@ type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>);
 impl Hull {
     /// A hull with its warnings.
     pub fn checked(hull: kufe_mesh::Hull) -> Result<Hull, MeshError> {
-        let report = kufe_mesh::check_hull(&hull)?;
+        let (hull, report) = kufe_mesh::checked_runner(hull)?;
         let hull = Arc::new(hull);
         Ok(Hull { hull, report })
     }

@@ -6,6 +6,7 @@ Writes each input into a temporary folder, reads it with the command, and prints
 resident memory of the process in MB, and its exit code (0 read, 3 refused).
 """
 
+import base64
 import io
 import json
 import os
@@ -159,6 +160,23 @@ def glb(size):
     text = json.dumps({"asset": {"version": "2.0"}, "nodes": [{"children": [k + 1]} for k in range(nodes)]}).encode()
     text += b" " * (-len(text) % 4)
     return b"glTF" + struct.pack("<II", 2, 20 + len(text)) + struct.pack("<I", len(text)) + b"JSON" + text
+
+
+@reader("uses.gltf", ["hull", "check", "uses.gltf"])
+def uses(size):
+    """One strip of triangles at many places."""
+    points = 2000
+    data = struct.pack(f"<{3 * points}f", *(0.001 * (k % 7) + k for k in range(3 * points)))
+    count = max(1_000_000, size // 12) // points - 1
+    uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
+    nodes = ",".join('{"mesh":0,"translation":[0,0,%d]}' % k for k in range(count))
+    text = (
+        '{"asset":{"version":"2.0"},"nodes":[%s],"scenes":[{"nodes":%s}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"mode":5}]}],'
+        '"buffers":[{"byteLength":%d,"uri":"%s"}],"bufferViews":[{"buffer":0,"byteLength":%d}],'
+        '"accessors":[{"bufferView":0,"componentType":5126,"count":%d,"type":"VEC3","min":[0,0,0],"max":[6000,6000,6000]}]}'
+        % (nodes, list(range(count)), len(data), uri, len(data), points)
+    )
+    return text.encode() + b" " * max(0, size - len(text))
 
 
 @reader("mesh.vtu", ["press", "meshed_vtu.toml", "-o", "out"])

@@ -219,18 +219,16 @@ fn text(examined: &ExaminedHull) -> String {
         format!("scale {scale}, up {up}, forward {forward} or {backward}: its shape does not tell"),
         format!("{length} x {width} x {height}; rocker radius {rocker}, section radius {section}"),
     ];
-    if examined.oriented {
-        let shown = |angle: Option<Estimate>| {
-            angle.map_or("not shown by its shape".into(), |angle| {
-                let [value, error] = [angle.value, angle.error].map(f64::to_degrees);
-                measured(value, error, "deg")
-            })
-        };
-        let [yaw, pitch, roll] = [found.yaw_rad, found.pitch_rad, found.roll_rad].map(shown);
-        lines.push(format!(
-            "into runner axes by yaw {yaw}, pitch {pitch}, roll {roll}"
-        ));
-    }
+    let shown = |angle: Option<Estimate>| {
+        angle.map_or("not shown by its shape".into(), |angle| {
+            let [value, error] = [angle.value, angle.error].map(f64::to_degrees);
+            measured(value, error, "deg")
+        })
+    };
+    let [yaw, pitch, roll] = [found.yaw_rad, found.pitch_rad, found.roll_rad].map(shown);
+    lines.push(format!(
+        "into runner axes by yaw {yaw}, pitch {pitch}, roll {roll}"
+    ));
     lines.extend(found.strips_m.map(strips_warning));
     let noise = match (found.noise_m, found.unseen_noise_m) {
         (0.0, 0.0) => "none".to_owned(),
@@ -249,7 +247,13 @@ fn text(examined: &ExaminedHull) -> String {
     lines.extend(found.warnings.iter().map(ToString::to_string));
     let error = found.no_underside.as_ref();
     lines.extend(error.map(|error| format!("no smooth underside could be fitted: {error}")));
-    lines.extend(found.loads.iter().flatten().map(verdict));
+    let unknown = examined.unknown_angles.as_deref();
+    let verdicts = found
+        .loads
+        .iter()
+        .flatten()
+        .map(|load| verdict(load, unknown));
+    lines.extend(verdicts);
     let written = found.written.as_ref();
     let written = written.map_or(String::new(), |out| {
         format!("wrote {} for {} N\n", out.display(), examined.force())
@@ -257,13 +261,14 @@ fn text(examined: &ExaminedHull) -> String {
     lines.join("\n  ") + "\n" + &written
 }
 
-fn verdict(load: &ResolvedLoad) -> String {
+/// How well the peak is known, `unknown` angles of the hull apart.
+fn verdict(load: &ResolvedLoad, unknown: Option<&str>) -> String {
     let (fz, known) = (quantity(load.fz_n, "N"), percent(load.p_max_error));
     let surface = measured(load.approach_m, load.error_m, "m");
-    let verdict = if load.resolved {
-        "fine enough"
-    } else {
-        "too coarse"
+    let verdict = match unknown {
+        _ if !load.resolved => "too coarse".to_owned(),
+        None => "fine enough".to_owned(),
+        Some(angles) => format!("{angles} unknown, apart from that"),
     };
     let by = |sampling: &Sampling| {
         let noise = sampling.noise_m;

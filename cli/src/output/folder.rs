@@ -325,6 +325,20 @@ mod tests {
     }
 
     #[test]
+    fn a_folder_whose_files_are_half_moved_has_no_document() -> Outcome {
+        let root = tempfile::tempdir()?;
+        let out = root.path().join("out");
+        let names = ["a.exr", "result.json", "z.png"];
+        write_all(&out, false, &names)?;
+        // A folder in the way of the last file ends the move as a kill would.
+        std::fs::remove_file(out.join("z.png"))?;
+        std::fs::create_dir(out.join("z.png"))?;
+        assert!(write_all(&out, true, &names).is_err());
+        assert!(out.join("a.exr").exists() && !out.join("result.json").exists());
+        Ok(())
+    }
+
+    #[test]
     fn names_that_are_not_plain_are_refused() -> Outcome {
         let root = tempfile::tempdir()?;
         let out = root.path().join("out");

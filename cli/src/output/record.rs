@@ -16,6 +16,11 @@ pub const RECORD: &str = ".kufe.json";
 /// The index of runs, which names other files of its folder.
 pub const INDEX: &str = "runs.csv";
 
+/// Whether readers of a folder begin with this file.
+fn is_document(name: &str) -> bool {
+    name == INDEX || name.ends_with(".json")
+}
+
 /// Which command wrote a folder, and which commands wrote which files in it.
 #[derive(Serialize, Deserialize, Clone, Debug)]
 pub struct FolderRecord {
@@ -119,7 +124,8 @@ impl FolderRecord {
     /// Moves the files of `hidden` of these names into `folder`, whose record this is, and removes
     /// `stale` ones of an earlier run.
     ///
-    /// An index of runs is removed first and moved last: what it names is always complete.
+    /// Documents are removed first and moved last: where a process is killed between two files,
+    /// readers find no result rather than one of two runs. A file alone is replaced in one step.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with the path that could not be replaced.
@@ -132,7 +138,7 @@ impl FolderRecord {
         command: &str,
     ) -> Result<(), Failure> {
         let mut names = names.to_vec();
-        names.sort_by_key(|name| name == INDEX);
+        names.sort_by_key(|name| (is_document(name), name == INDEX));
         // Both sets of files are kufe's until the last is moved.
         for name in &names {
             let before = self.files.remove(name).map(|file| file.sha256);
@@ -150,8 +156,9 @@ impl FolderRecord {
             _ => Ok(()),
         };
         record(&self)?;
-        let index = names.iter().filter(|name| *name == INDEX);
-        for path in index.chain(stale).map(|name| folder.join(name)) {
+        let are_several = names.len() + stale.len() > 1;
+        let documents = names.iter().filter(|name| are_several && is_document(name));
+        for path in documents.chain(stale).map(|name| folder.join(name)) {
             if path.symlink_metadata().is_ok() {
                 std::fs::remove_file(&path).map_err(|error| Failure::unwritable(&path, error))?;
             }

@@ -35,11 +35,8 @@ pub fn text(
     );
     rows.extend(pressed.hull.as_ref().map(|hull| {
         let [reading, fitting] = hull.seconds.map(|time| quantity(time, "s"));
-        Figure::new(
-            "hull read in",
-            reading,
-            format!("its surface fitted in {fitting}"),
-        )
+        let read = format!("read in {reading}, its surface fitted in {fitting}");
+        Figure::new("hull", read, "")
     }));
     let (out, time) = (out.display().to_string(), quantity(writing, "s"));
     rows.push(Figure::new("written to", out, format!("in {time}")));

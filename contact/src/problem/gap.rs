@@ -49,11 +49,10 @@ impl<'a> Gap<'a> {
         if free_motion[0]
             && !(extent[0] <= x0 && x0 <= extent[1] && extent[2] <= y0 && y0 <= extent[3])
         {
-            let [x, y] = [x0, y0].map(short);
-            let [x_min, x_max, y_min, y_max] = extent.map(short);
+            let [x_min, x_max, y_min, y_max] = extent;
             return Err(Error::Unsuitable(format!(
-                "the load's line of action at x = {x} m, y = {y} m misses the hull, which spans x \
-                 {x_min} to {x_max} m and y {y_min} to {y_max} m"
+                "the load's line of action at x = {x0:.4} m, y = {y0:.4} m misses the hull, which \
+                 spans x {x_min:.4} to {x_max:.4} m and y {y_min:.4} to {y_max:.4} m"
             )));
         }
         // Hexahedra that end at the load are half a runner, whatever holds its tilt.
@@ -183,9 +182,4 @@ fn off_the_rim(axis: &'static str, at: f64, low: f64, high: f64) -> Result<(), E
 pub fn track_height(curvature: f64, x: f64) -> f64 {
     let sine = curvature * x;
     curvature * x * x / (1.0 + (1.0 - sine * sine).max(0.0).sqrt())
-}
-
-/// A length of four digits, without zeros at its end [m].
-fn short(length: f64) -> f64 {
-    format!("{length:.3e}").parse().unwrap_or(length)
 }

@@ -105,9 +105,9 @@ macro_rules! ranges {
 
 ranges! {
     "runner.scale" "a scale" 1e-6, 1000.0;
-    "runner.yaw_rad" "an angle in radians" -0.8, 0.8;
-    "runner.pitch_rad" "an angle in radians" -0.8, 0.8;
-    "runner.roll_rad" "an angle in radians" -0.8, 0.8;
+    "runner.yaw_rad" "an angle in radians" -1.6, 1.6;
+    "runner.pitch_rad" "an angle in radians" -1.6, 1.6;
+    "runner.roll_rad" "an angle in radians" -1.6, 1.6;
     "runner.noise_m" "a standard deviation in metres" 0.0, 0.001;
     "runner.height_m" "a height in metres" 0.001, 1.0;
     "runner.youngs_modulus_pa" "a modulus in pascals" 1e6, 1e13;

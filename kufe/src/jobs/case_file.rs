@@ -242,8 +242,8 @@ impl LoadedCase {
         if stated.iter().any(Option::is_some) {
             return None;
         }
-        let orientation = Orientation::of(hull.scan.as_ref()?, hull.noise.found).ok()?;
-        let [.., yaw] = orientation.significant();
+        let orientation = Orientation::of(hull.scan.as_ref()?, hull.noise.found, [0.0; 3]).ok()?;
+        let [.., yaw] = orientation.rotation;
         (yaw.abs() > ASLANT).then(|| {
             format!(
                 "the hull is turned about z, into runner axes by runner.yaw_rad = {yaw:.4}: its contact lies aslant on the grid; \

@@ -5,12 +5,11 @@ use std::sync::Arc;
 
 use kufe_contact::{Ice, Load, Problem, Runner, Tilt, hertz};
 use kufe_mesh::{
-    Axis, Estimate, FittedUnderside, Hull, HullOptions, Orientation, ScanFrame, Underside,
-    keel_spacing, load_hull, noise_of_hull, smaller_by, strips_of_hull, strips_warning,
-    unlike_runner,
+    Axis, Estimate, FittedUnderside, Hull, HullOptions, Orientation, PlacedScan, ScanFrame,
+    Underside, keel_spacing, load_hull, smaller_by, strips_of_hull, strips_warning, unlike_runner,
 };
 
-use crate::case::FittedHull;
+use crate::case::{Case, CaseError, FittedHull};
 use crate::jobs::failure::{Failure, Located};
 use crate::jobs::press::hull_error::{bootstrap_scans, relative_peak_error};
 use crate::results::{HullCheck, ResolvedLoad, Sampling};
@@ -28,8 +27,8 @@ const ICE: f64 = ICE_MODULUS / (1.0 - ICE_RATIO * ICE_RATIO);
 pub struct ExaminedHull {
     /// What was found.
     pub result: HullCheck,
-    /// Whether the rotation into runner axes could be found.
-    pub oriented: bool,
+    /// Of pitch and roll what the shape does not show.
+    pub unknown_angles: Option<String>,
     /// Place of the load, along and across, where it is not over the file's origin [m].
     pub offset_m: [Option<f64>; 2],
     /// Relative error of the peak that the case requests.
@@ -52,20 +51,18 @@ pub fn check_hull(
         up: Some(Axis::Z),
         ..HullOptions::default()
     };
-    let (of_file, _) = load_hull(file, &as_it_is)?;
-    let Some(mut frame) = ScanFrame::of(&of_file)? else {
+    let (of_file, read) = load_hull(file, &as_it_is)?;
+    let Some(placed) = PlacedScan::of(&of_file)? else {
         return Err(not_rounded(file, &of_file));
     };
-    let mut hull = of_file.placed(&frame.options)?;
-    let noise_of = |hull: &Hull| noise_of_hull(hull).unwrap_or_default();
-    let mut noise = noise_of(&hull);
-    let orientation = Orientation::of(&hull, noise.found).ok();
-    frame.options.rotation = orientation.map_or([0.0; 3], |found| found.significant());
-    if frame.options.rotation != [0.0; 3] {
-        hull = of_file.placed(&frame.options)?;
-        noise = noise_of(&hull);
-    }
+    let PlacedScan {
+        hull,
+        mut frame,
+        noise,
+        orientation,
+    } = placed;
     let mut report = kufe_mesh::check_hull(&hull)?;
+    report.warnings.splice(0..0, read.removed);
     let placed = ScanFrame::of(&hull)?;
     let unlike = unlike_runner(&hull, placed.as_ref());
     report.warnings.extend(unlike);
@@ -100,6 +97,12 @@ pub fn check_hull(
             forces.iter().map(known).collect::<Result<Vec<_>, String>>()
         });
     report.warnings.extend(outliers);
+    let unknown = unknown_angles(orientation.as_ref());
+    report.warnings.extend(unknown.as_ref().map(|angles| {
+        format!(
+            "the hull's shape does not show its {angles}: correct what the case states where it is              turned"
+        )
+    }));
     let usual = if noise.found > 0.0 {
         USUAL_SHARE
     } else {
@@ -134,11 +137,21 @@ pub fn check_hull(
     };
     Ok(ExaminedHull {
         result,
-        oriented: orientation.is_some(),
+        unknown_angles: unknown,
         p_max: p_max.unwrap_or(usual),
         options: frame.options,
         offset_m,
     })
+}
+
+/// The names of pitch and roll where they are unknown.
+fn unknown_angles(orientation: Option<&Orientation>) -> Option<String> {
+    let pitch = orientation.and_then(|found| found.pitch);
+    let roll = orientation.and_then(|found| found.roll);
+    let angles = [("pitch", pitch), ("roll", roll)];
+    let unknown = angles.iter().filter(|(_, angle)| angle.is_none());
+    let names: Vec<&str> = unknown.map(|(name, _)| *name).collect();
+    (!names.is_empty()).then(|| names.join(" and "))
 }
 
 /// The hull has no side that is rounded as a runner's underside is; long strips may be why.
@@ -217,7 +230,7 @@ impl ExaminedHull {
     /// The case that reads the hull so, written to `path`: with ice, track and load to edit.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the place of the hull cannot be found.
+    /// [`Failure::BadInput`] where the place of the hull cannot be found, or is out of a case's range.
     pub fn case(&self, path: &Path) -> Result<String, Failure> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let hull = match self.result.file.strip_prefix(folder) {
@@ -271,6 +284,13 @@ p_max = {}
             self.force(),
             self.p_max,
         );
+        let refused = |error: CaseError| {
+            let reason = format!(
+                "no case reads it so: {error}; a hull far from its file's origin has to be moved there"
+            );
+            Failure::in_file(&self.result.file, reason)
+        };
+        Case::parse(&text).map_err(refused)?;
         Ok(text)
     }
 }

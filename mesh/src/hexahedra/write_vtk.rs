@@ -106,8 +106,8 @@ fn write_file<W: Write>(
         writeln!(out, "</Piece>\n</{kind}>\n</VTKFile>")?;
         out.flush()
     };
-    let unwritten = |error| format!("the VTU file cannot be written: {error}");
-    write().map_err(|error: std::io::Error| MeshError::Invalid(unwritten(error)))
+    let unwritten = |error: std::io::Error| format!("the file cannot be written: {error}");
+    write().map_err(|error| MeshError::Invalid(unwritten(error)))
 }
 
 /// Numbers of the whole file, the version that writes it among them.

@@ -9,8 +9,8 @@ use crate::error::MeshError;
 use crate::hull::read_3mf::read_3mf;
 use crate::hull::read_gltf::{outer_buffers, read_gltf};
 use crate::hull::read_obj::read_obj;
-use crate::hull::read_stl::read_stl;
-use crate::hull::triangles::{Hull, HullOptions, HullReport, check_hull};
+use crate::hull::read_stl::{facets_left_over, read_stl};
+use crate::hull::triangles::{Hull, HullOptions, HullReport, checked_runner};
 use crate::hull::write::{write_glb, write_obj, write_stl};
 use crate::input::{ending, read_file};
 
@@ -39,8 +39,7 @@ impl HullFormat {
             "gltf" | "glb" => Ok(Self::Gltf),
             "stl" => Ok(Self::Stl),
             found => Err(MeshError::Invalid(format!(
-                "the ending {found:?} names no hull format; expected obj, gltf, glb or stl, or 3mf \
-                 to read"
+                "the ending {found:?}: expected obj, gltf, glb or stl; 3mf is read and not written"
             ))),
         }
     }
@@ -58,7 +57,7 @@ impl HullFormat {
     }
 }
 
-/// Reads the hull file `path` and checks it.
+/// Reads the hull file `path` and checks its largest body.
 ///
 /// # Errors
 /// [`MeshError::Io`] where the file cannot be read, [`MeshError::File`] with what is wrong in it.
@@ -80,8 +79,12 @@ pub fn load_hull(path: &Path, options: &HullOptions) -> Result<(Hull, HullReport
             read_regular(&folder.join(uri), MOST_BYTES)
         }),
     };
-    let hull = hull.map_err(in_file)?;
-    let report = check_hull(&hull).map_err(in_file)?;
+    let (hull, mut report) = hull.and_then(checked_runner).map_err(in_file)?;
+    if format == Some(HullFormat::Stl) {
+        let left_over = facets_left_over(&bytes);
+        report.removed.extend(left_over.clone());
+        report.warnings.extend(left_over);
+    }
     Ok((hull, report))
 }
 

@@ -17,6 +17,8 @@ use crate::hull::triangles::{Axis, Hull, HullOptions, PlacedMeshes, at_most};
 /// Most bytes of all parts of a file together once they are unpacked: some three million triangles,
 /// which take half a gigabyte of memory.
 const MOST_BYTES: u64 = 1 << 28;
+/// Unpacked bytes of a triangle with its share of the vertices, in a file of many.
+const BYTES_A_TRIANGLE: u64 = 48;
 /// Most uses of objects in one file, those within components counted.
 const MOST_USES: usize = 100_000;
 /// The part that holds the model where the package's relationships name none.
@@ -30,8 +32,8 @@ const USUAL_MODEL: &str = "3D/3dmodel.model";
 /// # Errors
 /// [`MeshError::Value`] with the part of the package, [`MeshError::Invalid`] if its parts unpack to
 /// more than 256 MiB (some three million triangles) or its objects, each used many times, make more
-/// than 50 million triangles, and those of a hull without triangles or with positions that are not
-/// finite.
+/// than a million triangles and more than its parts can hold, and those of a hull without triangles
+/// or with positions that are not finite.
 pub fn read_3mf(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> {
     let rows = options.rows(Axis::Z)?;
     let mut package = Package::open(bytes)?;
@@ -48,7 +50,9 @@ pub fn read_3mf(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> 
     while let Some((found, transform)) = waiting.pop() {
         uses += 1;
         let part = found.part.as_deref().unwrap_or(&root).to_owned();
-        let object = package.model(&part)?.objects.get(&found.object);
+        package.model(&part)?;
+        placed.held = ((MOST_BYTES - package.budget) / BYTES_A_TRIANGLE) as usize;
+        let object = package.models[&part].objects.get(&found.object);
         let object = object.ok_or_else(|| {
             let found = format!("object {}", found.object);
             error(&part, found, "an object of the model")
@@ -369,6 +373,16 @@ mod tests {
         ]);
         let hull = read_3mf(&bytes, &HullOptions::default()).unwrap();
         assert_eq!(hull.triangles, [[0, 1, 2]]);
+    }
+
+    #[test]
+    fn an_object_used_too_often_is_refused() {
+        let triangle = r#"<triangle v1="0" v2="1" v3="2"/>"#;
+        let mesh = MESH.replace(triangle, &triangle.repeat(1000));
+        let object = format!(r#"<object id="1">{mesh}</object>"#);
+        let text = model("", &object, &r#"<item objectid="1"/>"#.repeat(1001));
+        let message = read(text).unwrap_err().to_string();
+        assert!(message.contains("more than 1000000 triangles"), "{message}");
     }
 
     #[test]

@@ -16,6 +16,8 @@ use percent_encoding::percent_decode_str;
 use crate::error::MeshError;
 use crate::hull::triangles::{Axis, Hull, HullOptions, PlacedMeshes};
 
+/// Bytes of a triangle with indices of 32 bits, and of a vertex in single precision.
+const BYTES_A_TRIANGLE: usize = 12;
 /// Extensions that a file may require although they do not change its triangles, by their
 /// beginning.
 const WITHOUT_EFFECT: &str = "KHR_materials_ KHR_texture_ EXT_texture_ KHR_lights_";
@@ -37,8 +39,9 @@ const GLTFPACK: &str = "`npx gltfpack -i in.glb -o out.glb -noq`";
 ///
 /// # Errors
 /// [`MeshError::Invalid`] if the triangles are compressed, if the file cannot be parsed or refers
-/// to data that do not exist; and those of a hull without triangles or with positions that are not
-/// finite.
+/// to data that do not exist, if its meshes, each used many times, make more than a million
+/// triangles and more than the file can hold; and those of a hull without triangles or with
+/// positions that are not finite.
 pub fn read_gltf(
     bytes: &[u8],
     options: &HullOptions,
@@ -68,9 +71,13 @@ pub fn read_gltf(
         }
         buffers.push(data);
     }
+    let length = bytes.len() + buffers.iter().map(Vec::len).sum::<usize>();
     let mut reader = Reader {
         buffers,
-        placed: PlacedMeshes::default(),
+        placed: PlacedMeshes {
+            held: length / BYTES_A_TRIANGLE,
+            ..PlacedMeshes::default()
+        },
         seen: HashSet::new(),
     };
     let mut scenes = document.scenes();
@@ -437,6 +444,16 @@ mod tests {
             assert_eq!(hull.positions[0], [2.0, 0.0, 3.0]);
             assert_eq!(hull.normal(&hull.triangles[0])[2], -4.0, "{child}");
         }
+    }
+
+    #[test]
+    fn a_mesh_used_too_often_is_refused() {
+        let uses: Vec<String> = (1..=1100).map(|k| k.to_string()).collect();
+        let nodes = r#",{"mesh":0}"#.repeat(uses.len());
+        let nodes = format!(r#"[{{"children":[{}]}}{nodes}]"#, uses.join(","));
+        let fan = one_primitive(&[0; 4000], 5120, true, 6, &nodes);
+        let message = read(&fan).unwrap_err().to_string();
+        assert!(message.contains("more than 1000000"), "{message}");
     }
 
     #[test]

@@ -21,10 +21,8 @@ const FACET: usize = 50;
 /// that are not finite.
 pub fn read_stl(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> {
     let rows = options.rows(Axis::Z)?;
-    let positions = match bytes.first_chunk::<HEADER>() {
-        Some([.., a, b, c, d]) => {
-            let facets = u64::from(u32::from_le_bytes([*a, *b, *c, *d]));
-            let needed = facets * FACET as u64 + HEADER as u64;
+    let positions = match announced(bytes) {
+        Some((facets, needed)) => {
             if needed <= bytes.len() as u64 {
                 binary_corners(bytes, facets as usize)
             } else if is_text(bytes) {
@@ -40,6 +38,25 @@ pub fn read_stl(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> 
     };
     let triangles = (0..positions.len() / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
     Hull::welded(&positions, triangles, rows)
+}
+
+/// The facets that the header of a binary file announces, and the bytes that they need.
+fn announced(bytes: &[u8]) -> Option<(u64, u64)> {
+    let [.., a, b, c, d] = bytes.first_chunk::<HEADER>()?;
+    let facets = u64::from(u32::from_le_bytes([*a, *b, *c, *d]));
+    Some((facets, facets * FACET as u64 + HEADER as u64))
+}
+
+/// That a binary file holds whole facets after those that it announces.
+pub(crate) fn facets_left_over(bytes: &[u8]) -> Option<String> {
+    let (facets, needed) = announced(bytes)?;
+    let left_over = (bytes.len() as u64).checked_sub(needed)? / FACET as u64;
+    (left_over > 0).then(|| {
+        format!(
+            "the STL file announces {facets} facets and has bytes for {left_over} more, which are \
+             not read"
+        )
+    })
 }
 
 /// Whether the file begins with `solid` and has no zero bytes near its beginning, as the numbers of
@@ -129,6 +146,15 @@ mod tests {
 
     fn read(bytes: &[u8]) -> Result<Hull, MeshError> {
         read_stl(bytes, &HullOptions::default())
+    }
+
+    #[test]
+    fn facets_after_the_announced_ones_are_told() {
+        let mut bytes = binary(b"", 1, 3);
+        assert!(facets_left_over(&bytes).unwrap().contains("for 2 more"));
+        bytes.truncate(HEADER + 2 * FACET - 1);
+        assert_eq!(facets_left_over(&bytes), None);
+        assert_eq!(facets_left_over(TEXT.repeat(9).as_bytes()), None);
     }
 
     #[test]

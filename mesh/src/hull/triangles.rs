@@ -1,5 +1,6 @@
 //! Triangle hulls: vertices, checks, axes and units.
 
+use std::cmp::Reverse;
 use std::collections::{HashMap, HashSet};
 use std::fmt;
 use std::str::FromStr;
@@ -140,8 +141,8 @@ fn carried(rows: &[[f64; 3]; 3], p: &[f64; 3]) -> [f64; 3] {
     rows.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2])
 }
 
-/// Most triangles, and most vertices, read from one file that may use one mesh many times.
-const MOST_TRIANGLES: usize = 50_000_000;
+/// Triangles, and vertices, that any file may place, however small it is.
+const FEW_TRIANGLES: usize = 1_000_000;
 
 /// Refuses more of something in one file than the limit.
 pub(crate) fn at_most(limit: usize, found: usize, what: &str) -> Result<(), MeshError> {
@@ -152,8 +153,12 @@ pub(crate) fn at_most(limit: usize, found: usize, what: &str) -> Result<(), Mesh
 }
 
 /// Meshes read from one file, each placed by its transform.
+///
+/// A file may use one mesh many times: it may place some times the triangles that it can hold.
 #[derive(Default)]
 pub(crate) struct PlacedMeshes {
+    /// Triangles, and vertices, that the file can hold by its size.
+    pub(crate) held: usize,
     pub(crate) positions: Vec<[f64; 3]>,
     pub(crate) triangles: Vec<[usize; 3]>,
 }
@@ -167,9 +172,12 @@ impl PlacedMeshes {
         transform: &Matrix4<f64>,
     ) -> Result<(), MeshError> {
         let first = self.positions.len();
-        at_most(MOST_TRIANGLES, first + vertices.len(), "vertices")?;
+        let most = self.held.max(FEW_TRIANGLES);
+        let placed = "with its meshes at every place that uses them; expected each once";
+        let vertex_count = first + vertices.len();
+        at_most(most, vertex_count, &format!("vertices {placed}"))?;
         let count = self.triangles.len() + triangles.len();
-        at_most(MOST_TRIANGLES, count, "triangles")?;
+        at_most(most, count, &format!("triangles {placed}"))?;
         // A transform that mirrors reverses the winding.
         let mirrored = transform.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
         for mut corners in triangles {
@@ -272,6 +280,35 @@ impl Default for HullOptions {
 }
 
 impl HullOptions {
+    /// The options that turn a file's coordinates by this rotation: about the nearest axes of the
+    /// file, with forward in its own sense, and by the rotation that is left.
+    pub(crate) fn turning(scale: f64, mut turn: Matrix3<f64>) -> Self {
+        let nearest = |row: usize, except: Option<usize>| {
+            let others = (0..3).filter(|k| Some(*k) != except);
+            let share = |k: &usize| turn[(row, *k)].abs();
+            others
+                .max_by(|a, b| share(a).total_cmp(&share(b)))
+                .unwrap_or(0)
+        };
+        let forward = nearest(0, None);
+        let index = nearest(2, Some(forward));
+        if turn[(0, forward)] < 0.0 {
+            // Front and rear look alike: half a turn about z.
+            turn.row_mut(0).neg_mut();
+            turn.row_mut(1).neg_mut();
+        }
+        let negative = turn[(2, index)] < 0.0;
+        let (up, forward) = (Axis { index, negative }, Axis::positive(forward));
+        let left = Rotation3::from_matrix_unchecked(turn * axes(up, forward).transpose());
+        let (roll, pitch, yaw) = left.euler_angles();
+        Self {
+            scale,
+            up: Some(up),
+            forward,
+            rotation: [roll, pitch, yaw],
+        }
+    }
+
     /// The rows of the matrix that carries file coordinates to metres, x forward, y left, z up.
     ///
     /// # Errors
@@ -288,8 +325,7 @@ impl HullOptions {
                 self.forward
             )));
         }
-        let (z, x) = (up.vector(), self.forward.vector());
-        let mut rows = Matrix3::from_rows(&[x, z.cross(&x), z].map(|axis| axis.transpose()));
+        let mut rows = axes(up, self.forward);
         // Zeros keep their signs where nothing is turned.
         if self.rotation != [0.0; 3] {
             let [roll, pitch, yaw] = self.rotation;
@@ -297,6 +333,12 @@ impl HullOptions {
         }
         Ok([0, 1, 2].map(|row| [0, 1, 2].map(|column| rows[(row, column)] * self.scale)))
     }
+}
+
+/// The matrix whose rows are forward, left and up.
+fn axes(up: Axis, forward: Axis) -> Matrix3<f64> {
+    let (z, x) = (up.vector(), forward.vector());
+    Matrix3::from_rows(&[x, z.cross(&x), z].map(|axis| axis.transpose()))
 }
 
 /// Hulls shorter or longer than this are taken for a unit's mistake [m].
@@ -313,7 +355,9 @@ pub struct HullReport {
     pub extent: [f64; 3],
     /// Signed volume [m^3]; of little meaning where edges are open.
     pub volume: f64,
-    /// What the caller should show.
+    /// What of the file is no part of the hull.
+    pub removed: Vec<String>,
+    /// What the caller should show, `removed` included.
     pub warnings: Vec<String>,
 }
 
@@ -321,9 +365,13 @@ pub struct HullReport {
 pub fn size_warnings(extent: [f64; 3]) -> Vec<String> {
     let size = extent.iter().copied().fold(0.0, f64::max);
     let [smallest, largest] = EXTENTS;
-    let large = (size > largest).then(|| {
-        format!("the hull is {size:.4} m large; if the file is in millimetres, set scale = 0.001")
-    });
+    let unit = if size > 1e3 * largest {
+        "micrometres, set scale = 1e-6"
+    } else {
+        "millimetres, set scale = 0.001"
+    };
+    let large = (size > largest)
+        .then(|| format!("the hull is {size:.4} m large; if the file is in {unit}"));
     let small = (size < smallest).then(|| {
         format!(
             "the hull is only {size:.3e} m large; check its scale (metres in one unit of the file)"
@@ -371,15 +419,8 @@ pub fn check_hull(hull: &Hull) -> Result<HullReport, MeshError> {
     let [x, y, _] = extent;
     if y > 1.5 * x {
         warnings.push(format!(
-            "the hull is {y:.4} m across and {x:.4} m along: a runner that points along y needs \
-             forward = \"y\""
-        ));
-    }
-    let bodies = bodies(hull);
-    if bodies > 1 {
-        warnings.push(format!(
-            "the file holds {bodies} bodies apart: the one with the lowest vertex is the runner, the \
-             others take no part"
+            "the hull is {y:.4} m across and {x:.4} m along: expected `forward` to be the file's axis \
+             along its length"
         ));
     }
     if flipped_edges > 0 {
@@ -393,12 +434,41 @@ pub fn check_hull(hull: &Hull) -> Result<HullReport, MeshError> {
         flipped_edges,
         extent,
         volume,
+        removed: Vec::new(),
         warnings,
     })
 }
 
-/// Surfaces that share no vertex with one another.
-fn bodies(hull: &Hull) -> usize {
+/// Checks the runner in a hull: its largest body, each of its triangles once. The report tells what
+/// was removed.
+///
+/// # Errors
+/// As [`check_hull`].
+pub fn checked_runner(mut hull: Hull) -> Result<(Hull, HullReport), MeshError> {
+    let repeated = remove_repeated(&mut hull);
+    let others = remove_small_bodies(&mut hull);
+    let mut report = check_hull(&hull)?;
+    report.removed.extend(repeated.into_iter().chain(others));
+    report.warnings.extend_from_slice(&report.removed);
+    Ok((hull, report))
+}
+
+/// Removes triangles of the corners of another in the same order.
+fn remove_repeated(hull: &mut Hull) -> Option<String> {
+    let count = hull.triangles.len();
+    let mut known = HashSet::with_capacity(count);
+    hull.triangles.retain(|corners| {
+        let mut from_lowest = *corners;
+        let lowest = (0..3).min_by_key(|k| corners[*k]).unwrap_or(0);
+        from_lowest.rotate_left(lowest);
+        known.insert(from_lowest)
+    });
+    let repeated = count - hull.triangles.len();
+    (repeated > 0).then(|| format!("{repeated} triangles repeat others and take no part"))
+}
+
+/// Removes all surfaces that share no vertex with the one of the most triangles.
+fn remove_small_bodies(hull: &mut Hull) -> Option<String> {
     let mut leads: Vec<u32> = (0..hull.positions.len() as u32).collect();
     fn lead(leads: &mut [u32], mut of: u32) -> u32 {
         while leads[of as usize] != of {
@@ -413,9 +483,39 @@ fn bodies(hull: &Hull) -> usize {
             leads[one.max(other) as usize] = one.min(other);
         }
     }
-    let corners = hull.triangles.iter().map(|corners| corners[0]);
-    let found: HashSet<u32> = corners.map(|corner| lead(&mut leads, corner)).collect();
-    found.len()
+    let mut sizes: HashMap<u32, usize> = HashMap::new();
+    for [corner, ..] in &hull.triangles {
+        *sizes.entry(lead(&mut leads, *corner)).or_default() += 1;
+    }
+    let mut bodies: Vec<(u32, usize)> = sizes.into_iter().collect();
+    bodies.sort_by_key(|(lead, size)| (Reverse(*size), *lead));
+    let [(runner, size), others @ ..] = &bodies[..] else {
+        return None;
+    };
+    if others.is_empty() {
+        return None;
+    }
+    hull.triangles
+        .retain(|[corner, ..]| lead(&mut leads, *corner) == *runner);
+    let mut number = vec![None; hull.positions.len()];
+    let mut positions = Vec::new();
+    for corner in hull.triangles.iter_mut().flatten() {
+        let old = *corner as usize;
+        *corner = *number[old].get_or_insert_with(|| {
+            positions.push(hull.positions[old]);
+            (positions.len() - 1) as u32
+        });
+    }
+    hull.positions = positions;
+    const SHOWN: usize = 5;
+    let shown = others.iter().take(SHOWN).map(|(_, size)| size.to_string());
+    let shown = shown.collect::<Vec<_>>().join(", ");
+    let more = if others.len() > SHOWN { ", ..." } else { "" };
+    Some(format!(
+        "the file holds {} bodies apart: the largest, of {size} triangles, is the runner; the others, \
+         of {shown}{more} triangles, take no part",
+        bodies.len()
+    ))
 }
 
 #[cfg(test)]
@@ -537,5 +637,38 @@ mod tests {
         assert_eq!((report.open_edges, report.flipped_edges), (3, 2));
         assert!(report.warnings[0].contains("scale = 0.001"));
         assert_eq!(report.warnings.len(), 3);
+        assert!(size_warnings([3e5, 1.0, 1.0])[0].contains("scale = 1e-6"));
+    }
+
+    /// Twice the triangles of an open hull, with a speck below it that is first in the file.
+    #[test]
+    fn the_runner_is_the_largest_body_with_each_triangle_once() {
+        let mut runner = tetrahedron(1.0);
+        runner.triangles.pop();
+        let corners = |at: f64| [0.0, 1e-3, 2e-3].map(|x| [x, 1e-3 * x, at]);
+        let mut hull = Hull {
+            positions: corners(-5.0).to_vec(),
+            triangles: vec![[0, 1, 2]],
+        };
+        hull.positions.extend(&runner.positions);
+        for turn in [0, 1] {
+            for triangle in &runner.triangles {
+                let mut corners = triangle.map(|corner| corner + 3);
+                corners.rotate_left(turn);
+                hull.triangles.push(corners);
+            }
+        }
+        let (found, report) = checked_runner(hull).unwrap();
+        assert_eq!(found.bounds(), runner.bounds());
+        assert_eq!(found.triangles.len(), 3);
+        assert_eq!((report.open_edges, report.flipped_edges), (3, 0));
+        let [repeated, bodies] = &report.removed[..] else {
+            panic!("{:?}", report.removed);
+        };
+        assert!(repeated.starts_with("3 triangles repeat"), "{repeated}");
+        assert!(
+            bodies.contains("largest, of 3 triangles") && bodies.contains("of 1 triangles"),
+            "{bodies}"
+        );
     }
 }

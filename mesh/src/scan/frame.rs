@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use crate::error::MeshError;
 use crate::hull::{Axis, Hull, HullOptions};
 use crate::parameter::range;
-use crate::scan::noise::{Fitted, fit, lowest_of_stations};
+use crate::scan::noise::{Fitted, fit, lowest_of_stations, median};
 use crate::scan::orientation::{Estimate, keel_yaw};
 
 /// Lengths that a runner may have [m].
@@ -14,8 +14,13 @@ const LENGTHS: RangeInclusive<f64> = 0.2..=3.0;
 const LENGTHS_OF_PIECES: RangeInclusive<f64> = 0.05..=3.0;
 /// ... where its section has such a radius [m].
 const SECTIONS: RangeInclusive<f64> = 0.003..=0.02;
-/// Metres in the units that files are written in: metres, millimetres, centimetres, inches.
-const UNITS: [f64; 4] = [1.0, 1e-3, 1e-2, 0.0254];
+/// Metres in the units that files are written in: metres, millimetres, centimetres, inches,
+/// micrometres.
+const UNITS: [f64; 5] = [1.0, 1e-3, 1e-2, 0.0254, 1e-6];
+/// One in so many vertices may lie beyond each end of a hull's extent, as spikes of a scanner do.
+const OUTSIDE: usize = 1000;
+/// Vertices of the keel farther off its parabola than this many times the median are spikes.
+const SPIKE: f64 = 10.0;
 /// Share of the length, about the middle, over which the rocker is measured.
 const MIDDLE: f64 = 0.8;
 /// Parts of the length either side of the lowest vertex from which its section is taken, the first
@@ -57,8 +62,12 @@ impl ScanFrame {
         if hull.triangles.is_empty() {
             return Err(MeshError::no_triangles());
         }
-        let [low, high] = hull.bounds();
-        let extent = [0, 1, 2].map(|axis| high[axis] - low[axis]);
+        let extent = [0, 1, 2].map(|axis| {
+            let mut places: Vec<f64> = hull.positions.iter().map(|p| p[axis]).collect();
+            places.sort_unstable_by(f64::total_cmp);
+            let outside = places.len() / OUTSIDE;
+            places[places.len() - 1 - outside] - places[outside]
+        });
         let longest = (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b]));
         let forward = longest.unwrap_or(0);
         let length = extent[forward];
@@ -143,6 +152,9 @@ pub fn unlike_runner(hull: &Hull, frame: Option<&ScanFrame>) -> Option<String> {
     ))
 }
 
+/// Powers of the parabola along a keel.
+const ROCKER: [[i32; 2]; 3] = [[0, 0], [1, 0], [2, 0]];
+
 /// Radii of rocker and section of the side that faces down when `up` points up [m], and whether the
 /// rocker's curvature is significant; `None` where it is flat or hollow.
 fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<([f64; 2], bool)> {
@@ -164,8 +176,22 @@ fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<([f64; 2],
     let margin = 0.5 * (1.0 - MIDDLE) * (to - from);
     let middle = |p: &&[f64; 3]| p[0] > from + margin && p[0] < to - margin;
     let share = |x: f64| (x - from - margin) / (to - from - 2.0 * margin);
-    let keel = lowest_of_stations(points.iter().filter(middle).map(|p| (*p, *p)), share);
-    let rocker = surface(&keel, &[[0, 0], [1, 0], [2, 0]])?;
+    let mut keel = lowest_of_stations(points.iter().filter(middle).map(|p| (*p, *p)), share);
+    let mut rocker = surface(&keel, &ROCKER)?;
+    let centre = keel.iter().map(|p| p[0]).sum::<f64>() / keel.len() as f64;
+    let off = |p: &[f64; 3]| {
+        let terms = rocker.coefficients.iter().zip(ROCKER);
+        let height = terms.map(|(c, [power, _])| c * (p[0] - centre).powi(power));
+        (p[2] - height.sum::<f64>()).abs()
+    };
+    // Rounding of coordinates is no spike.
+    let most = SPIKE * median(keel.iter().map(off).collect())? + 1e-6 * (to - from);
+    let is_spike = |p: &[f64; 3]| off(p) > most;
+    let spikes: Vec<[f64; 3]> = keel.extract_if(.., |p| is_spike(p)).collect();
+    if !spikes.is_empty() {
+        points.retain(|p| !spikes.contains(p));
+        rocker = surface(&keel, &ROCKER)?;
+    }
     let rocker_radius = radius(rocker.coefficients[2], FLATTEST[0])?;
     let significant = rocker.coefficients[2] >= SIGNIFICANT_ROCKER * rocker.errors[2];
     let lowest = keel.iter().min_by(|a, b| a[2].total_cmp(&b[2]))?;

@@ -4,12 +4,14 @@
 pub(crate) mod frame;
 pub(crate) mod noise;
 pub(crate) mod orientation;
+pub(crate) mod placement;
 
 pub use frame::{ScanFrame, unlike_runner};
 pub use noise::{
     Noise, keel_spacing, noise_of_faces, noise_of_hull, strips_of_hull, strips_warning,
 };
 pub use orientation::{Estimate, Orientation};
+pub use placement::PlacedScan;
 
 /// A point turned by roll, pitch and yaw [rad] about fixed axes in this order, for tests.
 #[cfg(test)]

@@ -71,6 +71,9 @@ pub struct Orientation {
     pub roll: Option<Estimate>,
     /// Middle of the turned runner along x and across, over the file's origin [m].
     pub middle: [Option<Estimate>; 2],
+    /// Roll, pitch and yaw [rad]: 0 where they do not differ from it by more than their errors, as
+    /// at the start where the shape does not show them.
+    pub rotation: [f64; 3],
 }
 
 /// Unknowns of the registration: roll, pitch and yaw of the runner in the scan, and its middle's x
@@ -87,8 +90,8 @@ const Y: usize = 4;
 const SHOWN: [[usize; 3]; 2] = [[ROLL, YAW, Y], [PITCH, YAW, X]];
 
 impl Orientation {
-    /// Finds the rotation of `hull`, in metres, x roughly forward and z up, whose vertices carry
-    /// `noise` [m].
+    /// Finds the rotation of `hull`, in metres, whose vertices carry `noise` [m]; x points forward
+    /// and z up once it is turned by roughly `start`: roll, pitch and yaw [rad].
     ///
     /// A runner's underside equals its image in the x-z plane, and most equal that in the y-z
     /// plane. The surface fitted to the vertices is registered with both images of the vertices by
@@ -101,14 +104,15 @@ impl Orientation {
     ///
     /// # Errors
     /// As [`FittedUnderside::new`].
-    pub fn of(hull: &Hull, noise: f64) -> Result<Self, MeshError> {
-        let keel = keel_yaw(&hull.positions);
-        let start = -keel.map_or(0.0, |keel| keel.value);
-        let mut rotation = Rotation3::from_euler_angles(0.0, 0.0, start);
+    pub fn of(hull: &Hull, noise: f64, start: [f64; 3]) -> Result<Self, MeshError> {
+        let [roll, pitch, yaw] = start;
+        let first = Rotation3::from_euler_angles(roll, pitch, yaw);
+        let keel = keel_yaw(&hull.carried(rows(&first)).positions);
+        let along = -keel.map_or(0.0, |keel| keel.value);
+        let mut rotation = Rotation3::from_euler_angles(0.0, 0.0, along) * first;
         let mut found = Registration::default();
         for _ in 0..ROUNDS {
-            let rows = [0, 1, 2].map(|row| [0, 1, 2].map(|column| rotation[(row, column)]));
-            found = Registration::of(&Downward::of(&hull.carried(rows))?, noise)?;
+            found = Registration::of(&Downward::of(&hull.carried(rows(&rotation)))?, noise)?;
             let [roll, pitch, yaw] = [ROLL, PITCH, YAW].map(|unknown| {
                 let known = found.errors[unknown].is_some_and(|error| error < UNKNOWN);
                 if known { found.values[unknown] } else { 0.0 }
@@ -129,14 +133,22 @@ impl Orientation {
             }
             Some(found)
         };
-        let along_keel = keel.map(|keel| Estimate {
-            value: -keel.value,
-            ..keel
-        });
-        Ok(Self {
-            yaw: turned_by_roll(angle(YAW, yaw), pitch).or(along_keel),
-            pitch: turned_by_roll(angle(PITCH, pitch), yaw),
+        let along_keel = keel.map(|keel| Estimate { value: yaw, ..keel });
+        let angles = [
             roll,
+            turned_by_roll(angle(PITCH, pitch), yaw),
+            turned_by_roll(angle(YAW, yaw), pitch).or(along_keel),
+        ];
+        let [roll, pitch, yaw] = angles;
+        Ok(Self {
+            yaw,
+            pitch,
+            roll,
+            rotation: [0, 1, 2].map(|k| match angles[k] {
+                Some(angle) if angle.significant() => angle.value,
+                Some(_) => 0.0,
+                None => start[k],
+            }),
             middle: [X, Y].map(|unknown| {
                 let (value, error) = (found.values[unknown], found.errors[unknown]?);
                 let error = error.hypot(ROUNDING);
@@ -144,15 +156,11 @@ impl Orientation {
             }),
         })
     }
+}
 
-    /// Roll, pitch and yaw that are known and differ from 0 by more than their errors; the others 0
-    /// [rad].
-    pub fn significant(&self) -> [f64; 3] {
-        [self.roll, self.pitch, self.yaw].map(|angle| {
-            let significant = angle.filter(Estimate::significant);
-            significant.map_or(0.0, |angle| angle.value)
-        })
-    }
+/// The rows of a rotation's matrix.
+pub(crate) fn rows(rotation: &Rotation3<f64>) -> [[f64; 3]; 3] {
+    [0, 1, 2].map(|row| [0, 1, 2].map(|column| rotation[(row, column)]))
 }
 
 /// Direction of the line through the lowest vertices of the stations along x, seen from above;
@@ -525,7 +533,7 @@ mod tests {
         let mut outside = 0;
         for (seed, degrees) in (1..).zip(cases) {
             let hull = turned(&runner, 1e-3, degrees, 3e-6, seed);
-            let found = Orientation::of(&hull, 3e-6).expect("an underside");
+            let found = Orientation::of(&hull, 3e-6, [0.0; 3]).expect("an underside");
             let rest = left_over(&found, degrees);
             println!("{degrees:?}: {found:?} rest {rest:?}");
             let angles = [found.roll, found.pitch, found.yaw];
@@ -547,7 +555,7 @@ mod tests {
     fn an_uneven_section_shows_no_roll() {
         let runner = LugeSteel::default().swept().expect("a runner");
         let hull = turned(&runner, 1e-3, [0.0, 0.3, 1.0], 1e-6, 9);
-        let found = Orientation::of(&hull, 1e-6).expect("an underside");
+        let found = Orientation::of(&hull, 1e-6, [0.0; 3]).expect("an underside");
         println!("{found:?}");
         assert_eq!(found.roll, None);
         let yaw = found.yaw.expect("shown");

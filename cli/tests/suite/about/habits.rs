@@ -123,4 +123,10 @@ fn a_misspelt_subcommand_is_answered_with_its_like() {
         let tip = format!("a similar subcommand exists: '{name}'");
         assert!(reported.contains(&tip), "{words:?}: {reported}");
     }
+    let output = bench.kufe(&["lut", "query", "t.lut", "--quiet", "--verbose"]);
+    assert!(
+        errors(&output).contains("cannot be used with"),
+        "{}",
+        errors(&output)
+    );
 }

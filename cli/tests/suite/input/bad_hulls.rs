@@ -385,7 +385,7 @@ fn a_stray_vertex_is_refused_and_a_second_runner_and_one_across_are_told() {
     let whole = p_max(&press(&bench, "hull = \"bob.obj\""));
     for (file, part) in [
         ("two.obj", "2 bodies apart"),
-        ("across.obj", "forward = \"y\""),
+        ("across.obj", "expected `forward`"),
     ] {
         let output = press(&bench, &format!("hull = \"{file}\""));
         assert!(
@@ -408,7 +408,7 @@ fn a_load_that_misses_a_hull_is_refused_with_both_places() {
     let output = bench.kufe(&["press", "case.toml", "-o", "out"]);
     assert_eq!(output.status.code(), Some(3), "{}", errors(&output));
     assert!(
-        errors(&output).contains("y = 0.1 m misses the hull, which spans"),
+        errors(&output).contains("y = 0.1000 m misses the hull, which spans"),
         "{}",
         errors(&output)
     );

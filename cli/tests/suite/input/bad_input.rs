@@ -112,7 +112,7 @@ fn a_load_beside_the_hull_is_refused_with_both_places() {
     refused(
         &bench,
         &text,
-        &["case.toml: ", "x = 0.8123 m, y = 0 m misses the hull"],
+        &["case.toml: ", "x = 0.8123 m, y = 0.0000 m misses the hull"],
     );
 }
 

@@ -216,6 +216,29 @@ fn a_scan_turned_inside_out_has_no_case() {
     assert!(!bench.path("case.toml").exists());
 }
 
+#[test]
+fn a_hull_far_from_its_origin_has_no_case() {
+    let bench = Bench::new();
+    let size = ["--length-m", "0.3", "--edge-length-m", "0.002"];
+    bench.succeeds(&[&["hull", "bob", "-o", "bob.obj"][..], &size].concat());
+    let obj = std::fs::read_to_string(bench.path("bob.obj")).expect("a hull");
+    bench.write("far.obj", scanned(&obj, 0.0, |[x, y, z]| [x + 50.0, y, z]));
+    let words = ["hull", "check", "far.obj", "-o", "case.toml"];
+    let expected = ["load.offset_x_m = 50", "far from its file's origin"];
+    refused(&bench.path("."), &words, 3, &expected);
+    assert!(!bench.path("case.toml").exists());
+}
+
+#[test]
+fn a_roll_that_a_luge_steel_does_not_show_is_warned_of() {
+    let bench = Bench::new();
+    let size = ["--length-m", "0.3", "--edge-length-m", "0.002"];
+    bench.succeeds(&[&["hull", "luge", "-o", "luge.stl"][..], &size].concat());
+    let said = bench.succeeds(&["hull", "check", "luge.stl"]);
+    assert!(said.contains("does not show its roll"), "{said}");
+    assert!(!said.contains("fine enough"), "{said}");
+}
+
 /// A ragged rim is curved by chance, in these scans like a rocker.
 #[test]
 fn a_ragged_rim_is_not_taken_for_the_underside() {
