@@ -243,10 +243,10 @@ pub fn press_prepared(
             (solution, None, short)
         }
         Some(table) => {
-            let (solution, slid) = solve_sliding(&loaded, table, &problem, &options)?;
+            let (solution, slid, short) = solve_sliding(&loaded, table, &problem, &options)?;
             // Its error does not contain that of the hull.
             loaded.fine_enough(hull, &solution)?;
-            (solution, Some(slid), None)
+            (solution, Some(slid), short)
         }
     };
     let seconds = started.elapsed().as_secs_f64();
