@@ -93,10 +93,14 @@ impl FrictionLaw {
         loaded.at_rest()?;
         let started = Instant::now();
         let mut solved = Contact::from(loaded.clone()).best(watch)?;
-        if let Some(short) = solved.short.take() {
+        loaded.fine_enough(solved.hull.as_ref(), &solved.solution)?;
+        let short = solved.short.take();
+        let (solution, peak) = (&solved.solution, solved.peak());
+        // What a hull leaves uncertain is in the error that is stated.
+        let by_meshes = solution.p_max_error > loaded.case.accuracy.p_max * solution.p_max;
+        if let Some(short) = short.filter(|_| by_meshes) {
             return Err(short);
         }
-        let (solution, peak) = (&solved.solution, solved.peak());
         let at = OperatingPoint {
             t: 0.0,
             s: 0.0,
