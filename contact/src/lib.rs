@@ -88,7 +88,7 @@ pub use closed_forms::{Hertz, hertz};
 pub use error::Error;
 pub use groove::sequence::slide;
 pub use groove::solution::{
-    Groove, GrooveProfile, Section, SlidingIterate, SlidingMesh, SlidingSolution,
+    Coarser, Groove, GrooveProfile, Section, SlidingIterate, SlidingMesh, SlidingSolution,
 };
 pub use map::pressure_map::{PressureMap, parted, pressure_maps};
 pub use map::rim::squared_pressure;

@@ -7,7 +7,7 @@ use crate::{Error, Iterate, SlidingIterate};
 
 /// Version of the numerics: it rises whenever the same problem and options give other figures, so
 /// that results stored by an older version are not taken for this one's.
-pub const NUMERICS: u32 = 21;
+pub const NUMERICS: u32 = 22;
 
 /// Weight of the relative error of the area where the ice's hardness fixes the peak and the area is
 /// what is refined.

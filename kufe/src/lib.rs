@@ -17,7 +17,7 @@
 //! let runner = Shape::Paraboloid { rocker_radius_m: 30.0, section_radius_m: 0.005 };
 //! let ice = IceTable::half_space(9.0e9, 0.33);
 //! let result = Contact::new(runner, ice).load(1000.0).solve()?.result();
-//! println!("peak pressure {}", result.peak());
+//! println!("peak pressure {}", result.p_max);
 //! println!("contact {} x {}", result.length, result.width);
 //! // Hertz: 138.52 MPa.
 //! assert!((result.p_max.value - 138.52e6).abs() < result.p_max.error);

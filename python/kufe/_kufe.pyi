@@ -74,7 +74,7 @@ class Contact:
         """Peak pressure [Pa]."""
     @property
     def p_max_error_pa(self) -> float:
-        """Estimated discretisation error of the peak pressure [Pa]."""
+        """Error of the peak pressure, with that of a scan [Pa]."""
     @property
     def p_mean_pa(self) -> float:
         """Force over contact area [Pa]."""

@@ -152,7 +152,7 @@ fn set(table: &mut toml::Table, key: &str, value: toml::Value) -> PyResult<()> {
 pub struct Contact {
     /// Peak pressure [Pa].
     p_max_pa: f64,
-    /// Estimated discretisation error of the peak pressure [Pa].
+    /// Error of the peak pressure, with that of a scan [Pa].
     p_max_error_pa: f64,
     /// Force over contact area [Pa].
     p_mean_pa: f64,

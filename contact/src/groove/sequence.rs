@@ -1,7 +1,6 @@
 //! Finer and finer meshes of one sliding contact.
 
 use crate::accuracy::answer::SolvedMesh;
-use crate::accuracy::estimators::grid_convergence_index;
 use crate::accuracy::mesh_solve::Forces;
 use crate::accuracy::watched::{Limits, ShearHistory};
 use crate::grid::first_guess::{fitted, sliding_guess};
@@ -11,12 +10,12 @@ use crate::groove::measures::{GrooveReading, Measures};
 use crate::groove::on_mesh::{MeshContact, SlidingState, Start, WarmStart};
 use crate::groove::plastic_contact::Kind;
 use crate::groove::solution::{
-    Groove, GrooveProfile, SlidingIterate, SlidingMesh, SlidingSolution,
+    Coarser, Groove, GrooveProfile, Section, SlidingIterate, SlidingMesh, SlidingSolution,
 };
 use crate::mesh::discretise::{Discretisation, Reach};
 use crate::problem::check::CheckedProblem;
 use crate::result::pressure::{Field, Pressure};
-use crate::solve::check_answer;
+use crate::solve::{add_tilt_error, check_answer};
 use crate::symmetry::unfolded;
 use crate::{Error, Measure, Options, Problem};
 
@@ -45,6 +44,8 @@ struct SlidingHistory {
     /// The forces found last.
     forces: Forces,
     measures: Vec<Measures>,
+    sections: Vec<Section>,
+    coarser: Option<Coarser<Vec<Section>>>,
     under: ShearHistory,
     meshes: Vec<SlidingMesh>,
 }
@@ -82,6 +83,8 @@ impl<'a> SlidingMeshes<'a> {
         let mut history = SlidingHistory {
             forces,
             measures: Vec::new(),
+            sections: Vec::new(),
+            coarser: None,
             under: ShearHistory::new(),
             meshes: Vec::new(),
         };
@@ -102,9 +105,15 @@ impl<'a> SlidingMeshes<'a> {
             let [slid, plain] = self.on(&mesh).solve(&self.start, &history.forces, |slid| {
                 self.report(&mesh, slid, level, estimate);
             })?;
-            let plain = self.reading(&mesh, &plain).measures();
+            let plain = self.reading(&mesh, &plain);
+            let before = std::mem::take(&mut history.sections);
             let measures = self.take(&mesh, &slid, &mut history);
-            let errors = errors(&history.measures, &plain, refined);
+            history.coarser = (level > 0).then(|| Coarser {
+                before,
+                plain: plain.sections(),
+                refined,
+            });
+            let errors = errors(&history.measures, plain.measures(), refined);
             estimate = largest(&errors, &measures);
             if options.cells.is_some() || estimate <= tolerance {
                 return Ok(self.solution(mesh, slid, errors, history));
@@ -113,8 +122,8 @@ impl<'a> SlidingMeshes<'a> {
             if room < LEAST_REFINEMENT {
                 return Err(Error::SlidingAccuracyNotReached {
                     dofs,
-                    estimate,
                     tolerance,
+                    best: Box::new(self.solution(mesh, slid, errors, history)),
                 });
             }
             self.next_patch(&mesh, &slid);
@@ -183,7 +192,9 @@ impl<'a> SlidingMeshes<'a> {
         slid: &SlidingState,
         history: &mut SlidingHistory,
     ) -> Measures {
-        let measures = self.reading(mesh, slid).measures();
+        let reading = self.reading(mesh, slid);
+        let measures = reading.measures();
+        history.sections = reading.sections();
         history.meshes.push(SlidingMesh {
             dofs: mesh.free_dofs(),
             contact_nodes: slid.state.force.iter().filter(|f| **f > 0.0).count(),
@@ -225,7 +236,7 @@ impl<'a> SlidingMeshes<'a> {
         history: SlidingHistory,
     ) -> SlidingSolution {
         let reading = self.reading(&mesh, &slid);
-        let (profile, sections, m) = (reading.profile(), reading.sections(), reading.measures());
+        let (profile, m) = (reading.profile(), reading.measures());
         let pressure = self.pressure(&mesh, &slid);
         let depth = over_mirror(&slid.depth, &mesh);
         let nx = mesh.grid.x.len();
@@ -283,9 +294,11 @@ impl<'a> SlidingMeshes<'a> {
                 lowest: m.lowest,
                 profile,
                 depth,
-                sections,
+                sections: history.sections,
+                coarser: history.coarser,
                 meshes: history.meshes,
             },
+            relative_error: relative,
         }
     }
 }
@@ -330,8 +343,8 @@ fn over_mirror(values: &[f64], mesh: &Discretisation) -> Vec<f64> {
 /// [`Error::NotSliding`] for ice without a hardness or of varying height; those of
 /// [`solve`](crate::solve()) for problems without an answer and answers that are none:
 /// [`Error::LoadExceedsHardness`] too where the hull bears the load at rest but not sliding;
-/// [`Error::NotConverged`], [`Error::Unsolved`], and [`Error::SlidingAccuracyNotReached`] where the
-/// largest mesh allowed does not do.
+/// [`Error::NotConverged`], [`Error::Unsolved`], and [`Error::SlidingAccuracyNotReached`], with the
+/// best solution in it, where the largest mesh allowed does not do.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -365,9 +378,15 @@ pub fn slide(
         let mirrored = before.is_none_or(GrooveProfile::mirror_symmetric);
         checked.gap.mirrored = [false, mirrored];
         let (meshes, forces) = SlidingMeshes::find_patch(&checked, before)?;
-        let solution = meshes.solve(forces)?;
-        check_answer(problem, &solution.contact)?;
-        Ok(solution)
+        let mut solved = meshes.solve(forces);
+        let best = match &mut solved {
+            Ok(solution) => solution,
+            Err(Error::SlidingAccuracyNotReached { best, .. }) => best,
+            Err(_) => return solved,
+        };
+        check_answer(problem, &best.contact)?;
+        add_tilt_error(problem, &mut best.contact);
+        solved
     })
 }
 
@@ -382,20 +401,19 @@ const LEAST_PLOUGHING: f64 = 1e-4;
 /// Depth of the groove over the approach below which its error is measured by this.
 const LEAST_DEPTH: f64 = 0.05;
 
-/// The grid convergence index of the last two meshes, the last one `refined` times as fine as the
-/// one before, and what the area between nodes and rims changes on the last one: `plain` is that
-/// mesh's answer without it. The two add up as independent errors do. Infinite for one mesh.
-///
-/// The index alone does not do: where nodes lie next to rims is chance, and two meshes may agree by
-/// it.
-fn errors(measures: &[Measures], plain: &Measures, refined: f64) -> Errors {
+/// By the last two meshes, and `plain`, the last one without the area between nodes and rims;
+/// infinite for one mesh.
+fn errors(measures: &[Measures], plain: Measures, refined: f64) -> Errors {
     let of = |m: &Measures| [m.p_max, m.depth, m.ploughing, m.front, m.back, m.load_ahead];
     let [.., before, last] = measures else {
         return [f64::INFINITY; 6];
     };
-    let (before, last, plain) = (of(before), of(last), of(plain));
-    [0, 1, 2, 3, 4, 5]
-        .map(|k| grid_convergence_index(before[k], last[k], refined).hypot(plain[k] - last[k]))
+    let coarser = Coarser {
+        before: *before,
+        plain,
+        refined,
+    };
+    [0, 1, 2, 3, 4, 5].map(|k| coarser.error(of(last)[k], |m| of(m)[k]))
 }
 
 /// Largest of the errors of peak pressure, groove and ploughing, over their values.

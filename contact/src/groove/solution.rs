@@ -1,5 +1,6 @@
 //! What steady sliding comes to.
 
+use crate::accuracy::estimators::grid_convergence_index;
 use crate::{Error, Measure, Solution};
 
 /// The patch at one place along the runner.
@@ -20,6 +21,9 @@ pub struct SlidingSolution {
     pub contact: Solution,
     /// What it leaves in the ice, and where the runner is in it.
     pub groove: Groove,
+    /// The largest of the relative errors of peak pressure, groove's depth and ploughing force;
+    /// infinite for a single mesh.
+    pub relative_error: f64,
 }
 
 /// The groove of a runner that slides: the section that remains in the ice, the ploughing force,
@@ -46,8 +50,34 @@ pub struct Groove {
     pub depth: Vec<f64>,
     /// The patch from its front to its back.
     pub sections: Vec<Section>,
+    /// The same of coarser solutions; `None` where a single mesh was solved.
+    pub coarser: Option<Coarser<Vec<Section>>>,
     /// What happened, mesh by mesh.
     pub meshes: Vec<SlidingMesh>,
+}
+
+/// What two coarser solutions have in place of a value: what its error is estimated by.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coarser<T> {
+    /// On the mesh before the last.
+    pub before: T,
+    /// On the last mesh without the area between its nodes and the rims.
+    pub plain: T,
+    /// How many times as fine as the mesh before the last one is.
+    pub refined: f64,
+}
+
+impl<T> Coarser<T> {
+    /// Error of a figure that is `value` on the last mesh: the grid convergence index of the last
+    /// two meshes, and what the area between nodes and rims changes on the last one. The two add
+    /// up as independent errors do.
+    ///
+    /// The index alone does not do: where nodes lie next to rims is chance, and two meshes may
+    /// agree by it.
+    pub fn error(&self, value: f64, of: impl Fn(&T) -> f64) -> f64 {
+        let by_mesh = grid_convergence_index(of(&self.before), value, self.refined);
+        by_mesh.hypot(of(&self.plain) - value)
+    }
 }
 
 /// One mesh of a sliding contact.

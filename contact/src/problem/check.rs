@@ -90,8 +90,7 @@ pub(crate) fn solid_material(
 /// compliance has no digits in common with that of the ice.
 const SOFTEST: f64 = 1e-9;
 
-/// Largest tilt [rad]. Tilts are taken as small: a round section's curvature is off by 1.5 times
-/// the square of the roll.
+/// Largest tilt [rad]. Free tilts and those of a deformed runner are taken as small.
 pub(crate) const MOST_TILT: f64 = 0.12;
 
 /// Force or approach is positive, offsets and tilts are numbers, tilts those of a runner on its
@@ -134,7 +133,7 @@ fn check_load(load: &Load) -> Result<(), Error> {
     Ok(())
 }
 
-fn within(
+pub(crate) fn within(
     holds: bool,
     name: &'static str,
     value: f64,

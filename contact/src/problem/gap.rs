@@ -87,13 +87,40 @@ impl<'a> Gap<'a> {
     /// g at (x, y) [m]; infinite where there is no hull.
     pub fn at(&self, x: f64, y: f64) -> f64 {
         let [x0, y0] = self.line_of_action;
-        let pitch = self.fixed_tilt[0] + self.levelling[0];
-        let roll = self.fixed_tilt[1] + self.levelling[1];
-        let height = self.problem.runner.underside.height(x, y);
+        let [pitch, roll] = self.levelling;
+        let height = self.turned([x - x0, y - y0]);
         let surface = self.problem.ice_surface.as_ref();
         let ice = surface.map_or(0.0, |surface| surface.height(x, y));
         height - ice - track_height(self.problem.track_curvature, x) - pitch * (x - x0)
             + roll * (y - y0)
+    }
+
+    /// Height of the underside [m] at a place from the line of action [m], by the fixed tilt turned
+    /// about that line on the contact plane: by the roll about x, then by the pitch about y.
+    ///
+    /// The place of the underside that comes to lie there is found by substitution, which contracts
+    /// where slope times tilt is below 1; nothing of a steeper flank is near the ice.
+    fn turned(&self, [x, y]: [f64; 2]) -> f64 {
+        let [pitch, roll] = self.fixed_tilt;
+        let [x0, y0] = self.line_of_action;
+        let height = |[u, v]: [f64; 2]| self.problem.runner.underside.height(x0 + u, y0 + v);
+        if [pitch, roll] == [0.0; 2] {
+            return height([x, y]);
+        }
+        let ([sp, cp], [sr, cr]) = ([pitch.sin(), pitch.cos()], [roll.sin(), roll.cos()]);
+        let mut place = [x, y];
+        for _ in 0..TURNS {
+            let z = height(place);
+            let v = (y + sr * z) / cr;
+            let rolled = sr * v + cr * z;
+            let u = (x - sp * rolled) / cp;
+            let moved = (u - place[0]).abs().max((v - place[1]).abs());
+            if moved <= TURNED {
+                return cp * rolled - sp * u;
+            }
+            place = [u, v];
+        }
+        f64::INFINITY
     }
 
     /// Places where measured surfaces of runner and ice come nearer to one another than in their
@@ -160,6 +187,10 @@ impl<'a> Gap<'a> {
         [slope(0, 1e-3, &along), -slope(1, 1e-5, &across)]
     }
 }
+
+/// Most substitutions for a place of a turned underside, and the move at which they end [m].
+const TURNS: usize = 100;
+const TURNED: f64 = 1e-13;
 
 /// Part of a hull's length or width next to its rim in which no load acts that is to be balanced.
 const RIM: f64 = 2e-3;

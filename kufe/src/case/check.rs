@@ -111,6 +111,24 @@ fn check_shape(case: &Case) -> Checked {
             "at most twice section_radius_m",
         )?;
     }
+    if let Shape::Paraboloid {
+        rocker_radius_m,
+        section_radius_m,
+    } = *shape
+    {
+        require(
+            1.0 / rocker_radius_m > case.track.curvature(),
+            "runner.shape.rocker_radius_m",
+            rocker_radius_m,
+            "a radius whose inverse is above the track's curvature: else a paraboloid's contact has no ends",
+        )?;
+        require(
+            section_radius_m.is_finite(),
+            "runner.shape.section_radius_m",
+            section_radius_m,
+            "a finite radius in metres: else a paraboloid's contact has no sides",
+        )?;
+    }
     let length = shape.length_m().unwrap_or(0.0);
     require(
         length <= 2.0 * *shape.clone().rocker_radius_m(),
@@ -349,6 +367,45 @@ p_max = 0.01
         assert!(error(&neither).contains("line 1: runner: expected a hull, a shape or a mesh"));
         let scaled = GOOD.replacen("[runner]", "[runner]\nscale = 0.001", 1);
         assert!(error(&scaled).contains("runner.scale: belongs to a hull"));
+    }
+
+    #[test]
+    fn a_paraboloid_without_an_end_to_its_contact_is_refused() {
+        let error = |radii: [&str; 2], curvature: &str| {
+            let shape = format!(
+                "shape = {{ kind = \"paraboloid\", rocker_radius_m = {}, section_radius_m = {} }}",
+                radii[0], radii[1]
+            );
+            let (before, rest) = GOOD.split_once("shape").expect("a shape");
+            let (_, rest) = rest.split_once('\n').expect("a line");
+            let text = format!("{before}{shape}\n{rest}");
+            let track = format!("curvature_1pm = {curvature}");
+            let case =
+                Case::parse(&text.replacen("radius_m = inf\n[load]", &(track + "\n[load]"), 1));
+            case.err().map_or(String::new(), |error| error.to_string())
+        };
+        assert_eq!(error(["30.0", "0.005"], "0.033"), "");
+        assert_eq!(error(["inf", "0.005"], "-0.01"), "");
+        for (radii, curvature, key) in [
+            (
+                ["30.0", "0.005"],
+                "0.034",
+                "line 2: runner.shape.rocker_radius_m = 30: expected",
+            ),
+            (
+                ["inf", "0.005"],
+                "0.0",
+                "line 2: runner.shape.rocker_radius_m = inf: expected",
+            ),
+            (
+                ["30.0", "inf"],
+                "0.0",
+                "line 2: runner.shape.section_radius_m = inf: expected",
+            ),
+        ] {
+            let found = error(radii, curvature);
+            assert!(found.starts_with(key), "{found}");
+        }
     }
 
     fn mounted(mount: &str, load: &str) -> String {

@@ -138,12 +138,18 @@ impl LoadedCase {
     /// # Errors
     /// [`Failure::BadInput`] where the hull cannot be obtained, and for a case that slides.
     pub fn stated(&self) -> Result<(Problem, Option<FittedHull>), Failure> {
-        if self.case.sliding.is_some() {
-            return Err(self.bad_input(
-                "[sliding]: expected a case at rest: `kufe press` and `kufe friction --groove` take one that slides",
-            ));
-        }
+        self.at_rest()?;
         self.stated_sliding()
+    }
+
+    /// Refuses a case that slides.
+    pub(crate) fn at_rest(&self) -> Result<(), Failure> {
+        match self.case.sliding {
+            None => Ok(()),
+            Some(_) => Err(self.bad_input(
+                "[sliding]: expected a case at rest: `kufe press` and `kufe friction --groove` take one that slides",
+            )),
+        }
     }
 
     /// The problem that the case states, sliding or not.

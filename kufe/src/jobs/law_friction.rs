@@ -3,7 +3,6 @@
 use std::path::Path;
 use std::time::Instant;
 
-use kufe_contact::solve;
 use kufe_sled::effects::{Effects, Kind, OperatingPoint};
 use kufe_sled::friction::film::Patch;
 use kufe_sled::friction::{Longitudinal, longitudinal_force};
@@ -11,8 +10,9 @@ use kufe_sled::{Conditions, Model};
 
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::{Failure, Located};
+use crate::jobs::press::Contact;
 use crate::jobs::watch::Watch;
-use crate::results::{FrictionByLaw, Measured};
+use crate::results::FrictionByLaw;
 
 /// A law of friction over pressure with the effects on it.
 #[derive(Clone, Debug)]
@@ -90,11 +90,17 @@ impl FrictionLaw {
     ) -> Result<FrictionByLaw, Failure> {
         conditions.check()?;
         watch.progress("solving the contact");
-        let (problem, hull) = loaded.stated()?;
+        loaded.at_rest()?;
         let started = Instant::now();
-        let solution = loaded.solved(solve(&problem, &loaded.case.options()))?;
-        loaded.fine_enough(hull.as_ref(), &solution)?;
-        loaded.hull_warnings(hull.as_ref(), watch);
+        let mut solved = Contact::from(loaded.clone()).best(watch)?;
+        loaded.fine_enough(solved.hull.as_ref(), &solved.solution)?;
+        let short = solved.short.take();
+        let (solution, peak) = (&solved.solution, solved.peak());
+        // What a hull leaves uncertain is in the error that is stated.
+        let by_meshes = solution.p_max_error > loaded.case.accuracy.p_max * solution.p_max;
+        if let Some(short) = short.filter(|_| by_meshes) {
+            return Err(short);
+        }
         let at = OperatingPoint {
             t: 0.0,
             s: 0.0,
@@ -115,14 +121,14 @@ impl FrictionLaw {
             Longitudinal::Pressure(law) => (
                 true,
                 law.uncapped(p_max) > law.mu_cap,
-                law.slope(p_max).abs() * solution.p_max_error,
+                law.slope(p_max).abs() * peak.error,
             ),
             Longitudinal::Fixed(_) => (false, false, 0.0),
         };
         let alpha_rad = conditions.alpha_rad;
         let fx_n = longitudinal_force(solution.fz, alpha_rad, mu);
         Ok(FrictionByLaw {
-            p_max: Measured::new(p_max, solution.p_max_error),
+            p_max: peak,
             fz_n: solution.fz,
             mu,
             mu_base,

@@ -54,7 +54,7 @@ impl ContactPage {
     ) -> serde_json::Result<Self> {
         let figures = result.figures()?;
         result.case = std::mem::take(&mut result.case).effective();
-        let (peak, load) = (result.peak(), quantity(result.fz_n, "N"));
+        let (peak, load) = (result.p_max, quantity(result.fz_n, "N"));
         let mu = result.sliding.as_ref().map(|sliding| sliding.friction.mu);
         let mu = mu.map_or(String::new(), |mu| format!(", µ {mu}"));
         let share = (maps.len() as f64).sqrt();

@@ -83,7 +83,7 @@ pub fn compared_quantities(
     second: &ContactResult,
 ) -> serde_json::Result<Vec<ComparedQuantity>> {
     let documents = [Datum::of(first)?, Datum::of(second)?];
-    let peaks = [first, second].map(|result| result.peak().error);
+    let peaks = [first, second].map(|result| result.p_max.error);
     let number = |k: usize, key: &str| documents[k].group()?.get(key)?.number();
     let row = |key: &str, error_key: &str| {
         let (first, second) = (number(0, key)?, number(1, key)?);

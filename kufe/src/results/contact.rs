@@ -12,9 +12,12 @@ use crate::results::record::CaseRecord;
 #[schemars(title = "result.json")]
 #[non_exhaustive]
 pub struct ContactResult {
-    /// Peak pressure; the error is that of the discretisation.
+    /// Peak pressure; the error is the sum of its parts.
     #[serde(flatten)]
     pub p_max: Measured<PeakPressure>,
+    /// Error of the peak pressure by the discretisation, where there are other parts [Pa].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p_max_discretisation_pa: Option<f64>,
     /// Change of the peak pressure by noise of the hull's vertices, in 95 of 100 scans [Pa].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p_max_noise_pa: Option<f64>,
@@ -122,17 +125,14 @@ impl ContactResult {
     pub fn peak_error_parts(&self) -> Vec<ErrorPart> {
         let part = |source, error: Option<f64>| error.map(|error| ErrorPart { source, error });
         let parts = [
-            part("discretisation", Some(self.p_max.error)),
+            part(
+                "discretisation",
+                self.p_max_discretisation_pa.or(Some(self.p_max.error)),
+            ),
             part("scan noise", self.p_max_noise_pa),
             part("fit through the vertices", self.p_max_hull_pa),
         ];
         parts.into_iter().flatten().collect()
-    }
-
-    /// The peak pressure with its total error: the sum of [its parts](Self::peak_error_parts).
-    pub fn peak(&self) -> Measured<PeakPressure> {
-        let total = self.peak_error_parts().iter().map(|part| part.error).sum();
-        Measured::new(self.p_max.value, total)
     }
 }
 

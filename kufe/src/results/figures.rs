@@ -8,9 +8,6 @@ use crate::results::datum::{Data, Datum};
 
 use crate::results::quantity::{Mu, PeakPressure, QUANTITIES, Quantity};
 
-/// Part of the hardness by which a peak that is all of it may be off.
-const ROUNDING: f64 = 1e-9;
-
 /// A figure with its unit and error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Figure {
@@ -59,13 +56,11 @@ impl ContactResult {
         Ok(figures)
     }
 
-    /// The peak with its whole error, and the parts of that; where the ice yields its hardness is
-    /// the peak.
+    /// The peak with its error, and the parts of that; where the ice yields its hardness is the peak,
+    /// which no mesh moves.
     fn peak_figure(&self) -> Figure {
-        let (peak, parts) = (self.peak(), self.peak_error_parts());
-        let of_ice = self.sliding.as_ref().map(|sliding| sliding.hardness_pa);
-        let borne = of_ice.or(self.case.number(&["ice", "hardness_pa"]));
-        let note = if borne.is_some_and(|borne| peak.value >= (1.0 - ROUNDING) * borne) {
+        let (peak, parts) = (&self.p_max, self.peak_error_parts());
+        let note = if parts[0].error == 0.0 {
             "all that the ice bears".to_owned()
         } else {
             let mut note = format!("estimated error {}", percent(peak.error / peak.value));

@@ -48,6 +48,42 @@ fn flat_ended_rigid_punch_carries_two_contact_moduli_times_radius_times_approach
     );
 }
 
+/// A ball is the same however it is turned.
+#[test]
+fn a_fixed_tilt_leaves_the_contact_of_a_ball_as_it_is() {
+    let radius: f64 = 0.05;
+    let half = 0.04;
+    let solved = |pitch: f64, roll: f64| {
+        let ball = Formula {
+            height: move |x: f64, y: f64| {
+                let root = (radius * radius - x * x - y * y).sqrt();
+                if root.is_finite() {
+                    radius - root
+                } else {
+                    f64::INFINITY
+                }
+            },
+            extent: [-half, half, -half, half],
+            symmetric: [true; 2],
+        };
+        let mut problem = on_half_space(ball, 100.0);
+        problem.load = Load::central(100.0, Tilt::Fixed { pitch, roll });
+        let options = Options {
+            p_max_tolerance: 2e-3,
+            ..Options::default()
+        };
+        solve(&problem, &options).unwrap()
+    };
+    let level = solved(0.0, 0.0);
+    for [pitch, roll] in [[0.1, 0.0], [0.0, -0.1], [0.08, 0.08]] {
+        let turned = solved(pitch, roll);
+        let off = turned.p_max / level.p_max - 1.0;
+        // Of first order, the tilt would make it 0.67 % too large.
+        assert!(off.abs() < 2e-3, "{off:e} at {pitch}, {roll}");
+        assert_eq!([turned.pitch, turned.roll], [pitch, roll]);
+    }
+}
+
 /// p0 = sqrt(q E* / (pi R)), b = sqrt(4 q R / (pi E*)) with q the load per length (Johnson, eqs.
 /// 4.43, 4.45).
 #[test]

@@ -34,6 +34,27 @@ fn near(found: f64, expected: f64, share: f64) -> bool {
     (found / expected - 1.0).abs() <= share
 }
 
+#[test]
+fn a_groove_short_of_its_accuracy_holds_the_best_solution_with_its_error() {
+    let options = Options {
+        max_dofs: 200_000,
+        p_max_tolerance: 1e-3,
+        ..Options::default()
+    };
+    let problem = problem([30.0, 0.004], 950.0, 17.7e6, 9e9);
+    let Err(Error::SlidingAccuracyNotReached {
+        best, tolerance, ..
+    }) = slide(&problem, None, &options)
+    else {
+        panic!("more was reached than requested");
+    };
+    let found = best.relative_error;
+    assert!(found > tolerance && found < 0.2, "{found}");
+    // Boundary elements' depth: tests/data/groove.csv.
+    let depth = best.groove.deepest;
+    assert!((depth.value - 3.554e-5).abs() <= depth.error, "{depth:?}");
+}
+
 /// Ice a thousand times as stiff hardly springs back: 1 % in length, depth and ploughing.
 #[test]
 fn stiff_ice_has_the_rigid_plastic_groove() {

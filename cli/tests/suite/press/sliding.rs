@@ -66,6 +66,24 @@ fn a_sliding_case_has_its_groove_its_film_and_its_friction() {
     assert!((rows[0][2] / 17.7e6 - 1.0).abs() < 1e-6, "{:?}", rows[0]);
     assert!(rows.iter().all(|row| row[4] <= 0.0 && row[3] > 0.0));
 
+    // What coarser meshes change is within both errors.
+    bench.write(
+        "coarse.toml",
+        case("").replace("p_max = 0.02", "p_max = 0.1"),
+    );
+    bench.succeeds(&["press", "coarse.toml", "-o", "coarse"]);
+    let coarse = json(&bench.path("coarse/result.json"));
+    for (key, error) in [
+        ("mu", "mu_error"),
+        ("film_mean_m", "film_mean_error_m"),
+        ("film_max_m", "film_max_error_m"),
+        ("melt_rate_kgps", "melt_rate_error_kgps"),
+    ] {
+        let apart = (number(&coarse, key) - number(&front, key)).abs();
+        let stated = number(&coarse, error) + number(&front, error);
+        assert!(apart <= stated, "{key}: {apart:e} of {stated:e}");
+    }
+
     bench.write("rear.toml", case("previous = \"front\"\n"));
     bench.succeeds(&["press", "rear.toml", "-o", "rear"]);
     let rear = json(&bench.path("rear/result.json"));

@@ -153,7 +153,7 @@ fn maps(output: NewFiles, pressed: &SolvedContact) -> Result<f64, Failure> {
         let figures = [
             ("fz_n", solution.fz),
             ("p_max_pa", solution.p_max),
-            ("p_max_error_pa", solution.p_max_error),
+            ("p_max_error_pa", pressed.peak().error),
             ("p_max_mesh_pa", solution.p_max_mesh),
             ("p_max_map_pa", largest),
         ];

@@ -18,7 +18,7 @@ use crate::jobs::watch::Watch;
 use crate::plot::{percent, quantity};
 use crate::results::{
     AsperitiesResult, CaseRecord, CheckResult, ContactResult, HullFit, Measured, MeshResult,
-    RunnerResult, ShearResult, SubsurfaceResult,
+    PeakPressure, RunnerResult, ShearResult, SubsurfaceResult,
 };
 
 /// Where indentation tests see ice near 0 degrees Celsius begin to give way [Pa].
@@ -243,10 +243,10 @@ pub fn press_prepared(
             (solution, None, short)
         }
         Some(table) => {
-            let (solution, slid) = solve_sliding(&loaded, table, &problem, &options)?;
+            let (solution, slid, short) = solve_sliding(&loaded, table, &problem, &options)?;
             // Its error does not contain that of the hull.
             loaded.fine_enough(hull, &solution)?;
-            (solution, Some(slid), None)
+            (solution, Some(slid), short)
         }
     };
     let seconds = started.elapsed().as_secs_f64();
@@ -436,6 +436,16 @@ fn at_rim(hull: &FittedHull, solution: &Solution) -> Option<String> {
 }
 
 impl SolvedContact {
+    /// The peak pressure with the sum of its errors: of the discretisation, and of a hull's noise and
+    /// vertices.
+    pub(crate) fn peak(&self) -> Measured<PeakPressure> {
+        let by_hull = [self.noise_error, self.spacing_error];
+        let by_hull = by_hull.into_iter().flatten().map(|error| error.p_max);
+        let solution = &self.solution;
+        let error = solution.p_max_error + solution.p_max * by_hull.sum::<f64>();
+        Measured::new(solution.p_max, error)
+    }
+
     /// The document of the contact, without what is measured on exported files.
     pub fn result(&self) -> ContactResult {
         let solution = &self.solution;
@@ -447,7 +457,8 @@ impl SolvedContact {
         let asperities = by_surface.then(|| solution.surface.asperities());
         let history = solution.history.chunk_by(|a, b| a.level == b.level);
         ContactResult {
-            p_max: Measured::new(solution.p_max, solution.p_max_error),
+            p_max: self.peak(),
+            p_max_discretisation_pa: noise.or(spacing).map(|_| solution.p_max_error),
             p_max_noise_pa: noise.map(|error| error.p_max * solution.p_max),
             p_max_hull_pa: spacing.map(|error| error.p_max * solution.p_max),
             p_max_mesh_pa: solution.p_max_mesh,

@@ -55,8 +55,8 @@ fn sliding_line(state: &SlidingIterate, film: &FilmConditions, requested: f64) -
     let ploughing = state.ploughing / state.fz;
     let friction = film_on(&state.sections, state.fz, film).map_or_else(
         |_| format!("ploughing {:.3}e-3 of the load", 1e3 * ploughing),
-        |along| {
-            let mu = ploughing + along.film.totals.friction;
+        |film| {
+            let mu = ploughing + film.totals.friction;
             format!(
                 "mu {:.3}e-3, ploughing {:.3}e-3 of it",
                 1e3 * mu,

@@ -101,6 +101,8 @@ pub struct SolvedGroove {
     pub solution: SlidingSolution,
     /// Pressure at which the ice yields.
     pub hardness: Hardness,
+    /// Why the requested accuracy was not reached, where it was not.
+    pub short: Option<Failure>,
 }
 
 /// The pressure at which the ice yields.
@@ -159,7 +161,8 @@ impl<'a> Ploughing<'a> {
         })
     }
 
-    /// The groove, and where the law needs it the hardness that goes with its contact time.
+    /// The groove, and where the law needs it the hardness that goes with its contact time; the
+    /// best one where the accuracy is not reached.
     ///
     /// # Errors
     /// [`Failure::BadInput`] for the case and a contact in parts, [`Failure::NotConverged`] where
@@ -181,7 +184,7 @@ impl<'a> Ploughing<'a> {
     /// The groove in ice of this hardness [Pa], and the hardness that the law states for its
     /// contact time.
     fn solved(&self, value: f64, options: &Options) -> Result<(SolvedGroove, f64), Failure> {
-        let solution = self.at(value, options)?;
+        let (solution, short) = self.at(value, options)?;
         let [front, back] = [solution.groove.front, solution.groove.back];
         let contact_time = Measure {
             value: (front.value - back.value) / self.sliding.v_mps,
@@ -193,7 +196,12 @@ impl<'a> Ploughing<'a> {
             from,
             contact_time,
         };
-        Ok((SolvedGroove { solution, hardness }, requested))
+        let groove = SolvedGroove {
+            solution,
+            hardness,
+            short,
+        };
+        Ok((groove, requested))
     }
 
     /// Groove after groove, each at the hardness of the contact time of the last one.
@@ -217,21 +225,32 @@ impl<'a> Ploughing<'a> {
         )))
     }
 
-    /// The groove in ice of another hardness [Pa].
+    /// The groove in ice of another hardness [Pa], and why it is short of the requested accuracy,
+    /// where it is.
     ///
     /// # Errors
     /// As [`groove`](Self::groove).
-    pub fn at(&self, hardness: f64, options: &Options) -> Result<SlidingSolution, Failure> {
+    pub fn at(
+        &self,
+        hardness: f64,
+        options: &Options,
+    ) -> Result<(SlidingSolution, Option<Failure>), Failure> {
         let mut problem = self.problem.clone();
         problem.ice.hardness = Some(hardness);
         let refused = |reason: String| self.loaded.bad_input(format_args!("[sliding]: {reason}"));
-        let solution = slide(&problem, self.before.as_ref(), options);
-        let solution = solution.map_err(|error| match error {
-            Error::NotSliding { .. } => refused(error.to_string()),
-            error => self.loaded.failure(&error),
-        })?;
+        let (solution, short) = match slide(&problem, self.before.as_ref(), options) {
+            Ok(solution) => (solution, None),
+            Err(error @ Error::NotSliding { .. }) => return Err(refused(error.to_string())),
+            Err(error) => {
+                let failure = self.loaded.failure(&error);
+                match error {
+                    Error::SlidingAccuracyNotReached { best, .. } => (*best, Some(failure)),
+                    _ => return Err(failure),
+                }
+            }
+        };
         match parts(&solution) {
-            1 => Ok(solution),
+            1 => Ok((solution, short)),
             parts => Err(refused(format!(
                 "the contact lies in {parts} parts, one behind the other: expected one, for the film begins at its front"
             ))),

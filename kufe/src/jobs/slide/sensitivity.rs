@@ -49,7 +49,7 @@ impl Ploughing<'_> {
             ..options.clone()
         };
         let harder = |step: f64| {
-            let solution = self.at(groove.hardness.value * step.exp(), &side)?;
+            let (solution, _) = self.at(groove.hardness.value * step.exp(), &side)?;
             let along = film_along(self.loaded, &solution, &own)?;
             let length = solution.groove.front.value - solution.groove.back.value;
             Ok::<_, Failure>((Friction::of(&solution, &along).mu, length))

@@ -1,6 +1,8 @@
 //! A case's steady sliding: the melt film on its patch, and the friction.
 
-use kufe_contact::{Groove, Measure, Options, Problem, Section, SlidingSolution, Solution};
+use kufe_contact::{
+    Coarser, Groove, Measure, Options, Problem, Section, SlidingSolution, Solution,
+};
 use kufe_sled::friction::film::{
     BoundaryContact, Film, FilmConditions, FilmOptions, FilmTotals, Properties, Strip, film,
 };
@@ -9,9 +11,7 @@ use crate::case::SlidingTable;
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
 use crate::jobs::slide::ploughing::{Hardness, Ploughing, SolvedGroove};
-use crate::results::{
-    Friction, Measured, Quantity, SensitivityResult, SlidingMeshResult, SlidingResult,
-};
+use crate::results::{Friction, Measured, SensitivityResult, SlidingMeshResult, SlidingResult};
 
 /// The film along the patch, with the places of its stations.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,12 +20,24 @@ pub struct FilmAlong {
     pub front: f64,
     /// The film by its distance from there.
     pub film: Film,
+    /// Its totals on the patch of coarser solutions; `None` where there are none.
+    pub coarser: Option<Coarser<FilmTotals>>,
+    /// Relative error of the patch: that of the groove's depth, or where there is none of the peak.
+    pub patch_error: f64,
 }
 
 impl FilmAlong {
-    /// Error of a total, of the integration and of the stations.
-    pub fn error(&self, of: impl Fn(&FilmTotals) -> f64) -> f64 {
-        of(&self.film.errors) + self.film.sampling.as_ref().map_or(0.0, of)
+    /// A total with its error: of the integration, the stations and the patch, by what coarser
+    /// solutions change and by the error of the groove. Two meshes may agree by chance.
+    pub fn total(&self, of: impl Fn(&FilmTotals) -> f64) -> Measure {
+        let value = of(&self.film.totals);
+        let stations = self.film.sampling.as_ref().map_or(0.0, &of);
+        let meshes = self.coarser.as_ref();
+        let meshes = meshes.map_or(f64::INFINITY, |coarser| coarser.error(value, &of));
+        Measure {
+            value,
+            error: of(&self.film.errors) + stations + meshes + self.patch_error * value,
+        }
     }
 }
 
@@ -38,8 +50,29 @@ pub(crate) fn film_along(
     solution: &SlidingSolution,
     conditions: &FilmConditions,
 ) -> Result<FilmAlong, Failure> {
-    let film = film_on(&solution.groove.sections, solution.contact.fz, conditions);
-    film.map_err(film_failure(loaded))
+    let groove = &solution.groove;
+    let on = |sections: &[Section]| {
+        let film = film_on(sections, solution.contact.fz, conditions);
+        film.map_err(film_failure(loaded))
+    };
+    let coarser = groove.coarser.as_ref().map(|coarser| {
+        Ok::<_, Failure>(Coarser {
+            before: on(&coarser.before)?.totals,
+            plain: on(&coarser.plain)?.totals,
+            refined: coarser.refined,
+        })
+    });
+    let deepest = groove.deepest;
+    Ok(FilmAlong {
+        patch_error: if deepest.value > 0.0 {
+            deepest.error / deepest.value
+        } else {
+            solution.contact.p_max_error / solution.contact.p_max
+        },
+        front: groove.sections.first().map_or(0.0, |s| s.x),
+        film: on(&groove.sections)?,
+        coarser: coarser.transpose()?,
+    })
 }
 
 /// The film on stations of a patch under `fz` [N], as a strip that carries the whole load.
@@ -53,7 +86,7 @@ pub(crate) fn film_on(
     sections: &[Section],
     fz: f64,
     conditions: &FilmConditions,
-) -> Result<FilmAlong, kufe_sled::Error> {
+) -> Result<Film, kufe_sled::Error> {
     let front = sections.first().map_or(0.0, |s| s.x);
     let share = fz / load(sections);
     let strip = Strip::new(
@@ -62,8 +95,7 @@ pub(crate) fn film_on(
         sections.iter().map(|s| s.pressure).collect(),
     )?;
     let options = FilmOptions::default();
-    let film = film(&strip, conditions, &Properties::WATER_AND_ICE, &options)?;
-    Ok(FilmAlong { front, film })
+    film(&strip, conditions, &Properties::WATER_AND_ICE, &options)
 }
 
 /// The load of the stations, with pressure and squared width linear in between, by Simpson's rule
@@ -100,31 +132,16 @@ pub(crate) fn film_failure(loaded: &LoadedCase) -> impl Fn(kufe_sled::Error) -> 
 
 impl Friction {
     /// Of a solution and the film on it.
-    ///
-    /// The film's error has that of the patch in it, whose share is taken as the groove's.
     pub(crate) fn of(solution: &SlidingSolution, along: &FilmAlong) -> Self {
         let fz = solution.contact.fz;
-        let depth = solution.groove.deepest;
-        let patch = if depth.value > 0.0 {
-            depth.error / depth.value
-        } else {
-            solution.contact.p_max_error / solution.contact.p_max
-        };
-        let of_film = |part: fn(&FilmTotals) -> f64| {
-            let value = part(&along.film.totals);
-            Measure {
-                value,
-                error: along.error(part) + patch * value,
-            }
-        };
-        let film = of_film(|totals| totals.friction);
+        let film = along.total(|totals| totals.friction);
         let Measure { value, error } = solution.groove.ploughing;
         let (value, error) = (value / fz, error / fz);
         Friction {
             mu: Measured::new(value + film.value, error + film.error),
             ploughing: Measured::new(value, error),
-            viscous: of_film(|totals| totals.viscous_friction).into(),
-            boundary: of_film(|totals| totals.boundary_friction).into(),
+            viscous: along.total(|totals| totals.viscous_friction).into(),
+            boundary: along.total(|totals| totals.boundary_friction).into(),
         }
     }
 }
@@ -150,19 +167,17 @@ const STEEP: f64 = 0.2;
 impl SolvedSliding {
     /// The document's part on sliding.
     pub fn result(&self) -> SlidingResult {
-        let groove = &self.groove;
-        let thickest = self.film.film.thickest();
-        let thickest = thickest.map(|s| Measured::new(s.thickness, s.thickness_error));
+        let (groove, film) = (&self.groove, &self.film);
         SlidingResult {
             friction: self.friction,
-            boundary_share: self.of_film(|totals| totals.boundary_share),
+            boundary_share: film.total(|totals| totals.boundary_share).into(),
             groove_depth: groove.deepest.into(),
             load_ahead: groove.load_ahead.into(),
             front: groove.front.into(),
             back: groove.back.into(),
-            film_mean: self.of_film(|totals| totals.mean_thickness),
-            film_max: thickest.unwrap_or(Measured::new(0.0, 0.0)),
-            melt_rate: self.of_film(|totals| totals.melted),
+            film_mean: film.total(|totals| totals.mean_thickness).into(),
+            film_max: film.total(|totals| totals.max_thickness).into(),
+            melt_rate: film.total(|totals| totals.melted).into(),
             contact_time: self.hardness.contact_time.into(),
             hardness_pa: self.hardness.value,
             hardness_from: self.hardness.from.name().into(),
@@ -170,11 +185,6 @@ impl SolvedSliding {
             groove_area_m2: groove.profile.area(),
             sliding_history: groove.meshes.iter().map(SlidingMeshResult::from).collect(),
         }
-    }
-
-    /// A total of the film with its error.
-    fn of_film<Q: Quantity>(&self, total: impl Fn(&FilmTotals) -> f64) -> Measured<Q> {
-        Measured::new(total(&self.film.film.totals), self.film.error(total))
     }
 
     /// A warning where the groove is too deep for what the model takes a contact to be: a height
@@ -194,18 +204,22 @@ impl SolvedSliding {
     }
 }
 
-/// Solves the sliding of a case's problem.
+/// Solves the sliding of a case's problem; with the reason where the accuracy is not reached.
 pub(crate) fn solve_sliding(
     loaded: &LoadedCase,
     sliding: &SlidingTable,
     problem: &Problem,
     options: &Options,
-) -> Result<(Solution, SolvedSliding), Failure> {
+) -> Result<(Solution, SolvedSliding, Option<Failure>), Failure> {
     let ploughing = Ploughing::new(loaded, sliding, problem)?;
     let groove = ploughing.groove(options)?;
     let film = film_along(loaded, &groove.solution, &conditions(sliding))?;
     let sensitivity = ploughing.sensitivity(&groove, &film, options)?;
-    let SolvedGroove { solution, hardness } = groove;
+    let SolvedGroove {
+        solution,
+        hardness,
+        short,
+    } = groove;
     let slid = SolvedSliding {
         friction: Friction::of(&solution, &film),
         sensitivity,
@@ -213,5 +227,5 @@ pub(crate) fn solve_sliding(
         hardness,
         groove: solution.groove,
     };
-    Ok((solution.contact, slid))
+    Ok((solution.contact, slid, short))
 }

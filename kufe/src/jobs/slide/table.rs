@@ -49,11 +49,16 @@ pub fn friction_table(
                 let (problem, hull) = case.stated_sliding()?;
                 let options = case.case.options_on(options.clone());
                 let found = Ploughing::new(case, table, &problem)?.groove(&options)?;
+                if let Some(short) = found.short {
+                    return Err(short);
+                }
                 case.fine_enough(hull.as_ref(), &found.solution.contact)?;
                 found
             }
         };
-        let SolvedGroove { solution, hardness } = &groove;
+        let SolvedGroove {
+            solution, hardness, ..
+        } = &groove;
         let along = film_along(case, solution, &conditions(table))?;
         points.push(FrictionRow {
             case: loaded.name.clone(),

@@ -234,22 +234,19 @@ impl Solver {
         };
         let problem = case.valid(case.case.problem_of(runner, &case.base))?;
         let ploughing = Ploughing::new(&case, sliding_of(&case), &problem)?;
-        let mut tolerance = self.tolerance;
-        loop {
-            let options = Options {
-                p_max_tolerance: tolerance,
-                ..case.case.options()
-            };
-            let found = ploughing.groove(&options);
-            // The best answer that there is, with its error, as of contacts at rest.
-            if matches!(found, Err(Failure::NotConverged(_))) && 2.0 * tolerance < LARGEST_ERROR {
-                tolerance *= 2.0;
-                continue;
-            }
-            let found = found?;
-            case.fine_enough(self.prepared.hull.as_ref(), &found.solution.contact)?;
-            return Ok(found);
+        let options = Options {
+            p_max_tolerance: self.tolerance,
+            ..case.case.options()
+        };
+        let found = ploughing.groove(&options)?;
+        // The best answer that there is, with its error, as of contacts at rest.
+        if let Some(short) = &found.short
+            && found.solution.relative_error >= LARGEST_ERROR
+        {
+            return Err(short.clone());
         }
+        case.fine_enough(self.prepared.hull.as_ref(), &found.solution.contact)?;
+        Ok(found)
     }
 
     /// The film on a groove, at a point's speed.

@@ -204,7 +204,7 @@ fn grade(track: &Track<'_>, tolerance: f64) -> Result<(Vec<Step>, Sweep), Error>
         }
         sweep.ends.push(h);
     }
-    sweep.totals.average();
+    sweep.totals.average(&sweep.ends);
     Ok((steps, sweep))
 }
 
@@ -226,7 +226,7 @@ fn sweep(track: &Track<'_>, steps: &[Step]) -> Result<Sweep, Error> {
         ends[step.segment] = h;
         totals = totals.plus(&added);
     }
-    totals.average();
+    totals.average(&ends);
     Ok(Sweep { ends, totals })
 }
 
@@ -555,11 +555,14 @@ pub struct FilmTotals {
     pub squeezed_out: f64,
     /// Thickness averaged over the area [m].
     pub mean_thickness: f64,
+    /// Largest thickness at a station [m].
+    pub max_thickness: f64,
 }
 
 impl FilmTotals {
-    /// Divides what is summed by load and area.
-    fn average(&mut self) {
+    /// Divides what is summed by load and area, and adds the thickest of the stations.
+    fn average(&mut self, stations: &[f64]) {
+        self.max_thickness = stations.iter().copied().fold(0.0, f64::max);
         self.viscous_friction = self.viscous_drag / self.load;
         self.boundary_friction = self.boundary_drag / self.load;
         self.friction = self.viscous_friction + self.boundary_friction;
@@ -585,6 +588,7 @@ impl FilmTotals {
             refrozen: f(self.refrozen, other.refrozen),
             squeezed_out: f(self.squeezed_out, other.squeezed_out),
             mean_thickness: f(self.mean_thickness, other.mean_thickness),
+            max_thickness: f(self.max_thickness, other.max_thickness),
         }
     }
 
@@ -649,12 +653,6 @@ pub struct Film {
 }
 
 impl Film {
-    /// The station with the thickest film.
-    pub fn thickest(&self) -> Option<&FilmStation> {
-        let stations = self.stations.iter();
-        stations.max_by(|a, b| a.thickness.total_cmp(&b.thickness))
-    }
-
     /// The station with the thinnest film: what roughness has to be compared with.
     pub fn thinnest(&self) -> Option<&FilmStation> {
         let stations = self.stations.iter();
