@@ -512,8 +512,8 @@ fn remove_small_bodies(hull: &mut Hull) -> Option<String> {
     let shown = shown.collect::<Vec<_>>().join(", ");
     let more = if others.len() > SHOWN { ", ..." } else { "" };
     Some(format!(
-        "the file holds {} bodies apart: the largest, of {size} triangles, is the runner; the others, \
-         of {shown}{more} triangles, take no part",
+        "the file holds {} bodies apart: the largest ({size} triangles) is the runner, the others \
+         ({shown}{more}) take no part",
         bodies.len()
     ))
 }
@@ -667,7 +667,7 @@ mod tests {
         };
         assert!(repeated.starts_with("3 triangles repeat"), "{repeated}");
         assert!(
-            bodies.contains("largest, of 3 triangles") && bodies.contains("of 1 triangles"),
+            bodies.contains("largest (3 triangles)") && bodies.contains("others (1)"),
             "{bodies}"
         );
     }
