@@ -126,7 +126,9 @@ fn three_loggers_with_their_own_clocks_units_and_signs_give_the_run_back() {
             said
         );
     }
-    assert!((note.start_s - 2.0).abs() < 1e-3, "{}", note.start_s);
+    // An error of the delay may put the first sample just after a row.
+    let first_row = 2.0 - 1e-3..2.0 + 0.01 + 1e-3;
+    assert!(first_row.contains(&note.start_s), "{}", note.start_s);
     assert!(
         (run.len() as f64 / 100.0 - 56.0).abs() < 0.1,
         "{}",
