@@ -209,7 +209,7 @@ hull("metre.3mf", three_mf())
 hull("default_unit.3mf", three_mf("", factor=1e-3))
 hull("inch_stored.3mf", three_mf('unit="inch"', factor=0.0254, pack=zipfile.ZIP_STORED))
 hull("component.3mf", three_mf(objects='{mesh}<object id="2"><components><component objectid="1" transform="1 0 0 0 1 0 0 0 1 3 4 5"/></components></object>', build='<item objectid="2"/>'))
-hull("placed_twice.3mf", three_mf(build='<item objectid="1"/><item objectid="1" transform="1 0 0 0 1 0 0 0 1 0 0 1"/>'), TETRAHEDRON | {"vertices": 8, "triangles": 8, "height_m": 1 + H, "volume_m3": 2 * L * W * H / 6})
+hull("placed_twice.3mf", three_mf(build='<item objectid="1"/><item objectid="1" transform="1 0 0 0 1 0 0 0 1 0 0 0.0625"/>'), TETRAHEDRON | {"vertices": 7, "triangles": 8, "height_m": 2 * H, "volume_m3": 2 * L * W * H / 6})
 hull("mirrored.3mf", three_mf(build='<item objectid="1" transform="1 0 0 0 -1 0 0 0 1 0 0 0"/>'))
 hull("other_part.3mf", three_mf(objects='<object id="3"><components><component p:path="/3D/Objects/a.model" objectid="1"/></components></object>', build='<item objectid="3"/>', others=["3D/Objects/a.model"]))
 

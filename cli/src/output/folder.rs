@@ -330,11 +330,16 @@ mod tests {
         let out = root.path().join("out");
         let names = ["a.exr", "result.json", "z.png"];
         write_all(&out, false, &names)?;
-        // A folder in the way of the last file ends the move as a kill would.
-        std::fs::remove_file(out.join("z.png"))?;
-        std::fs::create_dir(out.join("z.png"))?;
-        assert!(write_all(&out, true, &names).is_err());
-        assert!(out.join("a.exr").exists() && !out.join("result.json").exists());
+        // A file that is missing ends the move as a kill would.
+        let hidden = tempfile::tempdir()?;
+        for name in &names[..2] {
+            std::fs::write(hidden.path().join(name), "new")?;
+        }
+        let record = FolderRecord::read(&out).ok_or("a record")?;
+        let moved = record.replace(&out, hidden.path(), &names.map(String::from), &[], "press");
+        assert!(moved.is_err());
+        assert_eq!(std::fs::read(out.join("a.exr"))?, b"new");
+        assert!(!out.join("result.json").exists());
         Ok(())
     }
 

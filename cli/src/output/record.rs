@@ -157,7 +157,9 @@ impl FolderRecord {
         };
         record(&self)?;
         let are_several = names.len() + stale.len() > 1;
-        let documents = names.iter().filter(|name| are_several && is_document(name));
+        // The index first: what it names is always complete.
+        let documents = names.iter().rev();
+        let documents = documents.filter(|name| are_several && is_document(name));
         for path in documents.chain(stale).map(|name| folder.join(name)) {
             if path.symlink_metadata().is_ok() {
                 std::fs::remove_file(&path).map_err(|error| Failure::unwritable(&path, error))?;

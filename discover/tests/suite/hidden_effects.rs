@@ -230,7 +230,7 @@ fn too_few_runs_are_the_first_remark_and_no_size_is_detectable() {
     assert_eq!(report.verdict, Verdict::None, "{}", reported(&report));
     let first = &report.remarks[0];
     assert!(
-        first.contains("training runs") && first.contains("9 runs"),
+        first.contains("training runs") && first.contains("9 are needed"),
         "{first}"
     );
     assert!(

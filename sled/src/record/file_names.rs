@@ -37,7 +37,9 @@ pub fn file_stem(name: &str) -> String {
     } else {
         stem
     };
-    format!("{}-{hash:08x}", stem.trim_start_matches(['.', '-']))
+    let stem = stem.trim_start_matches(['.', '-']);
+    let stem = if stem.is_empty() { "_" } else { stem };
+    format!("{stem}-{hash:08x}")
 }
 
 /// The file of a run.

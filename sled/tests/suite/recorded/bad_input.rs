@@ -352,7 +352,7 @@ fn an_index_with_other_columns_or_values_is_refused() {
         ),
         (
             format!("{header}\nK1,absent.csv,e,A1,A,d1,-8,-2,95000\n"),
-            ["runs.csv, row 2", "absent.csv", "No such file"],
+            ["runs.csv: row 2", "absent.csv", "No such file"],
         ),
     ] {
         std::fs::write(&path, text).unwrap();
