@@ -4,7 +4,7 @@
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
 
-use kufe_sled::{Examination, Octave, Profile};
+use kufe_sled::{Examination, Profile};
 
 use crate::charts::OddCurve;
 use crate::plot::{escape, number4};
@@ -60,8 +60,7 @@ pub fn record_page(check: &RunCheck, curves: &[Vec<OddCurve>], viewer: Option<&s
         out += &one_run(number, run, viewer);
     }
     out += &small(&format!(
-        "Noise by octave: bars are white noise with as much in that octave, the highest frequencies \
-         first, on a logarithmic scale. A delay is that of the channel if it alone is late. kufe {}",
+        "A delay is that of the channel if it alone is late. kufe {}",
         check.version
     ));
     plain_page("Recorded runs", &out)
@@ -180,7 +179,7 @@ fn one_run(number: usize, run: &Examination, viewer: Option<&str>) -> String {
     if !run.channels.is_empty() {
         let columns = columns(
             "channel|#missing|#noise|#steps|#still [s]|#leaps|#drop-outs|#at its stop|#at rest|\
-             #delay [ms]|by octave",
+             #delay [ms]",
         );
         let channels = run.channels.iter();
         out += &table(&columns, channels.map(|(name, channel)| row(name, channel)));
@@ -202,7 +201,7 @@ fn head(finding: &Finding, element: &str) -> String {
 }
 
 /// The cells of one channel.
-fn row(name: &str, channel: &Profile) -> [String; 11] {
+fn row(name: &str, channel: &Profile) -> [String; 10] {
     let shown = |value: Option<f64>| {
         let value = value.filter(|value| value.is_finite());
         value.map_or(String::new(), number4)
@@ -222,7 +221,6 @@ fn row(name: &str, channel: &Profile) -> [String; 11] {
         at_stop.to_string(),
         shown(channel.at_standstill),
         delay,
-        bars(&channel.octaves),
     ]
 }
 
@@ -259,30 +257,6 @@ fn entry(
         out += &format!("<div class=\"figures\"><div class=\"whole\">{svg}</div></div>\n");
     }
     out + "</div>\n"
-}
-
-/// Bars of the octaves over five decades below the largest.
-fn bars(octaves: &[Octave]) -> String {
-    const DECADES: f64 = 5.0;
-    let most = octaves.iter().map(|octave| octave.sd).fold(0.0, f64::max);
-    if most <= 0.0 {
-        return String::new();
-    }
-    let bar = |(k, octave): (usize, &Octave)| {
-        let share = 1.0 + (octave.sd.max(1e-300) / most).log10() / DECADES;
-        let tall = 22.0 * share.clamp(0.04, 1.0);
-        format!(
-            "<rect x=\"{}\" y=\"{:.1}\" width=\"8\" height=\"{tall:.1}\"><title>up to {} Hz: {}</title></rect>",
-            10 * k,
-            22.0 - tall,
-            number4(octave.to_hz),
-            number4(octave.sd)
-        )
-    };
-    let bars: String = octaves.iter().enumerate().map(bar).collect();
-    format!(
-        "<svg class=\"bars\" width=\"80\" height=\"22\" role=\"img\" aria-label=\"noise by octave\">{bars}</svg>"
-    )
 }
 
 #[cfg(test)]
