@@ -279,7 +279,7 @@ pub struct RelationRules {
     /// 15 % as a root mean square.
     pub noise: f64,
     /// A fault shows in a relation whose residual is above this, as a mean square; in clean runs it
-    /// is up to a tenth (`rigid_body`), of which gravity that a record's pitch rate misses can be
+    /// is up to a tenth (`relations`), of which gravity that a record's pitch rate misses can be
     /// lowered by a wrong sign.
     pub shows: f64,
     /// No relation may get worse by more than this when another is mended.
