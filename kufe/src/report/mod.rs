@@ -13,6 +13,7 @@
 //! | [`result_page`] | the page of a folder that a command has written, or of a lookup table |
 //! | [`ViewedPart`] | a link into the page of recorded runs |
 //! | [`record_page`] | faults and oddities of recorded runs, worst first, without scripts |
+//! | [`run_findings`] | each fault and oddity once, with its runs |
 //! | [`index_page`] | an index of runs |
 //! | [`PackedGrid`] | fields on a regular grid, thinned and packed for a page |
 //! | [`ContactPage`], [`SeriesPage`], [`TablePage`], [`RunsPage`] | the data of four kinds |
@@ -44,7 +45,7 @@ pub use folder::{LONGEST_TREE, PAGE, ResultPage, TABLE_PICTURES, read_json, resu
 pub use grid::PackedGrid;
 pub use index::index_page;
 pub use page::{Kind, page};
-pub use record::record_page;
+pub use record::{RunFinding, record_page, run_findings};
 pub use results::{Picture, picture_url, results_page};
 pub use runs::RunsPage;
 pub use table::TablePage;

@@ -4,7 +4,7 @@
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
 
-use kufe_sled::{Examination, Octave, Profile};
+use kufe_sled::{Examination, Profile};
 
 use crate::charts::OddCurve;
 use crate::plot::{escape, number4};
@@ -27,7 +27,7 @@ pub fn record_page(check: &RunCheck, curves: &[Vec<OddCurve>], viewer: Option<&s
         "<h1>Recorded runs</h1>\n<p class=\"finding {class}\"><b>{verdict}</b> <small>{}</small></p>\n",
         escape(&check.index)
     );
-    let findings = findings(&check.runs);
+    let findings = run_findings(&check.runs);
     let of_class = |class| findings.iter().filter(|one| one.class == class).count();
     let is_clean = |run: &&Examination| findings_of(0, run).is_empty();
     let figures = [
@@ -60,8 +60,7 @@ pub fn record_page(check: &RunCheck, curves: &[Vec<OddCurve>], viewer: Option<&s
         out += &one_run(number, run, viewer);
     }
     out += &small(&format!(
-        "Noise by octave: bars are white noise with as much in that octave, the highest frequencies \
-         first, on a logarithmic scale. A delay is that of the channel if it alone is late. kufe {}",
+        "A delay is that of the channel if it alone is late. kufe {}",
         check.version
     ));
     plain_page("Recorded runs", &out)
@@ -86,49 +85,57 @@ fn finding_link(
 }
 
 /// A finding and the runs that have it.
-struct Finding<'a> {
-    class: &'static str,
+pub struct RunFinding<'a> {
+    /// Wrong or odd.
+    pub class: &'static str,
     /// The first channel, none of the whole run.
-    column: Option<&'a String>,
-    head: String,
-    /// Of the first run.
-    what: &'a str,
-    mend: &'a str,
+    pub column: Option<&'a String>,
+    /// The channels and what they are.
+    pub head: String,
+    /// The evidence in the first run.
+    pub what: &'a str,
+    /// What to do.
+    pub mend: &'a str,
+    /// The part of a run that it costs, about; 1 of faults.
+    pub weight: f64,
     /// Places in the list of runs, the worst first.
-    runs: Vec<usize>,
+    pub runs: Vec<usize>,
 }
 
 /// The findings of one run, worst first.
-fn findings_of(number: usize, run: &Examination) -> Vec<Finding<'_>> {
+fn findings_of(number: usize, run: &Examination) -> Vec<RunFinding<'_>> {
     let runs = vec![number];
-    let refused = run.refused.iter().map(|reason| Finding {
+    let refused = run.refused.iter().map(|reason| RunFinding {
         class: "wrong",
         column: None,
         head: "Refused".to_owned(),
         what: reason,
         mend: "",
+        weight: 1.0,
         runs: runs.clone(),
     });
     let faults = run.faults.iter().map(|fault| {
         let s = if fault.columns.len() == 1 { "s" } else { "" };
         let columns = fault.columns.join(", ");
-        Finding {
+        RunFinding {
             class: if fault.proven { "wrong" } else { "odd" },
             column: fault.columns.first(),
             head: format!("{columns} resemble{s} {}", fault.looks_like),
             what: &fault.evidence,
             mend: &fault.mend,
+            weight: 1.0,
             runs: runs.clone(),
         }
     });
     let notes = run.notes.iter().map(|note| {
         let column = Some(&note.column).filter(|name| !name.is_empty());
-        Finding {
+        RunFinding {
             class: "odd",
             column,
             head: column.map_or("The run", |name| name).to_owned(),
             what: &note.what,
             mend: &note.advice,
+            weight: note.weight,
             runs: runs.clone(),
         }
     });
@@ -137,16 +144,17 @@ fn findings_of(number: usize, run: &Examination) -> Vec<Finding<'_>> {
 
 /// Findings of all runs, those that differ only in their numbers as one; what is wrong comes first,
 /// then what is in most runs.
-fn findings(runs: &[Examination]) -> Vec<Finding<'_>> {
+pub fn run_findings(runs: &[Examination]) -> Vec<RunFinding<'_>> {
     let words = |text: &str| text.replace(|c: char| c.is_ascii_digit() || c == '.', "");
-    let mut all: Vec<Finding> = Vec::new();
+    let mut all: Vec<RunFinding> = Vec::new();
     for (number, run) in runs.iter().enumerate() {
         for one in findings_of(number, run) {
-            let same = |known: &&mut Finding| {
+            let same = |known: &&mut RunFinding| {
                 (known.class, &known.head, known.mend) == (one.class, &one.head, one.mend)
                     && words(known.what) == words(one.what)
             };
             match all.iter_mut().find(same) {
+                Some(known) if known.runs.last() == Some(&number) => {}
                 Some(known) => known.runs.extend(one.runs),
                 None => all.push(one),
             }
@@ -180,7 +188,7 @@ fn one_run(number: usize, run: &Examination, viewer: Option<&str>) -> String {
     if !run.channels.is_empty() {
         let columns = columns(
             "channel|#missing|#noise|#steps|#still [s]|#leaps|#drop-outs|#at its stop|#at rest|\
-             #delay [ms]|by octave",
+             #delay [ms]",
         );
         let channels = run.channels.iter();
         out += &table(&columns, channels.map(|(name, channel)| row(name, channel)));
@@ -193,7 +201,7 @@ fn one_run(number: usize, run: &Examination, viewer: Option<&str>) -> String {
 }
 
 /// The beginning of an element that shows a finding.
-fn head(finding: &Finding, element: &str) -> String {
+fn head(finding: &RunFinding, element: &str) -> String {
     let [head, what] = [&finding.head, finding.what].map(escape);
     format!(
         "<{element} class=\"finding {}\"><b>{head}.</b> {what}",
@@ -202,7 +210,7 @@ fn head(finding: &Finding, element: &str) -> String {
 }
 
 /// The cells of one channel.
-fn row(name: &str, channel: &Profile) -> [String; 11] {
+fn row(name: &str, channel: &Profile) -> [String; 10] {
     let shown = |value: Option<f64>| {
         let value = value.filter(|value| value.is_finite());
         value.map_or(String::new(), number4)
@@ -222,7 +230,6 @@ fn row(name: &str, channel: &Profile) -> [String; 11] {
         at_stop.to_string(),
         shown(channel.at_standstill),
         delay,
-        bars(&channel.octaves),
     ]
 }
 
@@ -231,7 +238,7 @@ const MOST_NAMES: usize = 6;
 
 /// A finding with its runs and the curve of its channel in the first of them.
 fn entry(
-    finding: &Finding,
+    finding: &RunFinding,
     runs: &[Examination],
     curve: Option<&OddCurve>,
     link: Option<String>,
@@ -259,30 +266,6 @@ fn entry(
         out += &format!("<div class=\"figures\"><div class=\"whole\">{svg}</div></div>\n");
     }
     out + "</div>\n"
-}
-
-/// Bars of the octaves over five decades below the largest.
-fn bars(octaves: &[Octave]) -> String {
-    const DECADES: f64 = 5.0;
-    let most = octaves.iter().map(|octave| octave.sd).fold(0.0, f64::max);
-    if most <= 0.0 {
-        return String::new();
-    }
-    let bar = |(k, octave): (usize, &Octave)| {
-        let share = 1.0 + (octave.sd.max(1e-300) / most).log10() / DECADES;
-        let tall = 22.0 * share.clamp(0.04, 1.0);
-        format!(
-            "<rect x=\"{}\" y=\"{:.1}\" width=\"8\" height=\"{tall:.1}\"><title>up to {} Hz: {}</title></rect>",
-            10 * k,
-            22.0 - tall,
-            number4(octave.to_hz),
-            number4(octave.sd)
-        )
-    };
-    let bars: String = octaves.iter().enumerate().map(bar).collect();
-    format!(
-        "<svg class=\"bars\" width=\"80\" height=\"22\" role=\"img\" aria-label=\"noise by octave\">{bars}</svg>"
-    )
 }
 
 #[cfg(test)]

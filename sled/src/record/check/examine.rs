@@ -7,13 +7,13 @@ use std::path::Path;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::column::{COLUMNS, Sensor};
+use crate::column::Sensor;
 use crate::columns::read_columns;
 use crate::error::Error;
 use crate::fault::Fault;
 use crate::record::check::judge::judge;
 use crate::record::check::profile::{OddKind, OddStretch, Profile};
-use crate::record::check::rigid_body::{Slow, delays};
+use crate::record::check::relations::{Slow, delay};
 use crate::record::files::{copies, read_run};
 use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps};
 use crate::record::index::{Entry, read_index};
@@ -130,29 +130,30 @@ fn examine_run(run: &Run, faults: Vec<Fault>) -> Examination {
     let rest = at_rest(run);
     // Not of a run with faults.
     let slow = Slow::of(run).filter(|_| faults.is_empty());
-    let late = slow.map(|slow| delays(&slow)).unwrap_or_default();
-    let used: usize = run.gaps.pieces.iter().map(std::ops::Range::len).sum();
+    let used: usize = run.gaps.pieces.iter().map(Range::len).sum();
     let (length_s, used_s) = (run.len() as f64 * run.dt_s, used as f64 * run.dt_s);
-    let stretch = |column: &str, kind, from: usize, end: usize| OddStretch {
+    let stretch = |column: &str, kind, of: Range<usize>| OddStretch {
         column: column.to_owned(),
         kind,
-        from_s: run.t0_s + from as f64 * run.dt_s,
-        to_s: run.t0_s + (end - 1) as f64 * run.dt_s,
+        from_s: run.t0_s + of.start as f64 * run.dt_s,
+        to_s: run.t0_s + (of.end - 1) as f64 * run.dt_s,
     };
     let between = run.gaps.pieces.windows(2);
-    let gaps = between.map(|pair| stretch("", OddKind::Gap, pair[0].end, pair[1].start));
+    let gaps = between.map(|pair| stretch("", OddKind::Gap, pair[0].end..pair[1].start));
     let mut stretches: Vec<OddStretch> = gaps.take(MOST_STRETCHES).collect();
     let mut notes = run_notes(run, length_s, used_s);
     let mut channels = BTreeMap::new();
-    for (c, name) in COLUMNS.into_iter().enumerate() {
+    for sensor in Sensor::ALL {
+        let name = sensor.name();
         let Some(column) = run.columns.get(name) else {
             continue;
         };
         let (profile, odd) = Profile::of(column, &run.gaps.pieces, rate_hz);
+        let late = slow.as_ref().and_then(|slow| delay(slow, sensor));
         let profile = Profile {
             missing: run.gaps.missing.get(name).copied().unwrap_or(0),
             at_standstill: rest.get(name).copied(),
-            delay_s: late.get(c).copied().flatten().map(<[f64; 2]>::from),
+            delay_s: late.map(<[f64; 2]>::from),
             saturation: run.saturated.get(name).copied(),
             ..profile
         };
@@ -163,15 +164,14 @@ fn examine_run(run: &Run, faults: Vec<Fault>) -> Examination {
         let largest = column.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let at_end = value > 0.0 && value >= 0.97 * largest;
         notes.extend(channel_notes(run, name, &profile, at_end, length_s));
-        let is_long = |still: &Range<usize>| still.len() as f64 * run.dt_s > STILL_S;
-        let odd = odd
-            .iter()
-            .filter(|(kind, of)| *kind != OddKind::Still || is_long(of));
-        let odd = odd.map(|(kind, of)| (*kind, of.start, of.end));
         let stop = profile.saturation.iter();
-        let stop = stop.map(|stop| (OddKind::Saturated, stop.begins, stop.begins + stop.longest));
-        let odd = stop.chain(odd).take(MOST_STRETCHES);
-        stretches.extend(odd.map(|(kind, from, end)| stretch(name, kind, from, end)));
+        let stop = stop.map(|stop| (OddKind::Saturated, stop.begins..stop.begins + stop.longest));
+        let is_long = |still: &Range<usize>| still.len() as f64 * run.dt_s > STILL_S;
+        let listed = |(kind, of): &(_, _)| *kind != OddKind::Still || is_long(of);
+        let odd = stop
+            .chain(odd.into_iter().filter(listed))
+            .take(MOST_STRETCHES);
+        stretches.extend(odd.map(|(kind, of)| stretch(name, kind, of)));
         channels.insert(name.to_owned(), profile);
     }
     notes.sort_by(|a, b| b.weight.total_cmp(&a.weight));
@@ -202,14 +202,11 @@ fn at_rest(run: &Run) -> BTreeMap<String, f64> {
         return means;
     };
     for name in Sensor::GYROSCOPE.map(Sensor::name) {
-        let Some(column) = columns.get(name) else {
-            continue;
-        };
-        let pairs = speed.iter().zip(column);
+        let pairs = speed.iter().zip(columns.get(name).into_iter().flatten());
         let still = pairs.filter(|(v, x)| v.abs() <= LEAST_SPEED && x.is_finite());
-        let (sum, count) = still.fold((0.0, 0_usize), |(s, n), (_, x)| (s + x, n + 1));
-        if count as f64 * run.dt_s >= REST_S {
-            means.insert(name.to_string(), sum / count as f64);
+        let (sum, count) = still.fold((0.0, 0.0), |(sum, count), (_, x)| (sum + x, count + 1.0));
+        if count * run.dt_s >= REST_S {
+            means.insert(name.to_string(), sum / count);
         }
     }
     means

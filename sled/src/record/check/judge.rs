@@ -7,23 +7,22 @@ use rayon::prelude::*;
 use crate::column::Sensor;
 use crate::error::Error;
 use crate::fault::{Fault, FaultKind};
-use crate::record::check::remedies::{Mend, REMEDIES, Remedy, Unit};
+use crate::record::check::corrections::{Correction, DISTANCES, G, OTHER_SIGN};
+use crate::record::check::relations::{Agreement, Slow, required_change};
 use crate::record::check::response::response_faults;
-use crate::record::check::rigid_body::{Agreement, Slow, factor};
-use crate::record::check::rotation::{BoxRotation, is_complete};
+use crate::record::check::rotation::BoxRotation;
 use crate::record::check::single::{plain_faults, range_faults};
 use crate::record::run::Run;
-use crate::series::bridged;
 
-/// Most faults of one run that are searched, one after the other.
+/// Most corrections of one run that are searched, one after the other.
 const MOST: usize = 4;
 
 /// All faults of these runs, run by run.
 ///
 /// - Of single channels ([`plain_faults`], [`range_faults`]).
-/// - By the relations of a rigid body: one remedy after the other as long as it lowers the
-///   disagreement and the relations are then satisfied.
 /// - By the motion that a turned sensor box measures ([`BoxRotation`]), over all runs together.
+/// - By the relations of a rigid body: one correction after the other as long as it lowers the
+///   disagreement and the relations are then satisfied.
 /// - By the response of a sled to steering ([`response_faults`]), over all runs together.
 pub fn judge(runs: &[impl Borrow<Run> + Sync]) -> Vec<Fault> {
     judge_by(runs, &RelationRules::default())
@@ -32,56 +31,63 @@ pub fn judge(runs: &[impl Borrow<Run> + Sync]) -> Vec<Fault> {
 /// The same by other thresholds.
 pub fn judge_by(runs: &[impl Borrow<Run> + Sync], rules: &RelationRules) -> Vec<Fault> {
     let runs: Vec<&Run> = runs.iter().map(Borrow::borrow).collect();
-    // Faults of a run and, while relations can judge it, its slow channels.
-    let plain = |run: &Run| {
+    let single = |run| {
         let faults = plain_faults(run);
-        // A channel that is constant or repeated cannot be mended by a unit.
+        // A channel that is constant or repeated cannot be corrected by a unit.
         let slow = Slow::of(run).filter(|_| faults.is_empty());
-        (faults, slow)
+        Judged { run, faults, slow }
     };
-    let mut judged: Vec<(Vec<Fault>, Option<Slow>)> = runs.par_iter().copied().map(plain).collect();
-    let slow: Vec<&Slow> = judged
-        .iter()
-        .filter_map(|(_, slow)| slow.as_ref())
-        .collect();
+    let mut judged: Vec<Judged> = runs.into_par_iter().map(single).collect();
+    let slow: Vec<&Slow> = judged.iter().filter_map(|one| one.slow.as_ref()).collect();
     let rotation = BoxRotation::of(&slow, rules);
-    let judge_one = |(run, (faults, slow)): (&&Run, &mut (Vec<Fault>, Option<Slow>))| {
-        if let (Some(rotation), Some(slow)) = (&rotation, &mut *slow)
-            && is_complete(slow)
-        {
-            let turned = rotation.applied(slow);
-            if rotation.reported {
-                faults.push(rotation.fault(run, slow, &turned));
-            }
-            *slow = turned;
-        }
-        if let Some(slow) = slow {
-            rules.mend_all(run, slow, faults);
-        }
-        let ranges = range_faults(run, faults);
-        let distance = slow.as_ref().and_then(|slow| distance_fault(run, slow));
-        // The response is not judged where channels do not agree yet.
-        let agrees =
-            |slow: &mut Slow| ranges.is_empty() && Agreement::of(slow).is_below(rules.holds);
-        slow.take_if(|slow| !agrees(slow));
-        faults.extend(ranges);
-        faults.extend(distance);
-    };
-    runs.par_iter().zip(&mut judged).for_each(judge_one);
+    judged
+        .par_iter_mut()
+        .for_each(|one| one.judge(rotation.as_ref(), rules));
     withdraw_where_runs_disagree(&mut judged);
-    let pairs = runs.iter().zip(&judged);
-    let mended = pairs.filter_map(|(run, (_, slow))| Some((*run, slow.as_ref()?)));
-    let by_response = response_faults(&mended.collect::<Vec<_>>(), rules);
-    let own = judged.into_iter().flat_map(|(faults, _)| faults);
+    let agreeing = judged
+        .iter()
+        .filter_map(|one| Some((one.run, one.slow.as_ref()?)));
+    let by_response = response_faults(&agreeing.collect::<Vec<_>>(), rules);
+    let own = judged.into_iter().flat_map(|one| one.faults);
     own.chain(by_response).collect()
+}
+
+/// A run with its faults and, where relations can judge it, its slow channels, corrected.
+struct Judged<'a> {
+    run: &'a Run,
+    faults: Vec<Fault>,
+    slow: Option<Slow>,
+}
+
+impl Judged<'_> {
+    /// Finds the faults by relations, of magnitudes and of the distance. Its slow channels remain
+    /// only where they agree then.
+    fn judge(&mut self, rotation: Option<&BoxRotation>, rules: &RelationRules) {
+        if let Some(mut slow) = self.slow.take() {
+            if let Some(rotation) = rotation {
+                self.faults.extend(rotation.correct(self.run, &mut slow));
+            }
+            rules.correct(self.run, &mut slow, &mut self.faults);
+            self.slow = Some(slow);
+        }
+        let ranges = range_faults(self.run, &self.faults);
+        let agrees = |slow: &Slow| ranges.is_empty() && Agreement::of(slow).is_below(rules.holds);
+        let distance = self
+            .slow
+            .as_ref()
+            .and_then(|slow| distance_fault(self.run, slow));
+        self.slow = self.slow.take().filter(agrees);
+        self.faults.extend(ranges);
+        self.faults.extend(distance);
+    }
 }
 
 /// A fault by relations is proved where every run of the campaign shows it, except for units, which
 /// differ by orders of magnitude.
-fn withdraw_where_runs_disagree<T>(by_run: &mut [(Vec<Fault>, T)]) {
+fn withdraw_where_runs_disagree(judged: &mut [Judged]) {
     use FaultKind::{Gravity, Sign, Swapped};
-    let runs: Vec<Vec<Fault>> = by_run.iter().map(|(faults, _)| faults.clone()).collect();
-    for fault in by_run.iter_mut().flat_map(|(faults, _)| faults) {
+    let runs: Vec<Vec<Fault>> = judged.iter().map(|one| one.faults.clone()).collect();
+    for fault in judged.iter_mut().flat_map(|one| &mut one.faults) {
         let same = |own: &Fault| own.kind == fault.kind && own.columns == fault.columns;
         let shows = |run: &Vec<Fault>| run.iter().any(|own| own.proven && same(own));
         let by_relation = matches!(fault.kind, Sign | Swapped | Gravity);
@@ -128,176 +134,136 @@ pub(crate) fn remark(runs: &mut [Run], suspected: &[Fault]) {
     ));
 }
 
+/// Corrections that are tried together, and how well the channels then agree.
+struct Trial {
+    corrections: Vec<Correction>,
+    slow: Slow,
+    after: Agreement,
+}
+
+impl Trial {
+    fn of(corrections: Vec<Correction>, slow: &Slow) -> Trial {
+        let apply = |slow: Slow, one: &Correction| one.applied(&slow);
+        let slow = corrections.iter().fold(slow.clone(), apply);
+        let after = Agreement::of(&slow);
+        Trial {
+            corrections,
+            slow,
+            after,
+        }
+    }
+}
+
 impl RelationRules {
-    /// Mends the faults that the relations show, and appends them to `faults`.
-    fn mend_all(&self, run: &Run, slow: &mut Slow, faults: &mut Vec<Fault>) {
-        let mut mend = |mend: &Remedy, slow: &mut Slow, proven: bool, evidence: String| {
-            let fault = Fault::proven(run, &mend.columns(), mend.1, evidence);
-            faults.push(fault.proven_if(proven));
-            *slow = mend.applied(slow);
-        };
+    /// Corrects the channels as the relations require, and appends the faults.
+    ///
+    /// Two corrections are tried together where the relations are not satisfied and none alone is
+    /// shown to be right: one fault may hide another.
+    fn correct(&self, run: &Run, slow: &mut Slow, faults: &mut Vec<Fault>) {
+        let all = Correction::all(slow);
+        let singles: Vec<Vec<Correction>> = all.iter().map(|one| vec![*one]).collect();
+        let second = |k: usize| all[k + 1..].iter().map(move |other| (k, *other));
+        let pairs = (0..all.len())
+            .flat_map(second)
+            .map(|(k, other)| vec![all[k], other]);
+        let pairs: Vec<Vec<Correction>> = pairs.collect();
         for _ in 0..MOST {
             let before = Agreement::of(slow);
-            let single = self.one(slow, &before);
-            let Some((mends, after)) = single.or_else(|| self.two_at_once(slow, &before)) else {
-                break;
-            };
-            let proven = self.is_satisfied_once_mended(&before, &after);
-            for one in &mends {
-                mend(one, slow, proven, evidence(&before, &after));
+            let best = self.best(slow, &before, &singles);
+            let best = best.or_else(|| {
+                let pairs = pairs.as_slice();
+                let tried = if before.is_below(self.holds) {
+                    &[]
+                } else {
+                    pairs
+                };
+                self.best(slow, &before, tried)
+            });
+            let Some(best) = best else { break };
+            // A relation is satisfied within its noise now, and was not before.
+            let mut changes = before.changes(&best.after);
+            let proven = changes.any(|(_, b, a)| b >= self.noise && a < self.noise);
+            for one in &best.corrections {
+                let fault = one.fault(run, before.compared(&best.after));
+                faults.push(fault.proven_if(proven));
             }
-            if mends.len() > 1 {
-                break;
-            }
+            *slow = best.slow;
         }
-        // The factor of `ay` is often too small to show in the residual of its relation, and known
-        // well enough all the same. That of `ax` is not: gravity along the sled is far larger, and
-        // where a record's pitch rate misses changes of slope, it has any sign.
-        for one in REMEDIES.iter().filter(|mend| mend.0 == [Sensor::Ay]) {
-            let axis = Sensor::Ay as usize;
-            let (Some(wanted), Some((found, error))) = (one.factor(), factor(slow, axis)) else {
-                continue;
-            };
-            // The factor means nothing where the relation is not satisfied.
-            let residual = Agreement::of(slow).residual[axis];
-            let near = residual.is_some_and(|residual| residual < self.holds)
-                && (found - wanted).abs() < 0.5 * wanted.abs().max(1.0);
+        if let Some((one, evidence)) = self.lateral_scale(slow) {
+            faults.push(one.fault(run, evidence).proven_if(false));
+            *slow = one.applied(slow);
+        }
+    }
+
+    /// The best of these that is shown to be right.
+    fn best(&self, slow: &Slow, before: &Agreement, sets: &[Vec<Correction>]) -> Option<Trial> {
+        let trials = sets.par_iter().map(|set| Trial::of(set.clone(), slow));
+        let shown = trials.filter(|trial| self.shows(before, trial));
+        let shown: Vec<Trial> = shown.collect();
+        // The first of equals.
+        shown.into_iter().reduce(|a, b| {
+            let better = b.after.score() < a.after.score() - 1e-9;
+            if better { b } else { a }
+        })
+    }
+
+    /// Whether a relation shows the faults and no other gets worse.
+    fn shows(&self, before: &Agreement, trial: &Trial) -> bool {
+        let changes = || before.changes(&trial.after);
+        let better = changes().any(|(_, b, a)| a < self.holds && b > self.shows && a < 0.7 * b);
+        let hold = changes().all(|(_, b, a)| a < self.holds || a < b + self.worse);
+        let gain = self.least_gain * trial.corrections.len() as f64;
+        before.score() - trial.after.score() >= gain && better && hold
+    }
+
+    /// The unit or the sign of the lateral acceleration by its size, which is often too small to
+    /// show in the residual of a relation and known well enough all the same.
+    ///
+    /// That of the longitudinal one is not: gravity along the sled is far larger, and where a
+    /// record's pitch rate misses changes of slope, it has any sign.
+    fn lateral_scale(&self, slow: &Slow) -> Option<(Correction, String)> {
+        const AXIS: [Sensor; 1] = [Sensor::Ay];
+        // The size means nothing where the relation is not satisfied.
+        let residual = Agreement::of(slow).residual[AXIS[0] as usize]?;
+        let found = [G, OTHER_SIGN].map(|scale| {
+            let one = Correction::Scale(scale, &AXIS);
+            let (steps, error) = required_change(slow, &one.applied(slow))?;
+            // A step leads from a factor of 1 to that of the scale.
+            let (found, error) = (
+                1.0 + steps * (scale.factor - 1.0),
+                error * (scale.factor - 1.0).abs(),
+            );
+            let near = (found - scale.factor).abs() < 0.5 * scale.factor.abs().max(1.0);
             let significant =
-                error < 0.15 * wanted.abs() && (found - 1.0).abs() > self.least_t * error;
-            if near && significant {
-                let evidence = format!(
-                    "the other channels' motion requires {found:.2} +- {error:.2} times its values"
-                );
-                mend(one, slow, false, evidence);
-            }
-        }
-        // A constant roll rate shows in the residual across.
-        let name = Sensor::RollRate.name();
-        let constant = |x: &&Vec<f64>| x.iter().all(|y| *y == x[0]);
-        if let Some(roll) = run.columns.get(name).filter(constant)
-            && let Some(residual) = Agreement::of(slow).residual[1]
-            && residual > self.holds
-        {
-            let value = roll[0];
-            let evidence = format!("{value} in every row, while gravity turns across the sled");
-            let fault = Fault::proven(run, &[name], Mend::Replace, evidence);
-            faults.push(fault.proven_if(false));
-        }
-    }
-
-    /// The best single remedy that is shown to be right.
-    fn one(&self, slow: &Slow, before: &Agreement) -> Option<RemedyTrial> {
-        let there = REMEDIES.iter().filter(|mend| mend.applies(slow));
-        let mended = there.map(|mend| (vec![mend], Agreement::of(&mend.applied(slow))));
-        let shown = mended.filter(|(_, after)| self.shows(before, after));
-        shown.reduce(better)
-    }
-
-    /// Two faults of which neither shows while the other is there; searched where the relations
-    /// across or up are not satisfied.
-    fn two_at_once(&self, slow: &Slow, before: &Agreement) -> Option<RemedyTrial> {
-        if before.is_below(self.holds) {
-            return None;
-        }
-        let there: Vec<&'static Remedy> =
-            REMEDIES.iter().filter(|mend| mend.applies(slow)).collect();
-        let with_later = |k: usize| there[k + 1..].iter().map(move |other| (k, *other));
-        let pairs: Vec<(usize, &'static Remedy)> = (0..there.len()).flat_map(with_later).collect();
-        let mend_both = |(k, other): (usize, &'static Remedy)| {
-            let one = there[k];
-            let after = Agreement::of(&other.applied(&one.applied(slow)));
-            let gain = before.score() - after.score();
-            let mends = after.is_below(self.holds) && gain >= 2.0 * self.least_gain;
-            mends.then(|| (vec![one, other], after))
-        };
-        let judged: Vec<RemedyTrial> = pairs.into_par_iter().filter_map(mend_both).collect();
-        judged.into_iter().reduce(better)
-    }
-
-    /// Whether a relation is satisfied within its noise once mended, and not before.
-    fn is_satisfied_once_mended(&self, before: &Agreement, after: &Agreement) -> bool {
-        let mut pairs = before
-            .residual
-            .iter()
-            .zip(after.residual)
-            .flat_map(|(b, a)| b.zip(a));
-        pairs.any(|(b, a)| b >= self.noise && a < self.noise)
-    }
-
-    /// Whether a relation shows the fault and no other gets worse.
-    fn shows(&self, before: &Agreement, after: &Agreement) -> bool {
-        let pairs = || {
-            let pairs = before.residual.iter().zip(after.residual);
-            pairs.filter_map(|(b, a)| Some((*b, a?)))
-        };
-        let better = pairs()
-            .any(|(b, a)| a < self.holds && b.is_some_and(|b| b > self.shows && a < 0.7 * b));
-        let hold = pairs().all(|(b, a)| a < self.holds || b.is_some_and(|b| a < b + self.worse));
-        before.score() - after.score() >= self.least_gain && better && hold
+                error < 0.15 * scale.factor.abs() && (found - 1.0).abs() > self.least_t * error;
+            let evidence = format!(
+                "the other channels' motion requires {found:.2} +- {error:.2} times its values"
+            );
+            (near && significant).then_some((one, evidence))
+        });
+        found
+            .into_iter()
+            .flatten()
+            .next()
+            .filter(|_| residual < self.holds)
     }
 }
 
-/// Remedies and how well the channels then agree.
-type RemedyTrial = (Vec<&'static Remedy>, Agreement);
-
-/// The one with the lower score; the first of equals.
-fn better(a: RemedyTrial, b: RemedyTrial) -> RemedyTrial {
-    if b.1.score() < a.1.score() - 1e-9 {
-        b
-    } else {
-        a
-    }
-}
-
-/// Distance in another unit, by the integral of the mended speed.
+/// Distance in another unit, by the integral of the corrected speed.
 fn distance_fault(run: &Run, slow: &Slow) -> Option<Fault> {
     // Runs follow the middle of the track within a few per cent; a circuit that starts anew is no
     // distance run.
     const CLOSE: f64 = 0.2;
     let s = run.columns.get("s_m")?;
-    let (raw, mended) = (Slow::of(run)?, slow[Sensor::Speed].as_ref()?);
-    let sum = |v: &[f64]| v.iter().sum::<f64>();
-    let factor = sum(mended) / sum(raw[Sensor::Speed].as_ref()?) * slow.dt_s / raw.dt_s;
-    let (first, last) = (s.first()?, s.last()?);
-    let travelled = sum(&bridged(run.columns.get("v_mps")?)) * run.dt_s * factor;
-    let share = (last - first) / travelled;
-    let units = [
-        ("kilometres", "km", 1e-3),
-        ("millimetres", "mm", 1e3),
-        ("centimetres", "cm", 100.0),
-        ("feet", "ft", 1.0 / 0.3048),
-        ("miles", "mi", 1.0 / 1609.344),
-        ("a distance that runs backwards", "", -1.0),
-    ];
-    let is_close = |(.., per_metre): &Unit| (share / per_metre - 1.0).abs() < CLOSE;
-    let unit = units.into_iter().find(is_close)?;
-    let way = last - first;
+    let v = slow[Sensor::Speed].as_ref()?;
+    let mean_speed = v.iter().sum::<f64>() / v.len() as f64;
+    let travelled = mean_speed * run.len() as f64 * run.dt_s;
+    let way = s.last()? - s.first()?;
+    let unit = DISTANCES
+        .iter()
+        .find(|unit| (way * unit.factor / travelled - 1.0).abs() < CLOSE)?;
     let evidence = format!("{way:.5} where the speed adds up to {travelled:.1} m");
-    Some(Fault::proven(run, &["s_m"], Mend::Distance(unit), evidence))
-}
-
-/// Residuals of the relations before and after.
-pub(super) fn evidence(before: &Agreement, after: &Agreement) -> String {
-    let mut parts = Vec::new();
-    let residuals = before.residual.iter().zip(after.residual);
-    for (axis, (b, a)) in ["x", "y", "z"].iter().zip(residuals) {
-        if let (Some(b), Some(a)) = (*b, a)
-            && (b - a).abs() > 0.02
-        {
-            let [b, a] = [b, a].map(|residual| 100.0 * residual.sqrt());
-            parts.push(format!("{b:.0} % along {axis}, mended {a:.0} %"));
-        }
-    }
-    let mut text = format!(
-        "residual of d(a - dv/dt - w x v)/dt + w x (...) = 0: {}",
-        parts.join("; ")
-    );
-    if let (Some(b), Some(a)) = (before.lift, after.lift)
-        && (b - a).abs() > 0.2
-    {
-        text += &format!("; lift against gravity {b:.1} m/s2, mended {a:.1}");
-    }
-    text
+    Some(unit.fault(run, &["s_m"], evidence))
 }
 
 /// Thresholds of the relations.
@@ -313,7 +279,7 @@ pub struct RelationRules {
     /// 15 % as a root mean square.
     pub noise: f64,
     /// A fault shows in a relation whose residual is above this, as a mean square; in clean runs it
-    /// is up to a tenth (`rigid_body`), of which gravity that a record's pitch rate misses can be
+    /// is up to a tenth (`relations`), of which gravity that a record's pitch rate misses can be
     /// lowered by a wrong sign.
     pub shows: f64,
     /// No relation may get worse by more than this when another is mended.

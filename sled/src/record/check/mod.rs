@@ -2,12 +2,12 @@
 //! rigid body between them.
 
 pub(crate) mod columns;
+mod corrections;
 pub(crate) mod examine;
 pub(crate) mod judge;
 pub(crate) mod profile;
-mod remedies;
+mod relations;
 mod response;
-mod rigid_body;
 mod rotation;
 mod single;
 

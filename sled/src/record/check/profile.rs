@@ -11,15 +11,6 @@ use crate::series::noise_sd_within;
 /// Longest stretch of one value that is a drop-out [s]; a longer one is a channel that is constant.
 const DROPOUT_S: f64 = 0.5;
 
-/// Noise of an octave of frequencies.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct Octave {
-    /// Upper end [Hz]; the lower one is half of it.
-    pub to_hz: f64,
-    /// Standard deviation of the white noise with the same power there, in the channel's unit.
-    pub sd: f64,
-}
-
 /// Profile of a recorded channel, in its own unit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Profile {
@@ -46,8 +37,6 @@ pub struct Profile {
     pub at_standstill: Option<f64>,
     /// Delay relative to the others, if it alone is late, and the standard error [s].
     pub delay_s: Option<[f64; 2]>,
-    /// Noise and motion by octave, highest first.
-    pub octaves: Vec<Octave>,
 }
 
 impl Profile {
@@ -59,31 +48,39 @@ impl Profile {
         rate_hz: f64,
     ) -> (Profile, Vec<(OddKind, Range<usize>)>) {
         let stretches = || pieces.iter().map(|piece| &column[piece.clone()]);
-        let differences = || {
-            let pairs = stretches().flat_map(|x| x.windows(2));
-            pairs.map(|w| (w[1] - w[0]).abs())
+        let pairs = stretches().flat_map(|x| x.windows(2));
+        let differences: Vec<f64> = pairs.map(|w| (w[1] - w[0]).abs()).collect();
+        let unequal = || differences.iter().copied().filter(|d| *d != 0.0);
+        let least = unequal().fold(f64::INFINITY, f64::min);
+        let equal = differences.len() - unequal().count();
+        let coarse = 10 * equal >= 3 * differences.len() && least.is_finite();
+        let noise_sd = noise_sd_within(stretches());
+        let (low, high) = stretches()
+            .flatten()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
+                (x.min(l), x.max(h))
+            });
+        let limits = Limits {
+            noise_sd,
+            // A fifth of all that it does is more than a quick hand.
+            far: (20.0 * noise_sd).max(0.2 * (high - low)),
+            most: (DROPOUT_S * rate_hz) as usize,
         };
-        let count = differences().count();
-        let equal = differences().filter(|d| *d == 0.0).count();
-        let unequal = differences().filter(|d| *d != 0.0);
-        let least = unequal.fold(f64::INFINITY, f64::min);
-        let coarse = 10 * equal >= 3 * count && least.is_finite();
-        let limits = Limits::of(stretches(), rate_hz);
-        let mut odd = Vec::new();
-        for piece in pieces {
+        let in_piece = |piece: &Range<usize>| {
             let found = limits.odd(&column[piece.clone()]).into_iter();
-            odd.extend(found.map(|(kind, x)| (kind, x.start + piece.start..x.end + piece.start)));
-        }
+            let start = piece.start;
+            found.map(move |(kind, x)| (kind, x.start + start..x.end + start))
+        };
+        let odd: Vec<(OddKind, Range<usize>)> = pieces.iter().flat_map(in_piece).collect();
         let of = |wanted| odd.iter().filter(move |(kind, _)| *kind == wanted);
         let longest = of(OddKind::Still).map(|(_, still)| still.len()).max();
         let profile = Profile {
-            noise_sd: limits.noise_sd,
+            noise_sd,
             quantum: coarse.then_some(least),
             rows_held: rows_held(stretches()),
             longest_still_s: longest.unwrap_or(0).saturating_sub(1) as f64 / rate_hz,
             leaps: of(OddKind::Leap).count(),
             dropouts: of(OddKind::DropOut).count(),
-            octaves: octaves(stretches(), rate_hz),
             ..Profile::default()
         };
         (profile, odd)
@@ -129,21 +126,6 @@ struct Limits {
 }
 
 impl Limits {
-    /// Of the stretches of a channel that take part, at a rate [Hz].
-    fn of<'a>(stretches: impl Iterator<Item = &'a [f64]> + Clone, rate_hz: f64) -> Limits {
-        let noise_sd = noise_sd_within(stretches.clone());
-        let ends = stretches.flatten();
-        let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
-            (x.min(l), x.max(h))
-        });
-        Limits {
-            noise_sd,
-            // A fifth of all that it does is more than a quick hand.
-            far: (20.0 * noise_sd).max(0.2 * (high - low)),
-            most: (DROPOUT_S * rate_hz) as usize,
-        }
-    }
-
     /// Samples of a stretch that leap off the line of their neighbours; stretches of equal values
     /// that are further off the values on either side than those are from each other; the longest
     /// stretch of equal values, the first of several.
@@ -174,39 +156,12 @@ impl Limits {
     }
 }
 
-/// Details of Haar's wavelet, octave by octave: differences of neighbouring means, so that white
-/// noise gives its deviation in each.
-fn octaves<'a>(stretches: impl Iterator<Item = &'a [f64]>, rate_hz: f64) -> Vec<Octave> {
-    const FEWEST: usize = 16;
-    const MOST: usize = 8;
-    let mut levels: Vec<Vec<f64>> = stretches.map(<[f64]>::to_vec).collect();
-    let mut all = Vec::new();
-    let mut to_hz = 0.5 * rate_hz;
-    let half = 0.5_f64.sqrt();
-    for _ in 0..MOST {
-        let pairs = || levels.iter().flat_map(|x| x.chunks_exact(2));
-        let count = pairs().count();
-        if count < FEWEST {
-            break;
-        }
-        let squares: f64 = pairs().map(|w| (half * (w[1] - w[0])).powi(2)).sum();
-        all.push(Octave {
-            to_hz,
-            sd: (squares / count as f64).sqrt(),
-        });
-        let means = |x: &Vec<f64>| x.chunks_exact(2).map(|w| half * (w[0] + w[1])).collect();
-        levels = levels.iter().map(means).collect();
-        to_hz *= 0.5;
-    }
-    all
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn white_noise_has_one_deviation_in_every_octave_and_a_converter_its_step() {
+    fn white_noise_has_its_deviation_and_a_converter_its_step() {
         let mut state = 7_u64;
         // Twelve even draws add up to a nearly normal one of deviation 1.
         let mut draw = || {
@@ -222,12 +177,6 @@ mod tests {
         let expected = 1.0;
         let of = |x: &[f64]| Profile::of(x, std::slice::from_ref(&(0..x.len())), 500.0).0;
         let plain = of(&noise);
-        assert_eq!(plain.octaves.len(), 8);
-        for (k, octave) in plain.octaves.iter().enumerate() {
-            // Of n details the deviation is known to (2 n)^-1/2; four of these.
-            let bound = 4.0 / (2.0 * 16_384.0 / f64::from(2 << k)).sqrt();
-            assert!((octave.sd / expected - 1.0).abs() < bound, "{octave:?}");
-        }
         // A median of so many, four deviations of it.
         assert!((plain.noise_sd / expected - 1.0).abs() < 0.05);
         assert_eq!(

@@ -18,10 +18,9 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::column::Sensor;
-use crate::fault::Fault;
-use crate::record::check::judge::{RelationRules, evidence};
-use crate::record::check::remedies::Mend;
-use crate::record::check::rigid_body::{Agreement, Slow, coefficients};
+use crate::fault::{Fault, FaultKind};
+use crate::record::check::judge::RelationRules;
+use crate::record::check::relations::{Agreement, Slow, coefficients};
 use crate::record::run::Run;
 
 /// Least angle of the forward axis that is reported [rad]: 3 degrees. Boxes are mounted within less,
@@ -47,7 +46,7 @@ pub(super) struct BoxRotation {
     /// Standard error of the forward axis [rad].
     error: f64,
     /// Whether it is a finding, not the usual accuracy of a mount.
-    pub reported: bool,
+    reported: bool,
     proven: bool,
 }
 
@@ -91,7 +90,7 @@ impl BoxRotation {
     }
 
     /// The channels in the axes of the sled.
-    pub fn applied(&self, slow: &Slow) -> Slow {
+    fn applied(&self, slow: &Slow) -> Slow {
         let mut turned = slow.clone();
         for axes in [Sensor::ACCELEROMETER, Sensor::GYROSCOPE] {
             for (i, own) in slow.vectors(axes, [0.0; 3]).iter().enumerate() {
@@ -106,8 +105,19 @@ impl BoxRotation {
         turned
     }
 
-    /// The fault of one run, with its channels before and after the rotation.
-    pub fn fault(&self, run: &Run, before: &Slow, after: &Slow) -> Fault {
+    /// Turns the channels of a run where all are recorded; the fault, where it is a finding.
+    pub fn correct(&self, run: &Run, slow: &mut Slow) -> Option<Fault> {
+        if !is_complete(slow) {
+            return None;
+        }
+        let turned = self.applied(slow);
+        let before = std::mem::replace(slow, turned);
+        let evidence = Agreement::of(&before).compared(&Agreement::of(slow));
+        self.reported.then(|| self.fault(run, &evidence))
+    }
+
+    /// The fault of one run, with what the relations say of it.
+    fn fault(&self, run: &Run, relations: &str) -> Fault {
         let names = Sensor::ACCELEROMETER.iter().chain(&Sensor::GYROSCOPE);
         let names: Vec<&str> = names.map(|sensor| sensor.name()).collect();
         let angles: [f64; 3] = self.rotation.euler_angles().into();
@@ -117,28 +127,25 @@ impl BoxRotation {
             // Not -0.
             (1e4 * if is_quarter { quarter } else { angle }).round() / 1e4 + 0.0
         });
-        let matrix = self.rotation.matrix();
-        let axis = |k: usize| {
-            let [x, y, z] = [0, 1, 2].map(|i| matrix[(k, i)]);
-            format!("({x:.3}, {y:.3}, {z:.3})")
-        };
+        let [x, y, z] = [0, 1, 2].map(|axis| self.rotation.matrix()[(0, axis)]);
         let evidence = format!(
-            "the motion has its forward axis along {} of the box, within {:.3} rad, and the force up along {}; {}",
-            axis(0),
-            self.error,
-            axis(2),
-            evidence(&Agreement::of(before), &Agreement::of(after))
+            "the motion is along ({x:.3}, {y:.3}, {z:.3}) of the box, within {:.3} rad; {relations}",
+            self.error
         );
-        let fault = Fault::proven(run, &names, Mend::Rotate(angles), evidence);
+        let [roll, pitch, yaw] = angles;
+        let mend = format!(
+            "rotation = [{roll:.4}, {pitch:.4}, {yaw:.4}] in [logger.NAME] of these channels"
+        );
+        let (kind, looks_like) = (FaultKind::Rotation, "the axes of a box that is turned");
+        let fault = Fault::proven(run, &names, kind, looks_like, mend, evidence);
         fault.proven_if(self.proven)
     }
 }
 
 /// Whether a run has an accelerometer, a gyroscope and the speed.
-pub(super) fn is_complete(slow: &Slow) -> bool {
-    let needed = Sensor::ACCELEROMETER.iter().chain(&Sensor::GYROSCOPE);
-    let mut needed = needed.chain(&[Sensor::Speed]);
-    needed.all(|sensor| slow[*sensor].is_some())
+fn is_complete(slow: &Slow) -> bool {
+    let boxes = [Sensor::ACCELEROMETER, Sensor::GYROSCOPE].concat();
+    slow.has(&boxes) && slow.has(&[Sensor::Speed])
 }
 
 fn mean_force(slow: &Slow) -> Vector3<f64> {
@@ -150,23 +157,13 @@ fn mean_force(slow: &Slow) -> Vector3<f64> {
 fn forward_axis(runs: &[&Slow]) -> Option<(Vector3<f64>, f64)> {
     let (mut columns, mut forces): ([Vec<f64>; 3], Vec<f64>) = Default::default();
     for slow in runs {
-        let turn = slow.vectors(Sensor::GYROSCOPE, [0.0; 3]);
-        // D x = dx/dt + w x x
-        let derivative = |x: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
-            let turned = turn.iter().zip(x).map(|(w, x)| w.cross(x));
-            turned
-                .zip(slow.rate(x))
-                .map(|(turned, rate)| rate + turned)
-                .collect()
-        };
-        let force = derivative(&slow.vectors(Sensor::ACCELEROMETER, [0.0; 3]));
+        let force = slow.outside_rate(&slow.vectors(Sensor::ACCELEROMETER, [0.0; 3]));
         let along = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| {
             let speed = slow[Sensor::Speed].iter().flatten();
             let velocity: Vec<Vector3<f64>> = speed.map(|v| axis * *v).collect();
-            derivative(&derivative(&velocity))
+            slow.outside_rate(&slow.outside_rate(&velocity))
         });
-        // Three derivatives spend four samples on each side.
-        for i in slow.inner(4) {
+        for i in slow.inner() {
             forces.extend(&force[i]);
             for (column, along) in columns.iter_mut().zip(&along) {
                 column.extend(&along[i]);

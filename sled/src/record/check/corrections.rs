@@ -1,0 +1,184 @@
+//! Corrections of channels: units, signs, exchanged names and gravity, and the faults that they
+//! are advice for.
+
+use std::f64::consts::PI;
+
+use crate::column::Sensor::{self, Ax, Ay, Az, PitchRate, RollRate, RollSplit};
+use crate::column::Sensor::{Slip, Speed, Steering, YawRate};
+use crate::fault::{Fault, FaultKind};
+use crate::friction::GRAVITY;
+use crate::record::check::relations::Slow;
+use crate::record::run::Run;
+
+/// What a channel's values are a multiple of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Scale {
+    /// In words.
+    pub words: &'static str,
+    /// The key of a mapping.
+    pub key: &'static str,
+    /// Factor to the column's own unit.
+    pub factor: f64,
+}
+
+const fn scale(words: &'static str, key: &'static str, factor: f64) -> Scale {
+    Scale { words, key, factor }
+}
+
+pub(super) const G: Scale = scale("multiples of g", "unit = \"g\"", GRAVITY);
+pub(super) const DEGREES: Scale = scale("degrees", "unit = \"deg\"", PI / 180.0);
+pub(super) const DEGREES_PER_SECOND: Scale =
+    scale("degrees per second", "unit = \"deg/s\"", PI / 180.0);
+pub(super) const KM_PER_HOUR: Scale = scale("km/h", "unit = \"km/h\"", 1.0 / 3.6);
+const MILES_PER_HOUR: Scale = scale("miles per hour", "unit = \"mph\"", 0.447_04);
+const KNOTS: Scale = scale("knots", "unit = \"kn\"", 1852.0 / 3600.0);
+pub(super) const OTHER_SIGN: Scale = scale("the other sign", "sign = -1", -1.0);
+pub(super) const UNKNOWN: Scale = scale("a raw count or another unit", "unit = \"...\"", f64::NAN);
+
+/// Units of a distance.
+pub(super) const DISTANCES: [Scale; 6] = [
+    scale("kilometres", "unit = \"km\"", 1e3),
+    scale("millimetres", "unit = \"mm\"", 1e-3),
+    scale("centimetres", "unit = \"cm\"", 0.01),
+    scale("feet", "unit = \"ft\"", 0.3048),
+    scale("miles", "unit = \"mi\"", 1609.344),
+    scale("a distance that runs backwards", "sign = -1", -1.0),
+];
+
+/// What is done to channels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Correction {
+    /// Multiplied.
+    Scale(Scale, &'static [Sensor]),
+    /// Exchanged.
+    Exchange([Sensor; 2]),
+    /// Gravity added to the vertical acceleration.
+    AddGravity,
+}
+
+/// Scales and the channels that they are tried on.
+const SCALES: [(Scale, &[&[Sensor]]); 7] = [
+    (G, &[&[Ax], &[Ay], &[Az], &[Ax, Ay], &Sensor::ACCELEROMETER]),
+    (
+        DEGREES_PER_SECOND,
+        &[&[RollRate], &[PitchRate], &[YawRate], &Sensor::GYROSCOPE],
+    ),
+    (KM_PER_HOUR, &[&[Speed]]),
+    (MILES_PER_HOUR, &[&[Speed]]),
+    (KNOTS, &[&[Speed]]),
+    (DEGREES, &[&[Slip]]),
+    (
+        OTHER_SIGN,
+        &[
+            &[Ax],
+            &[Ay],
+            &[Az],
+            &[RollRate],
+            &[PitchRate],
+            &[YawRate],
+            &[Slip],
+        ],
+    ),
+];
+
+/// Channels that are exchanged.
+const EXCHANGES: [[Sensor; 2]; 8] = [
+    [Ax, Ay],
+    [Ax, Az],
+    [Ay, Az],
+    [RollRate, PitchRate],
+    [RollRate, YawRate],
+    [PitchRate, YawRate],
+    [Slip, Steering],
+    [Slip, RollSplit],
+];
+
+impl Correction {
+    /// All that are tried on these channels, the likelier of two that fit equally first.
+    pub fn all(slow: &Slow) -> Vec<Correction> {
+        let scales = SCALES.iter().flat_map(|(scale, groups)| {
+            groups.iter().map(|group| Correction::Scale(*scale, group))
+        });
+        let exchanges = EXCHANGES.into_iter().map(Correction::Exchange);
+        let all = scales.chain(exchanges).chain([Correction::AddGravity]);
+        all.filter(|one| slow.has(one.sensors())).collect()
+    }
+
+    fn sensors(&self) -> &[Sensor] {
+        match self {
+            Correction::Scale(_, sensors) => sensors,
+            Correction::Exchange(sensors) => sensors,
+            Correction::AddGravity => &[Az],
+        }
+    }
+
+    /// The channels corrected.
+    pub fn applied(&self, slow: &Slow) -> Slow {
+        let mut corrected = slow.clone();
+        let mut change = |sensors: &[Sensor], change: &dyn Fn(f64) -> f64| {
+            for sensor in sensors {
+                let values = corrected[*sensor].iter_mut().flatten();
+                values.for_each(|x| *x = change(*x));
+            }
+        };
+        match self {
+            Correction::Scale(scale, sensors) => change(sensors, &|x| x * scale.factor),
+            Correction::AddGravity => change(&[Az], &|x| x + GRAVITY),
+            Correction::Exchange([a, b]) => corrected.channels.swap(*a as usize, *b as usize),
+        }
+        corrected
+    }
+
+    /// The fault that it corrects.
+    pub fn fault(&self, run: &Run, evidence: String) -> Fault {
+        let names: Vec<&str> = self.sensors().iter().map(|sensor| sensor.name()).collect();
+        let (kind, looks_like, mend) = match self {
+            Correction::Scale(scale, _) => return scale.fault(run, &names, evidence),
+            Correction::Exchange(_) => {
+                let mend = format!("exchange the names of {}", names.join(" and "));
+                (FaultKind::Swapped, "one another", mend)
+            }
+            Correction::AddGravity => {
+                let mend = format!("zero = -9.81 for {}", names[0]);
+                (FaultKind::Gravity, "an acceleration without gravity", mend)
+            }
+        };
+        Fault::proven(run, &names, kind, looks_like, mend, evidence)
+    }
+}
+
+impl Scale {
+    /// The fault of channels that have it.
+    pub fn fault(&self, run: &Run, columns: &[&str], evidence: String) -> Fault {
+        let kind = match columns {
+            ["s_m"] => FaultKind::Distance,
+            _ if self.factor < 0.0 => FaultKind::Sign,
+            _ => FaultKind::Unit,
+        };
+        let mend = format!("{} for {}", self.key, columns.join(", "));
+        Fault::proven(run, columns, kind, self.words, mend, evidence)
+    }
+}
+
+impl Fault {
+    /// A fault of a run that is proved.
+    pub(super) fn proven(
+        run: &Run,
+        columns: &[&str],
+        kind: FaultKind,
+        looks_like: &str,
+        mend: String,
+        evidence: String,
+    ) -> Fault {
+        Fault {
+            run: run.entry.run.clone(),
+            file: run.entry.file.display().to_string(),
+            columns: columns.iter().map(ToString::to_string).collect(),
+            kind,
+            proven: true,
+            looks_like: looks_like.to_owned(),
+            evidence,
+            mend,
+        }
+    }
+}
