@@ -268,7 +268,7 @@ fn verdict(load: &ResolvedLoad, unknown: Option<&str>) -> String {
     let verdict = match unknown {
         _ if !load.resolved => "too coarse".to_owned(),
         None => "fine enough".to_owned(),
-        Some(angles) => format!("{angles} unknown, apart from that"),
+        Some(angles) => format!("but for its unknown {angles}"),
     };
     let by = |sampling: &Sampling| {
         let noise = sampling.noise_m;

@@ -100,7 +100,7 @@ pub fn check_hull(
     let unknown = unknown_angles(orientation.as_ref());
     report.warnings.extend(unknown.as_ref().map(|angles| {
         format!(
-            "the hull's shape does not show its {angles}: correct what the case states where it is              turned"
+            "the hull's shape does not show its {angles}: correct the case where the hull is turned"
         )
     }));
     let usual = if noise.found > 0.0 {
