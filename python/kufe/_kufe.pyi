@@ -26,8 +26,8 @@ class InputError(Error):
 class NotConvergedError(Error):
     """An iteration stopped short of the requested accuracy."""
 
-    best: Contact | None
-    """The best solution with its errors; None where there is none."""
+    best: Contact | list[dict[str, Any]] | None
+    """The best answer with its errors, as the function returns it; None where there is none."""
 
 @final
 class Case:
@@ -565,6 +565,8 @@ def friction_table(
 ) -> list[dict[str, Any]]:
     """
     Solve the friction of groove and melt film at every speed [m/s] on ice of every temperature [C].
+
+    Where a requested accuracy is not reached, `NotConvergedError.best` is this list.
     """
 
 def simulate(

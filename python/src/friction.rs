@@ -65,7 +65,8 @@ pub fn friction<'py>(
 /// Solves the friction of groove and melt film at every speed [m/s] on ice of every temperature
 /// [C]; returns a list of dictionaries, one a point, temperature by temperature.
 ///
-/// `case` is that of `press`; the other keys of its `[sliding]` apply at every point.
+/// `case` is that of `press`; the other keys of its `[sliding]` apply at every point. Where a
+/// requested accuracy is not reached, `NotConvergedError.best` is this list.
 #[pyfunction]
 #[pyo3(signature = (case, v_mps, ice_c, *, progress = None))]
 pub fn friction_table<'py>(
@@ -76,12 +77,18 @@ pub fn friction_table<'py>(
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let loaded = loaded_case(case)?;
-    let rows = work(py, progress, move |watch, reporter| {
+    let table = work(py, progress, move |watch, reporter| {
         let options = Options {
             stop: Some(reporter.stop.clone()),
             ..Options::default()
         };
         solved_table(&loaded, &v_mps, &ice_c, watch, &options)
     })?;
-    to_python(py, &rows)
+    let points = to_python(py, &table.points)?;
+    let Some(short) = table.short else {
+        return Ok(points);
+    };
+    let error = raised(short);
+    error.value(py).setattr("best", points)?;
+    Err(error)
 }

@@ -35,7 +35,8 @@ const COLUMNS: [&str; 9] = [
 ///
 /// # Errors
 /// [`Failure::Usage`] for too long lists, else as [`friction_table`]; [`Failure::BadInput`] for an
-/// output that cannot be written.
+/// output that cannot be written; [`Failure::NotConverged`], after all is written, where a requested
+/// accuracy was not reached.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let (speeds, temperatures) = (&args.v_mps, &args.ice_c);
     let counts = [args.cases.len(), speeds.len(), temperatures.len()];
@@ -49,14 +50,16 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let output = args.output(&cases, global)?;
     let options = Options::default();
     let names = names(&args.cases);
-    let runners = global.watched(|watch| {
+    let (runners, short) = global.watched(|watch| {
         let solved = cases.iter().zip(names).map(|(loaded, name)| {
-            let mut points = friction_table(loaded, speeds, temperatures, watch, &options)?;
-            points.iter_mut().for_each(|row| row.case.clone_from(&name));
-            Ok(points)
+            let mut table = friction_table(loaded, speeds, temperatures, watch, &options)?;
+            let rows = table.points.iter_mut();
+            rows.for_each(|row| row.case.clone_from(&name));
+            Ok((table.points, table.short))
         });
-        solved.collect::<Result<Vec<_>, Failure>>()
+        solved.collect::<Result<(Vec<_>, Vec<_>), Failure>>()
     })?;
+    let short = short.into_iter().flatten().next();
     // A single runner is compared with none.
     let fastest = match runners.len() {
         ..2 => Vec::new(),
@@ -72,12 +75,15 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         fastest,
     };
     let text = text(&result)?;
-    let Some(output) = output else {
-        return global.print(&result, || text);
-    };
-    output.write("friction.csv", |file| write_csv(file, &result.points))?;
-    output.picture("friction.png", &picture(&runners))?;
-    output.finish("friction.json", &result, global, || text)
+    match output {
+        None => global.print(&result, || text)?,
+        Some(output) => {
+            output.write("friction.csv", |file| write_csv(file, &result.points))?;
+            output.picture("friction.png", &picture(&runners))?;
+            output.finish("friction.json", &result, global, || text)?;
+        }
+    }
+    short.map_or(Ok(()), Err)
 }
 
 /// The files' names without folder and ending, or the whole paths where two have the same.

@@ -5,11 +5,14 @@ use kufe::jobs::Failure;
 use kufe::jobs::runs::named_run;
 use kufe::jobs::view_runs::ViewOptions;
 use kufe::results::{Evaluation, write_evaluation_csv};
-use kufe_sled::{DriverLosses, Group, RunEvaluation, distinct, evaluate, file_stem, table_samples};
+use kufe_sled::{
+    DriverLosses, Group, RunEvaluation, Summary, distinct, evaluate, file_stem, table_samples,
+};
 
 use crate::output::OutputDir;
 use crate::runs::{RunArgs, all_runs, draw_tables, write_view};
 use crate::terminal::Global;
+use crate::text::aligned;
 
 /// Arguments of `kufe evaluate`.
 #[derive(clap::Args, Debug)]
@@ -89,45 +92,66 @@ fn draw(
 /// Where each driver loses most, by the time that it costs.
 fn places(drivers: &[DriverLosses]) -> String {
     const MOST: usize = 3;
-    let mut text = String::from("time lost over a straight glide, mean of runs\n");
-    for one in drivers {
+    let row = |one: &DriverLosses| {
         let mut worst: Vec<_> = one.stretches.iter().collect();
         worst.sort_by(|a, b| b.lost_s.total_cmp(&a.lost_s));
         let worst = worst.iter().take(MOST);
         let worst =
             worst.map(|at| format!("{:.3} s at {:.0} to {:.0} m", at.lost_s, at.from_m, at.to_m));
         let worst = worst.collect::<Vec<_>>().join(", ");
-        let (driver, track, lost) = (&one.driver, &one.track, one.lost_s);
-        text += &format!("{driver:9} {track:9} {lost:7.3} s, of them {worst}\n");
-    }
-    text
+        let lost = format!("{:7.3} s, of them {worst}", one.lost_s);
+        [one.driver.clone(), one.track.clone(), lost]
+    };
+    let rows: Vec<_> = drivers.iter().map(row).collect();
+    format!(
+        "time lost over a straight glide, mean of runs\n{}",
+        aligned(&rows, "")
+    )
 }
 
 fn summary(groups: &[Group]) -> String {
-    let mut text = String::from(
-        "loss increase over a straight glide [%], mean with 95 % interval over runs\n\
-         by      name      track     runs   front   rear    air   total                  steering > 2°  > 4°\n",
-    );
-    for group in groups {
+    let heading = [
+        "by",
+        "name",
+        "track",
+        "runs",
+        " front",
+        "  rear",
+        "   air",
+        " total",
+        "",
+        "steering > 2°",
+        "> 4°",
+    ];
+    let row = |group: &Group| {
         let total = &group.increase_total;
         let interval = match (total.low, total.high) {
             (Some(low), Some(high)) => format!("({:.2} to {:.2})", 100.0 * low, 100.0 * high),
             _ => "(one run)".to_owned(),
         };
-        let Group { by, name, runs, .. } = group;
         let track = group.track.as_deref().unwrap_or("all");
-        let [front, rear, air, total, above_2, above_4] = [
-            &group.increase_front,
-            &group.increase_rear,
-            &group.increase_aero,
-            total,
-            &group.steering_above_2deg,
-            &group.steering_above_4deg,
+        let share = |share: &Summary| format!("{:6.2}", 100.0 * share.mean);
+        [
+            group.by.clone(),
+            group.name.clone(),
+            track.to_owned(),
+            group.runs.to_string(),
+            share(&group.increase_front),
+            share(&group.increase_rear),
+            share(&group.increase_aero),
+            share(total),
+            interval,
+            share(&group.steering_above_2deg),
+            share(&group.steering_above_4deg),
         ]
-        .map(|share| 100.0 * share.mean);
-        text += &format!(
-            "{by:7} {name:9} {track:9} {runs:4}  {front:6.2} {rear:6.2} {air:6.2}  {total:6.2} {interval:16}  {above_2:10.2} {above_4:8.2}\n"
-        );
-    }
-    text
+    };
+    let rows = groups.iter().map(row);
+    let rows: Vec<_> = [heading.map(str::to_owned)]
+        .into_iter()
+        .chain(rows)
+        .collect();
+    format!(
+        "loss increase over a straight glide [%], mean with 95 % interval over runs\n{}",
+        aligned(&rows, "")
+    )
 }

@@ -207,6 +207,35 @@ fn friction_over_speed_and_temperature_is_a_table_and_a_picture() {
 }
 
 #[test]
+fn friction_short_of_the_accuracy_is_written_with_its_error() {
+    let bench = Bench::new();
+    bench.write(
+        "case.toml",
+        case("").replace("p_max = 0.02", "p_max = 1e-4"),
+    );
+    let words = [
+        "friction",
+        "case.toml",
+        "--groove",
+        "--v-mps",
+        "20",
+        "--ice-c",
+        "-5",
+        "-o",
+        "out",
+    ];
+    refused(
+        bench.folder.path(),
+        &words,
+        4,
+        &["case.toml: estimated error"],
+    );
+    let point = &json(&bench.path("out/friction.json"))["points"][0];
+    let error = number(point, "mu_error") / number(point, "mu");
+    assert!((1e-4..0.05).contains(&error), "{error}");
+}
+
+#[test]
 fn a_series_slides_in_every_step() {
     let bench = Bench::new();
     bench.write("case.toml", case(""));

@@ -13,26 +13,35 @@ use crate::results::{
     CaseRecord, Friction, FrictionOptimum, FrictionRow, OptimalParameter, SolvedRunner,
 };
 
+/// Friction at several speeds and temperatures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolvedTable {
+    /// All points; with a missed accuracy, the best answers and their errors.
+    pub points: Vec<FrictionRow>,
+    /// Why the requested accuracy was not reached, at the first point where it was not.
+    pub short: Option<Failure>,
+}
+
 /// Friction of a case's runner at every speed [m/s] on ice of every temperature [C]; the case's own
 /// `[sliding]`, where it has one, states the rest.
 ///
 /// # Errors
 /// [`Failure::BadInput`] for the case, a speed and a temperature, [`Failure::NotConverged`] where a
-/// groove or a film stops short, [`Failure::Partial`] where it was stopped.
+/// groove or a film has no solution, [`Failure::Partial`] where it was stopped.
 pub fn friction_table(
     loaded: &LoadedCase,
     speeds: &[f64],
     temperatures: &[f64],
     watch: &Watch,
     options: &Options,
-) -> Result<Vec<FrictionRow>, Failure> {
+) -> Result<SolvedTable, Failure> {
     // Every combination is a case: those that are none are reported before anything is solved.
     let pairs = temperatures
         .iter()
         .flat_map(|ice_c| speeds.iter().map(move |v| (*v, *ice_c)));
     let cases = pairs.map(|(v_mps, ice_c)| Ok((ice_c, at(loaded, v_mps, ice_c)?)));
     let cases = cases.collect::<Result<Vec<_>, Failure>>()?;
-    let mut points = Vec::new();
+    let (mut points, mut short) = (Vec::new(), None);
     let mut last: Option<(f64, SolvedGroove)> = None;
     for (ice_c, case) in &cases {
         let table = sliding_of(case);
@@ -48,10 +57,8 @@ pub fn friction_table(
                 watch.progress(&format!("groove on ice of {ice_c} °C"));
                 let (problem, hull) = case.stated_sliding()?;
                 let options = case.case.options_on(options.clone());
-                let found = Ploughing::new(case, table, &problem)?.groove(&options)?;
-                if let Some(short) = found.short {
-                    return Err(short);
-                }
+                let mut found = Ploughing::new(case, table, &problem)?.groove(&options)?;
+                short = short.or(found.short.take());
                 case.fine_enough(hull.as_ref(), &found.solution.contact)?;
                 found
             }
@@ -71,7 +78,7 @@ pub fn friction_table(
         });
         last = Some((*ice_c, groove));
     }
-    Ok(points)
+    Ok(SolvedTable { points, short })
 }
 
 /// The case at one speed and temperature; where the ice's elasticity follows from its temperature
@@ -161,7 +168,8 @@ pub fn optimise(
         ..*watch
     };
     let friction = |runner: &LoadedCase| -> Result<FrictionRow, Failure> {
-        Ok(friction_table(runner, &[v_mps], &[ice_c], &quiet, options)?.remove(0))
+        let mut solved = friction_table(runner, &[v_mps], &[ice_c], &quiet, options)?;
+        solved.short.map_or(Ok(solved.points.remove(0)), Err)
     };
     let (mut points, mut solved) = (Vec::new(), Vec::new());
     let count = runners.len();

@@ -251,9 +251,10 @@ impl RelationRules {
 
 /// Distance in another unit, by the integral of the corrected speed.
 fn distance_fault(run: &Run, slow: &Slow) -> Option<Fault> {
-    // Runs follow the middle of the track within a few per cent; a circuit that starts anew is no
-    // distance run.
-    const CLOSE: f64 = 0.2;
+    // Runs follow the middle of the track within a few per cent, and a speed in km/h divided once
+    // too often would be that of a distance in feet within a tenth. A circuit that starts anew is
+    // no distance run.
+    const CLOSE: f64 = 0.06;
     let s = run.columns.get("s_m")?;
     let v = slow[Sensor::Speed].as_ref()?;
     let mean_speed = v.iter().sum::<f64>() / v.len() as f64;
