@@ -34,8 +34,8 @@ pub struct LoggerClock {
 /// A clock is found from the channels that its logger shares with loggers whose clocks are known:
 /// the same column in both, and the motion of a rigid body, `dv/dt = a_x + g_x` with gravity's
 /// share by the rates, `a_y = r v - d(alpha v)/dt + x dr/dt`, `a_z = g - q v - x dq/dt` with x from
-/// the accelerometer's place. An unknown place (0.2 m over the speed) and unmeasured slip (0.03 s) are part of the
-/// stated error.
+/// the accelerometer's place. An unknown place (0.2 m over the speed) and unmeasured slip (0.03 s)
+/// are part of the stated error.
 ///
 /// # Errors
 /// [`Error::Clock`] where a logger has a clock of its own and its delay cannot be found.

@@ -70,7 +70,7 @@ pub(crate) struct Place {
     pub at_ridge: bool,
 }
 
-/// What a rim beyond which nothing yields is known to, in cells: those of 141 elliptic contacts are
+/// What a rim with no yielding ice next to it is known to, in cells: those of 141 elliptic contacts are
 /// off by up to 0.11, to the same side on all meshes.
 const RIM_SHARE: f64 = 0.125;
 
@@ -219,12 +219,12 @@ impl FigureHistory {
         }
     }
 
-    /// The error of the last mesh's length or width. A rim beyond which nothing yields is known to
-    /// [`RIM_SHARE`] of a cell, at either end, even where meshes agree. A rim next to yielding ice is known to a third
-    /// of a cell, at either end, even where meshes that were made for it agree, and to two thirds,
-    /// wherever coarser meshes had it within theirs: the widths and lengths of 180 contacts were
-    /// off by a third of that in the mean square, three of these 360 by more than it and the worst
-    /// by 1.3 times it.
+    /// The error of the last mesh's length or width. A rim with no yielding ice next to it is known
+    /// to [`RIM_SHARE`] of a cell, at either end, even where meshes agree. A rim next to yielding
+    /// ice is known to a third of a cell, at either end, even where meshes that were made for it
+    /// agree, and to two thirds, wherever coarser meshes had it within theirs: the widths and
+    /// lengths of 180 contacts were off by a third of that in the mean square, three of these 360
+    /// by more than it and the worst by 1.3 times it.
     fn extent_error(&self, extent: &Sequence, off: f64) -> f64 {
         let cell = 0.5 * extent.value() / extent.cells();
         let found = if self.is_fixed() {

@@ -355,6 +355,20 @@ pub struct Description {
     pub next_case: Option<String>,
 }
 
+impl Description {
+    /// Whether little of the misfit of every channel still repeats.
+    pub fn is_adequate(&self) -> bool {
+        self.report.remaining.iter().all(|channel| channel.is_small)
+    }
+
+    /// Summary of an effect; empty if it has none.
+    pub fn summary(&self, effect: &str) -> String {
+        let mut known = self.effects.iter();
+        let known = known.find(|meaning| meaning.name == effect);
+        known.map_or(String::new(), |meaning| meaning.summary.clone())
+    }
+}
+
 /// Meaning of an effect.
 #[derive(Clone, Debug)]
 pub struct Meaning {

@@ -134,11 +134,9 @@ pub fn search_evidence<E: Evidence>(
         step.law.clone_from(law);
     }
     for step in &mut account.steps {
-        let known = described.effects.iter().find(|e| e.name == step.effect);
-        step.summary = known.map_or(String::new(), |e| e.summary.clone());
+        step.summary = described.summary(&step.effect);
     }
-    let mut remaining = described.report.remaining.iter();
-    let adequate = remaining.all(|channel| channel.is_small);
+    let adequate = described.is_adequate();
     let verdict = verdict(&account, described.located, adequate);
     let next_experiment = next_experiment(verdict, &account, &described);
     let report = Report {
@@ -182,7 +180,9 @@ fn screened<E: Evidence>(
     let screen = evidence.screen(&base, &mut account)?;
     let base = evidence.settle(base, &mut account)?;
     let described = evidence.describe(&base, &base, &mut account)?;
-    let adequate = described.report.remaining.iter().all(|r| r.is_small);
+    let adequate = described.is_adequate();
+    let selected = screen.selection.as_ref();
+    let summary = selected.map(|selected| described.summary(&selected.candidate.effect));
     let mut report = Report {
         adequate,
         explained: adequacy(&[], &described.report.remaining),
@@ -197,12 +197,11 @@ fn screened<E: Evidence>(
             let Candidate { key, unit, .. } = &selection.candidate;
             let size = fitted(key, unit, selection.size, half);
             let mut selected = step(selection, None, [0.0; 2]);
-            // Sizes of contacts differ from run to run.
-            if selected.parameters.is_empty() {
+            // Contacts differ from run to run: their mean size may be 0.
+            if selected.parameters.is_empty() && size.low * size.high > 0.0 {
                 selected.parameters.push(size);
             }
-            let known = described.effects.iter().find(|e| e.name == selected.effect);
-            selected.summary = known.map_or(String::new(), |e| e.summary.clone());
+            selected.summary = summary.unwrap_or_default();
             report.verdict = Verdict::NotIdentifiable;
             report.next_experiment = "the search without --quick".to_owned();
             report.sentence = format!(

@@ -99,12 +99,6 @@ fn check_shape(case: &Case) -> Checked {
     } = *shape
     {
         require(
-            section_radius_m.is_finite(),
-            "runner.shape.section_radius_m",
-            section_radius_m,
-            "a finite radius in metres: a bobsled runner's section is round",
-        )?;
-        require(
             width_m <= 2.0 * section_radius_m,
             "runner.shape.width_m",
             width_m,
@@ -112,8 +106,7 @@ fn check_shape(case: &Case) -> Checked {
         )?;
     }
     if let Shape::Paraboloid {
-        rocker_radius_m,
-        section_radius_m,
+        rocker_radius_m, ..
     } = *shape
     {
         require(
@@ -121,12 +114,6 @@ fn check_shape(case: &Case) -> Checked {
             "runner.shape.rocker_radius_m",
             rocker_radius_m,
             "a radius whose inverse is above the track's curvature: else a paraboloid's contact has no ends",
-        )?;
-        require(
-            section_radius_m.is_finite(),
-            "runner.shape.section_radius_m",
-            section_radius_m,
-            "a finite radius in metres: else a paraboloid's contact has no sides",
         )?;
     }
     let length = shape.length_m().unwrap_or(0.0);

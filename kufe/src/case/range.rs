@@ -114,7 +114,7 @@ ranges! {
     "runner.poissons_ratio" "a Poisson's ratio" 0.0, 0.499;
     "runner.shape.length_m" "a length in metres" 0.01, 10.0;
     "runner.shape.rocker_radius_m" "a radius in metres" 0.05, ANY_RADIUS;
-    "runner.shape.section_radius_m" "a radius in metres" 1e-4, ANY_RADIUS;
+    "runner.shape.section_radius_m" "a radius in metres" 1e-4, LARGEST_RADIUS;
     "runner.shape.edge_radius_m" "a radius in metres" 1e-4, 1.0;
     "runner.shape.tilt_rad" "an angle in radians" 0.0, 0.8;
     "runner.shape.width_m" "a width in metres" 1e-4, 1.0;

@@ -51,7 +51,7 @@ pub fn read_3mf(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> 
         uses += 1;
         let part = found.part.as_deref().unwrap_or(&root).to_owned();
         package.model(&part)?;
-        placed.held = ((MOST_BYTES - package.budget) / BYTES_A_TRIANGLE) as usize;
+        placed.capacity = ((MOST_BYTES - package.budget) / BYTES_A_TRIANGLE) as usize;
         let object = package.models[&part].objects.get(&found.object);
         let object = object.ok_or_else(|| {
             let found = format!("object {}", found.object);

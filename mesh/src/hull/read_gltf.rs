@@ -75,7 +75,7 @@ pub fn read_gltf(
     let mut reader = Reader {
         buffers,
         placed: PlacedMeshes {
-            held: length / BYTES_A_TRIANGLE,
+            capacity: length / BYTES_A_TRIANGLE,
             ..PlacedMeshes::default()
         },
         seen: HashSet::new(),

@@ -154,11 +154,11 @@ pub(crate) fn at_most(limit: usize, found: usize, what: &str) -> Result<(), Mesh
 
 /// Meshes read from one file, each placed by its transform.
 ///
-/// A file may use one mesh many times: it may place some times the triangles that it can hold.
+/// A file may use one mesh many times: it may place some times the triangles that it can contain.
 #[derive(Default)]
 pub(crate) struct PlacedMeshes {
-    /// Triangles, and vertices, that the file can hold by its size.
-    pub(crate) held: usize,
+    /// Triangles, and vertices, that the file can contain by its size.
+    pub(crate) capacity: usize,
     pub(crate) positions: Vec<[f64; 3]>,
     pub(crate) triangles: Vec<[usize; 3]>,
 }
@@ -172,7 +172,7 @@ impl PlacedMeshes {
         transform: &Matrix4<f64>,
     ) -> Result<(), MeshError> {
         let first = self.positions.len();
-        let most = self.held.max(FEW_TRIANGLES);
+        let most = self.capacity.max(FEW_TRIANGLES);
         let placed = "with its meshes at every place that uses them; expected each once";
         let vertex_count = first + vertices.len();
         at_most(most, vertex_count, &format!("vertices {placed}"))?;
@@ -281,7 +281,7 @@ impl Default for HullOptions {
 
 impl HullOptions {
     /// The options that turn a file's coordinates by this rotation: about the nearest axes of the
-    /// file, with forward in its own sense, and by the rotation that is left.
+    /// file, with forward in its own sense, and by the remaining rotation.
     pub(crate) fn turning(scale: f64, mut turn: Matrix3<f64>) -> Self {
         let nearest = |row: usize, except: Option<usize>| {
             let others = (0..3).filter(|k| Some(*k) != except);
@@ -299,8 +299,8 @@ impl HullOptions {
         }
         let negative = turn[(2, index)] < 0.0;
         let (up, forward) = (Axis { index, negative }, Axis::positive(forward));
-        let left = Rotation3::from_matrix_unchecked(turn * axes(up, forward).transpose());
-        let (roll, pitch, yaw) = left.euler_angles();
+        let rest = Rotation3::from_matrix_unchecked(turn * axes(up, forward).transpose());
+        let (roll, pitch, yaw) = rest.euler_angles();
         Self {
             scale,
             up: Some(up),

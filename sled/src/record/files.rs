@@ -51,8 +51,8 @@ pub fn read_good_runs(
     on_gaps: OnGaps,
 ) -> Result<(Vec<Run>, Vec<Error>), Error> {
     let read = |(place, entry): (usize, Entry)| {
-        let is_there = entry.file.exists();
-        read_needed(entry, needs, on_gaps).map_err(|error| match is_there {
+        let file = entry.file.clone();
+        read_needed(entry, needs, on_gaps).map_err(|error| match file.exists() {
             true => error,
             false => {
                 let index = index.display().to_string();

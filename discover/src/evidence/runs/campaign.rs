@@ -1,7 +1,7 @@
 //! Recorded runs, a part of them held out, and the model that they are compared with.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock};
 
 use kufe_sled::effects::Effects;
 use kufe_sled::{Inputs, Model};
@@ -38,6 +38,13 @@ pub fn sensor_effects(effects: &Effects) -> SensorEffects {
         .collect()
 }
 
+/// A cache, locked.
+pub fn locked<T>(cache: &Mutex<T>) -> MutexGuard<'_, T> {
+    cache
+        .lock()
+        .expect("no thread panics while it has the lock")
+}
+
 /// A campaign of runs.
 pub struct Campaign<'a> {
     pub data: &'a Data,
@@ -52,7 +59,8 @@ pub struct Campaign<'a> {
     pub survey: Option<(SensorEffects, Option<SurveyedTrack>)>,
     /// Cached installation errors and discrepancy of runs, by the names of the runs and the model.
     pub installed: Mutex<HashMap<String, (Installation, Discrepancy)>>,
-    /// Cached inputs of each run's replay, and the effects on sensors that they were corrected with.
+    /// Cached inputs of each run's replay, and the effects on sensors that they were corrected
+    /// with.
     pub replay_inputs: Mutex<HashMap<usize, (SensorEffects, Arc<Inputs>)>>,
     /// The effect of the catalogue that a law was preferred to by first-order scores.
     pub runner_up: Option<Selection<Amplitude>>,

@@ -5,7 +5,7 @@ use kufe_sled::friction::film::{BoundaryContact, FilmConditions, HARDNESS_EXPONE
 
 use crate::jobs::failure::Failure;
 use crate::jobs::slide::ploughing::{Hardness, HardnessFrom, Ploughing, SolvedGroove};
-use crate::jobs::slide::sliding::{FilmAlong, conditions, film_along, film_failure};
+use crate::jobs::slide::sliding::{FilmAlong, conditions, film_along, film_failure, film_on};
 use crate::results::{Friction, SensitivityResult};
 
 /// Logarithm of the ratio of hardnesses to either side: so wide that the scatter of two meshes is a
@@ -67,8 +67,10 @@ impl Ploughing<'_> {
             let side = |sign: f64| -> Result<f64, Failure> {
                 let mut conditions = own;
                 change(&mut conditions, sign * step);
-                let along = film_along(self.loaded, &groove.solution, &conditions)?;
-                Ok(along.film.totals.friction)
+                let (contact, groove) = (&groove.solution.contact, &groove.solution.groove);
+                let film = film_on(&groove.sections, contact.fz, &conditions);
+                let film = film.map_err(film_failure(self.loaded))?;
+                Ok(film.totals.friction)
             };
             Ok::<_, Failure>((side(1.0)? - side(-1.0)?) / (2.0 * step * mu.value))
         };

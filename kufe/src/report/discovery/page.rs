@@ -5,7 +5,7 @@ use crate::plot::quantity;
 use crate::report::discovery::parts::{folded, list};
 use crate::report::discovery::pictures::{gaps, models, picture};
 use crate::report::discovery::sections::{bins, detectable, next_runs, parameters, runs, step};
-use crate::report::discovery::summary::summary;
+use crate::report::discovery::summary::{summary, tested};
 use crate::report::html::{fold, plain_page, small};
 use crate::report::viewer::{Stretch, ViewedPart, viewer_links};
 use crate::results::finding::{Picture, Plot, Report, Strip};
@@ -13,7 +13,7 @@ use crate::results::finding::{Picture, Plot, Report, Strip};
 /// The page of a search for missing effects: one HTML file without scripts. `viewer` is the address
 /// of the page that shows the runs, where there is one.
 pub fn discovery_page(report: &Report, viewer: Option<&str>) -> String {
-    let steps = report.steps.iter().enumerate();
+    let steps = tested(report).iter().enumerate();
     let parts = [
         summary(report),
         along_tracks(report, viewer),
@@ -128,7 +128,7 @@ fn details(report: &Report, viewer: Option<&str>) -> String {
         out += &models(title, &report.baselines);
     }
     let shown_if = |is_shown: bool, inner: String| if is_shown { inner } else { String::new() };
-    let remains = shown_if(!report.steps.is_empty(), bins(&report.bins_after));
+    let remains = shown_if(!tested(report).is_empty(), bins(&report.bins_after));
     let by_run = report.by_run.iter().any(|channel| channel.runs.len() >= 2);
     let by_run = shown_if(by_run, runs(&report.by_run, viewer));
     let title = "The gap before and after, channel by channel";

@@ -6,16 +6,25 @@ use crate::report::discovery::parts::{alike, meaning, p_is, size};
 use crate::report::html::tiles;
 use crate::results::finding::{ChannelGap, HeldOut, ModelKind, Report, Step, Verdict};
 
+/// The effects that were fitted and tested: a quick search selects one and does neither.
+pub fn tested(report: &Report) -> &[Step] {
+    match report.verdict {
+        Verdict::NotIdentifiable => &[],
+        _ => &report.steps,
+    }
+}
+
 /// The verdict as a heading, the effects one a line, figures to act on, and what to do next.
 pub fn summary(report: &Report) -> String {
     let mut out = format!("<h1>{}</h1>\n", in_words(report));
     if !report.explained.is_empty() {
         out += &format!("<p>{}</p>\n", escape(&report.explained));
     }
-    out += &if report.steps.is_empty() {
+    let steps = tested(report);
+    out += &if steps.is_empty() {
         format!("<p class=\"verdict\">{}</p>\n", escape(&report.sentence))
     } else {
-        let effects = report.steps.iter();
+        let effects = steps.iter();
         let effects = effects.map(|step| format!("<li>{}</li>\n", effect(step)));
         format!(
             "<ol class=\"verdict\">\n{}</ol>\n",
@@ -23,7 +32,7 @@ pub fn summary(report: &Report) -> String {
         )
     };
     let mut figures = Vec::from_iter(gap(report));
-    if let Some(step) = report.steps.first() {
+    if let Some(step) = steps.first() {
         figures.extend(explained(step, report));
         let why = "probability that noise alone resembles the first";
         figures.push((format!("p {}", p_is(step.p_value)), why.to_owned()));
@@ -94,7 +103,7 @@ fn in_words(report: &Report) -> String {
         }
         Verdict::NotIdentifiable => "Something differs, but these data cannot name it",
     };
-    let is_all = report.adequate || report.steps.is_empty();
+    let is_all = report.adequate || tested(report).is_empty();
     let more = if is_all { "" } else { ", and more is missing" };
     format!("{words}{more}")
 }

@@ -25,7 +25,8 @@ const LEAST_SD: f64 = 1e-20;
 ///
 /// # Errors
 /// [`Error::TooFew`] below four experiments, [`Error::OutOfRange`] where no friction is positive
-/// or a weighted fit meets `mu_sd` below 1e-20, [`Error::Undetermined`] below three different pressures, [`Error::NotConverged`].
+/// or a weighted fit meets `mu_sd` below 1e-20, [`Error::Undetermined`] below three different
+/// pressures, [`Error::NotConverged`].
 pub fn fit_mu(
     experiments: &[Experiment],
     weighting: Weighting,

@@ -1,7 +1,7 @@
 //! Fits of a campaign with its installation errors and discrepancy.
 
 use crate::error::Error;
-use crate::evidence::runs::campaign::{Campaign, RunFit};
+use crate::evidence::runs::campaign::{Campaign, RunFit, locked};
 use crate::evidence::runs::contacts::own::without_contacts;
 use crate::evidence::runs::fit::gauss_newton::{Fitting, residuals};
 use crate::evidence::runs::model::discrepancy::Discrepancy;
@@ -86,16 +86,12 @@ impl Campaign<'_> {
         let names: Vec<&str> = frames.iter().map(|frame| frame.name.as_str()).collect();
         let (effects, discrepancy) = (&model.effects, &model.discrepancy);
         let inputs = format!("{:?}", (names, model.base, effects, discrepancy));
-        let cache = || {
-            let cache = self.installed.lock();
-            cache.expect("no thread panics while it has the lock")
-        };
         let installed = |(installation, discrepancy): (Installation, Discrepancy)| ResidualModel {
             installation,
             discrepancy,
             ..model.clone()
         };
-        if let Some(known) = cache().get(&inputs) {
+        if let Some(known) = locked(&self.installed).get(&inputs) {
             return installed(known.clone());
         }
         let installation = self.stated_installation(model, &frames);
@@ -120,7 +116,7 @@ impl Campaign<'_> {
         };
         let fitted = fit.model.with_fixed(true);
         let fitted = (fitted.installation, fitted.discrepancy);
-        cache().insert(inputs, fitted.clone());
+        locked(&self.installed).insert(inputs, fitted.clone());
         installed(fitted)
     }
 }

@@ -265,7 +265,7 @@ impl Campaign<'_> {
         })
     }
 
-    /// Adds to the class of each effect the rivals than which it is worse on other runs.
+    /// Adds to the class of each effect the rivals whose models are better on other runs.
     ///
     /// First-order scores can distinguish two effects by errors of the model that have nothing to do
     /// with either. The rival of largest gain takes the effect's place in a fit of its own, then the

@@ -25,7 +25,7 @@ use kufe_sled::{
 };
 use rayon::prelude::*;
 
-use crate::evidence::runs::campaign::{Campaign, RunFit, sensor_effects};
+use crate::evidence::runs::campaign::{Campaign, RunFit, locked, sensor_effects};
 use crate::evidence::runs::model::residual_model::{BOUNDS, ResidualModel};
 use crate::evidence::runs::outcome::next_model::next_model;
 use crate::null::clusters::members;
@@ -177,19 +177,15 @@ impl Campaign<'_> {
         vehicle: &Vehicle,
         track: &Track,
     ) -> Result<Arc<Inputs>, kufe_sled::Error> {
-        let cache = || {
-            let cache = self.replay_inputs.lock();
-            cache.expect("no thread panics while it has the lock")
-        };
         let own = sensor_effects(&vehicle.effects);
-        if let Some((known, inputs)) = cache().get(&run)
+        if let Some((known, inputs)) = locked(&self.replay_inputs).get(&run)
             && *known == own
         {
             return Ok(inputs.clone());
         }
         let inputs = Inputs::of(&self.data.runs[run], vehicle, track.s_m[0])?;
         let inputs = Arc::new(inputs);
-        cache().insert(run, (own, inputs.clone()));
+        locked(&self.replay_inputs).insert(run, (own, inputs.clone()));
         Ok(inputs)
     }
 
