@@ -21,7 +21,7 @@ ROUNDS = 3
 GRIDS = [16, 24, 32, 48]
 # Over half the patch, each way.
 GETFEM_CELLS = 4
-ALONE = "kufe, boundary elements alone, 32 x 32, no window given"
+ALONE = "kufe, boundary elements alone, 32 x 32"
 
 
 def measured(command, rounds=ROUNDS):
@@ -68,7 +68,7 @@ def table(title, requested, mine, others, mode):
             print(f"| {label} | over the requested error up to {GRIDS[-1]} x {GRIDS[-1]} points | | |")
             continue
         whole, (error, work) = measured(script(name, mode, n))
-        row(f"{label}, {n} x {n}, window sized by hand", error, whole, work)
+        row(f"{label}, {n} x {n}", error, whole, work)
 
 
 def getfem():
@@ -78,7 +78,7 @@ def getfem():
         print("\nGetFEM is not installed.")
         return
     whole, (error, work, unknowns) = measured([python, str(HERE / "getfem_hertz.py"), str(GETFEM_CELLS)], 1)
-    row(f"GetFEM, {unknowns:.0f} unknowns, mesh sized by hand", error, whole, work)
+    row(f"GetFEM, {unknowns:.0f} unknowns", error, whole, work)
 
 
 def one_window(fields, requested):
