@@ -100,6 +100,7 @@ impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         match error {
             Error::BaseFit { .. } => Failure::NotConverged(error.to_string()),
+            Error::UnknownEffect { .. } => Failure::Usage(error.to_string()),
             other => Failure::bad_input(other),
         }
     }

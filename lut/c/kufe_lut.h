@@ -282,7 +282,9 @@ static KUFE_LUT_UNUSED kufe_lut_interpolated kufe_lut_evaluate_(const kufe_lut_t
   for (k = 0; d && k < 4; ++k) d[k] = (double)NAN;
   if (isnan(fz) || isnan(curvature) || (t->v->n > 0 && isnan(v)) || (t->ice_c->n > 0 && isnan(ice_c))) return found;
   held = fz < forces[0] ? forces[0] : fz > forces[t->fz->n - 1] ? forces[t->fz->n - 1] : fz;
-  x = kufe_lut_find_(t->fz, fz);
+  /* A runner that has lifted off has no smaller pressure than at a force of 0. */
+  x = kufe_lut_find_(t->fz, fz < 0.0 ? 0.0 : fz);
+  if (fz < 0.0) x.rate = 0.0;
   y = kufe_lut_find_(t->curvature, kufe_lut_place_on_(t->flush, held, curvature, d ? reduced : 0));
   speeds = kufe_lut_weigh_(t->v, v, smooth);
   temperatures = kufe_lut_weigh_(t->ice_c, ice_c, smooth);
@@ -354,7 +356,7 @@ static KUFE_LUT_UNUSED kufe_lut_derivatives kufe_lut_derivatives_at(const kufe_l
 }
 
 /* Track curvature [1/m], positive in a valley, from speed [m/s] and pitch rate [rad/s], positive nose
-   down: the inverse of r = -v / pitch_rate, 0 at a standstill. */
+   down: the inverse of r = -v / pitch_rate; below 1 m/s -pitch_rate v / (1 m/s)^2, 0 at a standstill. */
 static KUFE_LUT_UNUSED double kufe_lut_curvature_from_pitch(double speed, double pitch_rate) {
   const double min_speed = 1.0;
   if (fabs(speed) >= min_speed) return 0.0 - pitch_rate / speed;

@@ -166,7 +166,8 @@ impl Interpolator {
         if point.fz.is_nan() || point.curvature.is_nan() || self.stack.iter().any(missing) {
             return Interpolated::NONE;
         }
-        let x = self.fz.place(point.fz);
+        // A runner that has lifted off has no smaller pressure than at a force of 0.
+        let x = self.fz.place(point.fz.max(0.0));
         let y = self.curvature.place(match &self.flush {
             None => point.curvature,
             Some(flush) => flush.reduced(self.fz.clamped(point.fz), point.curvature),

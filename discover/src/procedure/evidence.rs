@@ -97,6 +97,9 @@ pub trait Evidence {
 /// Reason for removing an effect that later ones explain.
 pub const SUPERFLUOUS: &str = "became superfluous";
 
+/// Why an effect of no size is removed.
+pub const NO_SIZE: &str = "had an interval that contains 0";
+
 /// State of a search.
 #[derive(Clone, Debug, Default)]
 pub struct Account {
@@ -356,9 +359,14 @@ pub struct Description {
 }
 
 impl Description {
-    /// Whether little of the misfit of every channel still repeats.
+    /// Whether little of the misfit of every channel still repeats; for data without repetitions,
+    /// whether the residual is clean.
     pub fn is_adequate(&self) -> bool {
-        self.report.remaining.iter().all(|channel| channel.is_small)
+        let remaining = &self.report.remaining;
+        match remaining.is_empty() {
+            true => self.report.clean,
+            false => remaining.iter().all(|channel| channel.is_small),
+        }
     }
 
     /// Summary of an effect; empty if it has none.

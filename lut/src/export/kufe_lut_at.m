@@ -7,6 +7,10 @@ function [value, out_of_range] = kufe_lut_at(t, quantity, fz_n, curvature_1pm, v
 %
 % Further axes are given by name: 'v_mps', 'ice_c', 'rocker_radius_m'. Inputs outside become what t.outside says of their
 % axis: 'hold', 'linear' or 'error' (NaN). The arithmetic is that of kufe's bilinear mode.
+  % A runner that has lifted off has no smaller pressure than at a force of 0.
+  if fz_n < 0
+    fz_n = 0;
+  end
   given = struct('fz_n', fz_n, 'curvature_1pm', curvature_1pm, varargin{:});
   names = {'fz_n', 'curvature_1pm', 'rocker_radius_m', 'v_mps', 'ice_c'};
   if isfield(t, 'flush')

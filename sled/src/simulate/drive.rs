@@ -54,10 +54,13 @@ pub struct Simulated {
 
 /// Drives a sled down a track.
 ///
-/// Fixed steps of fourth order (Adams-Bashforth, started by Runge-Kutta) on the equations of motion
-/// in `dynamics.rs`, from the track's start to its finish: one evaluation of the forces a step, as
-/// a simulator in real time can afford. Deterministic: the same arguments give the same bits. Steps
-/// above about 10 ms are unstable at low speed.
+/// Steps of fourth order (Adams-Bashforth, started by Runge-Kutta) on the equations of motion in
+/// `dynamics.rs`, from the track's start to its finish: one evaluation of the forces a step, as a
+/// simulator in real time can afford. Deterministic: the same arguments give the same bits.
+///
+/// The method is stable for `h lambda < 0.3`, with lambda the fastest rate of slip and yaw, which
+/// grows with load over speed and with wheelbase over radius of gyration. Ten times a second of the
+/// run lambda is computed, and an output interval is divided into as many steps as it needs.
 ///
 /// # Errors
 /// [`Error::KeyRange`] for options out of range, [`Error::Stopped`] where the sled comes to rest or
@@ -104,6 +107,13 @@ pub(crate) fn refuse_unstated(
     refuse_drag_without_air(&vehicle.sled, conditions, who)
 }
 
+/// Time between checks of the step [s].
+const CHECKED_S: f64 = 0.1;
+/// Largest product of a step and the fastest rate: Adams-Bashforth's limit is 0.3.
+const STABLE: f64 = 0.2;
+/// Smallest step [s].
+const LEAST_STEP_S: f64 = 1e-6;
+
 /// Drives from a `start` to the distance `finish_m`; with the result why it ended before, where the
 /// motion went out of the range of the model.
 ///
@@ -115,9 +125,10 @@ pub(crate) fn integrate(
     finish_m: f64,
     options: &SimulateOptions,
 ) -> Result<(Simulated, Option<Error>), Error> {
-    let every = steps_an_interval(options)?;
+    let fewest = steps_an_interval(options)?;
     let dt_s = 1.0 / options.rate_hz;
-    let h = dt_s / every as f64;
+    let checked = (CHECKED_S / dt_s).ceil() as usize;
+    let (mut every, mut h) = (fewest, dt_s / fewest as f64);
     let (start_s, mut y) = (start[TIME], start);
     let kinetic_start_j = world.kinetic_energy(&y);
     let mut before = Before::default();
@@ -129,12 +140,14 @@ pub(crate) fn integrate(
     let expected = ((finish_m - start[0]) / start[3] / dt_s) as usize;
     let mut instants = Vec::with_capacity(expected.min(1 << 16));
     let mut offset_m = Vec::with_capacity(expected.min(1 << 16));
-    // Rates of the last steps, newest first.
-    let mut past = [[0.0; COUNT]; 4];
+    // Rates of the last steps, newest first, and their number since the step's length changed.
+    let (mut past, mut equal) = ([[0.0; COUNT]; 4], 0);
     let mut steps = 0;
+    // Output intervals, and steps of this one.
+    let (mut intervals, mut own) = (0, 0);
     let mut trouble = None;
-    let most = (options.most_s / h).ceil() as usize;
     let finished = loop {
+        let t_s = start_s + intervals as f64 / options.rate_hz + own as f64 * h;
         let now = before;
         let ahead = |of: fn(&Before) -> f64| 3.0 * (of(&now) - of(&then[0])) + of(&then[1]);
         before.growth = ahead(|before| before.growth);
@@ -145,7 +158,7 @@ pub(crate) fn integrate(
         past.rotate_right(1);
         past[0] = rates;
         let finished = y[0] >= finish_m;
-        if (steps % every == 0 || finished)
+        if (own == 0 || finished)
             && let Some(what) = world.trouble(&y)
         {
             let last = instants.last().filter(|_| !y[0].is_finite());
@@ -157,29 +170,48 @@ pub(crate) fn integrate(
                 },
                 None => Error::Stopped {
                     s_m: y[0],
-                    t_s: start_s + steps as f64 * h,
+                    t_s,
                     what,
                 },
             });
             break false;
         }
-        if steps % every == 0 {
-            instant.state.t_s = start_s + (steps / every) as f64 / options.rate_hz;
+        if own == 0 {
+            instant.state.t_s = t_s;
             instants.push(instant);
             offset_m.push(y[1]);
         }
         if finished {
             break true;
         }
-        if steps >= most {
+        if t_s - start_s >= options.most_s {
             break false;
         }
-        y = if steps < 3 {
+        if own == 0 && intervals % checked == 0 {
+            let rate = world.fastest_rate(&y, &rates, &before);
+            if rate * LEAST_STEP_S > STABLE {
+                let what = format!(
+                    "slip and yaw change at {rate:.0} 1/s: no step of {LEAST_STEP_S} s or more is stable"
+                );
+                let s_m = y[0];
+                trouble = Some(Error::Stopped { s_m, t_s, what });
+                break false;
+            }
+            let needed = ((dt_s * rate / STABLE).ceil() as usize).max(fewest);
+            if needed > every || 2 * needed <= every {
+                (every, h, equal) = (needed, dt_s / needed as f64, 0);
+                then = [now; 2];
+            }
+        }
+        y = if equal < 3 {
             runge_kutta(world, &y, &rates, &before, h)
         } else {
             adams_bashforth(&y, &past, h)
         };
-        steps += 1;
+        (steps, equal, own) = (steps + 1, equal + 1, own + 1);
+        if own == every {
+            (intervals, own) = (intervals + 1, 0);
+        }
     };
     let simulated = Simulated {
         instants,

@@ -302,6 +302,24 @@ impl World<'_> {
         (rates, instant)
     }
 
+    /// Spectral radius of the derivatives of lateral acceleration and yaw acceleration by lateral
+    /// speed and yaw rate [1/s]; `rates` are those of `y`.
+    pub(crate) fn fastest_rate(&self, y: &Unknowns, rates: &Unknowns, before: &Before) -> f64 {
+        const STEP: f64 = 1e-5;
+        let by = |k: usize| {
+            let mut moved = *y;
+            moved[k] += STEP;
+            let (there, _) = self.rates(&moved, before);
+            [VY, YAW].map(|of| (there[of] - rates[of]) / STEP)
+        };
+        let [[a, c], [b, d]] = [by(VY), by(YAW)];
+        let (half, determinant) = (0.5 * (a + d), a * d - b * c);
+        match half * half - determinant {
+            root if root > 0.0 => half.abs() + root.sqrt(),
+            _ => determinant.sqrt(),
+        }
+    }
+
     /// What the next moment needs of this one.
     ///
     /// The slip rate is that of the slip which forces follow late, and where none is late smoothed

@@ -71,7 +71,7 @@ fn a_list_of_loads_gives_a_folder_each_one_table_and_one_series() {
     // What is true of both steps is said once.
     let reported = errors(&bench.kufe(&[&loads[..], &["--fresh"]].concat()));
     assert_eq!(
-        reported.matches("above the 10-30 MPa").count(),
+        reported.matches("above 10 MPa, from which").count(),
         1,
         "{reported}"
     );

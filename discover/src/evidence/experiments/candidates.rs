@@ -6,7 +6,7 @@ use kufe_sled::effects::{CATALOGUE, Custom, Effect, Effects, Experiments, Kind};
 use rayon::prelude::*;
 
 use crate::evidence::experiments::base::Base;
-use crate::evidence::experiments::rows::{ORDER, Row, further_columns};
+use crate::evidence::experiments::rows::{ORDER, Row, Untestable, further_columns};
 use crate::input::table::Table;
 use crate::null::clusters::members;
 use crate::procedure::candidate::Candidate;
@@ -20,9 +20,11 @@ pub struct FrictionChange {
     of: Change,
     /// The effect's table without its size; `None` if simulations do not have its column.
     pub table: Option<toml::Table>,
+    /// The formula of a law of a column.
+    pub law: Option<String>,
     /// Columns that it depends on.
     pub columns: Vec<String>,
-    /// Whether it is constant within each session.
+    /// Whether most of its variance is between sessions.
     pub by_session: bool,
 }
 
@@ -40,7 +42,7 @@ impl Candidate<FrictionChange> {
 }
 
 /// Testable candidates, and the names of untestable effects with the reason.
-pub type CandidateList = (Vec<Candidate<FrictionChange>>, Vec<(String, String)>);
+pub type CandidateList = (Vec<Candidate<FrictionChange>>, Untestable);
 
 /// Lists the candidates except for the effects that the model contains.
 pub fn list(rows: &[Row], table: &Table, model: &Effects, base: Base) -> CandidateList {
@@ -129,6 +131,7 @@ fn of_catalogue(effect: &'static Effect) -> Option<Candidate<FrictionChange>> {
             effect.coefficient(&values, mu, &row.conditions) - mu
         }),
         table: Some(toml::Table::new()),
+        law: None,
         columns: needed.iter().map(|c| c.name().to_owned()).collect(),
         by_session: false,
     };
@@ -192,6 +195,7 @@ fn own(name: &str, custom: &Custom, rows: &[Row]) -> Candidate<FrictionChange> {
         act: FrictionChange {
             of: Arc::new(move |row, _, size| custom.coefficient(size * typical, &row.conditions)),
             table: Some(table),
+            law: None,
             columns,
             by_session: false,
         },
@@ -227,6 +231,7 @@ fn of_column(name: &str, values: &[f64]) -> Vec<Candidate<FrictionChange>> {
                 // Simulations have only the columns of expressions.
                 table: kufe_sled::effects::is_column(name)
                     .then(|| custom_table(expression, [-1.0, 1.0])),
+                law: Some(expression.to_owned()),
                 columns: vec![name.to_owned()],
                 by_session: false,
             },
@@ -250,18 +255,24 @@ fn of_column(name: &str, values: &[f64]) -> Vec<Candidate<FrictionChange>> {
     laws
 }
 
-/// Candidates that are constant within sessions are tested by permuting sessions.
+/// Candidates of which most of the variance is between sessions are tested by permuting sessions.
 fn mark_sessions(rows: &[Row], candidates: &mut [Candidate<FrictionChange>]) {
     let sessions = members(rows.iter().map(|row| row.session.as_str()));
     if sessions.len() == rows.len() {
         return;
     }
     for candidate in candidates {
-        candidate.act.by_session = sessions.values().all(|own| {
-            let mut slopes = own.iter().map(|i| candidate.slope(&rows[*i], 0.004, 0.0));
-            let first = slopes.next().unwrap_or(0.0);
-            slopes.all(|x| (x - first).abs() <= 1e-9 * first.abs().max(1e-12))
+        let slopes: Vec<f64> = rows
+            .iter()
+            .map(|row| candidate.slope(row, 0.004, 0.0))
+            .collect();
+        let mean = slopes.iter().sum::<f64>() / slopes.len() as f64;
+        let all: f64 = slopes.iter().map(|x| (x - mean).powi(2)).sum();
+        let between = sessions.values().map(|own| {
+            let sum: f64 = own.iter().map(|i| slopes[*i] - mean).sum();
+            sum * sum / own.len() as f64
         });
+        candidate.act.by_session = between.sum::<f64>() > 0.5 * all;
     }
 }
 
@@ -281,7 +292,9 @@ mod tests {
         let path = folder.path().join("experiments.csv");
         std::fs::write(&path, text).unwrap();
         let table = Table::read(&path).unwrap();
-        let rows = crate::evidence::experiments::rows::read(&table, 0.0).unwrap();
+        let rows = crate::evidence::experiments::rows::read(&table, 0.0)
+            .unwrap()
+            .0;
         let effect = find("boundary").unwrap();
         let (exact, tabled) = (
             of_catalogue(effect).unwrap(),

@@ -2,10 +2,10 @@
 //!
 //! The base is `mu = 1e-3 (b p^2 - c p + d)`, p in MPa, a constant if the model has a fixed mu, or
 //! the melt film on each row's contact times a factor. It is refitted with the variance `mu_sd^2 +
-//! (dmu/dp p_sd)^2`. A candidate adds one parameter. Its t in the joint fit is compared with the
-//! largest |t| over all candidates in simulated tables (both errors are drawn, that of p included)
-//! and under permutations of the residuals. Columns that are constant within sessions are permuted
-//! by session.
+//! (dmu/dp p_sd)^2`; specimens and sessions have random offsets. A candidate adds one parameter. Its t
+//! in the joint fit is compared with the largest |t| over all candidates in simulated tables (both
+//! errors are drawn, that of p included) and under permutations of the residuals. A candidate that
+//! differs mainly between sessions is compared under permutations of the sessions.
 
 use std::path::Path;
 
@@ -17,19 +17,19 @@ use crate::error::Error;
 use crate::evidence::experiments::base::Base;
 use crate::evidence::experiments::bins::bins;
 use crate::evidence::experiments::candidates::{FrictionChange, list};
-use crate::evidence::experiments::fit::{Fit, Setting, between_specimens, fit};
+use crate::evidence::experiments::fit::{Between, Fit, Setting, between, fit};
 use crate::evidence::experiments::known::ModelEffects;
 use crate::evidence::experiments::pictures::pictures;
-use crate::evidence::experiments::rows::{Row, read, set_films};
+use crate::evidence::experiments::rows::{Row, Untestable, read, set_films};
 use crate::evidence::experiments::screen::screen_table;
-use crate::finding::{ChannelGap, Report, held_out};
+use crate::finding::{ChannelGap, ModelKind, Report, held_out};
 use crate::input::table::Table;
 use crate::null::clusters::members;
 use crate::options::{OUTSIDE_CATALOGUE, Options};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{
-    Account, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, SUPERFLUOUS, Screen,
-    Selection,
+    Account, Choice, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, SUPERFLUOUS,
+    Screen, Selection,
 };
 use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::search::{Found, search_evidence};
@@ -43,7 +43,7 @@ pub struct Experiments<'a> {
     pub setting: Setting,
     pub training: Vec<Row>,
     pub held_out: Vec<Row>,
-    pub untestable: Vec<(String, String)>,
+    pub untestable: Untestable,
     /// Effects of the model that do not act on a coefficient of friction.
     pub others: Vec<String>,
     /// The strongest candidate that was not selected.
@@ -60,7 +60,7 @@ impl<'a> Experiments<'a> {
     /// five rows.
     pub fn read(path: &Path, model: &'a Model, options: &'a Options) -> Result<Self, Error> {
         let table = Table::read(path)?;
-        let mut rows = read(&table, model.sled.cda_m2)?;
+        let (mut rows, unreadable) = read(&table, model.sled.cda_m2)?;
         let base = Base::of(model)?;
         let needed = base.len() + 2;
         if rows.len() < needed {
@@ -76,11 +76,15 @@ impl<'a> Experiments<'a> {
             set_films(&mut rows, &table, known.boundary_shear)?;
         }
         let (mut candidates, mut untestable) = list(&rows, &table, &effects, base);
+        untestable.extend(unreadable);
         candidates.retain(|c| match c.is_column() {
             true => options.looks_for(OUTSIDE_CATALOGUE),
             false => options.looks_for(&c.effect),
         });
-        untestable.retain(|(name, _)| options.looks_for(name));
+        untestable.retain(|(name, _)| match name.starts_with(OUTSIDE_CATALOGUE) {
+            true => options.looks_for(OUTSIDE_CATALOGUE),
+            false => options.looks_for(name),
+        });
         let locked = options.rules.lock.rows(rows.len());
         let pick = |which: &[usize]| which.iter().map(|i| rows[*i].clone()).collect();
         let training: Vec<Row> = pick(&locked.training);
@@ -88,9 +92,9 @@ impl<'a> Experiments<'a> {
             candidates,
             known,
             base,
-            between: 0.0,
+            between: Between::default(),
         };
-        setting.between = between_specimens(&setting, &training);
+        setting.between = between(&setting, &training, &[]);
         Ok(Self {
             model,
             options,
@@ -107,6 +111,12 @@ impl<'a> Experiments<'a> {
     /// Fits these candidates.
     pub fn fitted(&self, chosen: &[usize]) -> Fit {
         fit(&self.setting, &self.training, chosen)
+    }
+
+    /// The same with the deviations between specimens and sessions given these candidates.
+    fn fitted_anew(&mut self, chosen: &[usize]) -> Fit {
+        self.setting.between = between(&self.setting, &self.training, chosen);
+        self.fitted(chosen)
     }
 
     fn rows(&self) -> usize {
@@ -155,11 +165,17 @@ impl Evidence for Experiments<'_> {
                 self.rows()
             ));
         }
-        if self.setting.between > 0.0 {
-            remarks.push(format!(
-                "specimens differ by a standard deviation of {} in mu in addition to the deviations of their rows",
-                number4(self.setting.between)
-            ));
+        let Between {
+            specimens,
+            sessions,
+        } = self.setting.between;
+        for (what, sd) in [("specimens", specimens), ("sessions", sessions)] {
+            if sd > 0.0 {
+                remarks.push(format!(
+                    "{what} differ by a standard deviation of {} in mu in addition to the deviations of their rows",
+                    number4(sd)
+                ));
+            }
         }
         let base = self.fitted(&[]);
         remarks.push(format!("base fit: {}", self.of_base(&base)));
@@ -192,7 +208,7 @@ impl Evidence for Experiments<'_> {
         let named = |c: &Candidate<FrictionChange>| c.effect == selection.candidate.effect;
         let place = self.setting.candidates.iter().position(named);
         let chosen: Vec<usize> = fit.chosen.iter().copied().chain(place).collect();
-        let next = self.fitted(&chosen);
+        let next = self.fitted_anew(&chosen);
         Ok(ExtendedFit {
             gap: [fit.rms, next.rms],
             fit: next,
@@ -224,7 +240,7 @@ impl Evidence for Experiments<'_> {
     fn without(&mut self, fit: &Fit, step: usize) -> Result<Fit, Error> {
         let mut chosen = fit.chosen.clone();
         chosen.remove(step);
-        Ok(self.fitted(&chosen))
+        Ok(self.fitted_anew(&chosen))
     }
 
     fn misfit_decrease(&self, from: &Fit, to: &Fit) -> Result<Option<Decrease>, Error> {
@@ -256,6 +272,20 @@ impl Evidence for Experiments<'_> {
         })
     }
 
+    fn choose(&mut self, _: &Fit, last: Fit, _: &mut Account) -> Result<Choice<Fit>, Error> {
+        let candidates = &self.setting.candidates;
+        let is_written = |c: &usize| candidates[*c].act.table.is_some();
+        Ok(Choice {
+            written: match last.chosen.iter().any(is_written) {
+                true => ModelKind::WithEffect,
+                false => ModelKind::Refitted,
+            },
+            fit: last,
+            baselines: Vec::new(),
+            withheld: Vec::new(),
+        })
+    }
+
     fn describe(
         &mut self,
         base: &Fit,
@@ -272,7 +302,10 @@ impl Evidence for Experiments<'_> {
             decides: c.decides.clone(),
         });
         let sessions = members(rows.iter().map(|row| row.session.as_str())).len();
-        let laws = last.chosen.iter().map(|c| formula(&setting.candidates[*c]));
+        let laws = last
+            .chosen
+            .iter()
+            .map(|c| setting.candidates[*c].act.law.clone());
         Ok(Description {
             report: Report {
                 data: "friction experiments".to_owned(),
@@ -293,8 +326,11 @@ impl Evidence for Experiments<'_> {
                 self.of_base(base)
             ),
             next_after_nothing: format!(
-                "each specimen measured again in {} more sessions at two pressures, which would halve the smallest sizes that can be found; the {} rows have {} degrees of freedom",
-                3 * sessions,
+                "each specimen measured again in {} at two pressures, which would halve the smallest sizes that can be found; the {} rows have {} degrees of freedom",
+                match sessions == rows.len() {
+                    true => "three more sessions, stated in a column session".to_owned(),
+                    false => format!("{} more sessions", 3 * sessions),
+                },
                 self.rows(),
                 base.freedom()
             ),
@@ -303,16 +339,6 @@ impl Evidence for Experiments<'_> {
             ..Description::default()
         })
     }
-}
-
-/// The formula of a law of a column in the next model.
-fn formula(candidate: &Candidate<FrictionChange>) -> Option<String> {
-    let table = candidate
-        .act
-        .table
-        .as_ref()
-        .filter(|_| candidate.is_column())?;
-    Some(table.get("expression")?.as_str()?.to_owned())
 }
 
 /// Searches an `experiments.csv`.

@@ -1,7 +1,5 @@
 //! Weighted least squares of mu by the base law and selected effects.
 
-use std::collections::BTreeMap;
-
 use nalgebra::{DMatrix, DVector};
 
 use crate::evidence::experiments::base::Base;
@@ -21,34 +19,82 @@ pub struct Setting {
     /// Effects of the model.
     pub known: ModelEffects,
     pub base: Base,
-    /// Standard deviation of mu between specimens, in addition to that of the rows.
-    pub between: f64,
+    pub between: Between,
 }
 
-/// Whitening of rows whose specimens have random offsets.
+/// Standard deviations of mu between specimens and between sessions, in addition to that of the
+/// rows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Between {
+    pub specimens: f64,
+    pub sessions: f64,
+}
+
+impl Between {
+    pub fn both(&self) -> f64 {
+        self.specimens.hypot(self.sessions)
+    }
+}
+
+/// Whitening of rows whose specimens and sessions have random offsets.
 ///
 /// With sd_i the standard deviation of row i and s that between specimens, the covariance of a
 /// specimen's rows is `diag(sd^2) + s^2 1 1'`. With `a = s / sd`, its inverse root is
 ///
 /// ```text
-/// (1 - (1 - 1 / sqrt(1 + |a|^2)) a a' / |a|^2) diag(1 / sd)
+/// R = (1 - (1 - 1 / sqrt(1 + |a|^2)) a a' / |a|^2) diag(1 / sd)
+/// ```
+///
+/// With g the standard deviation between sessions, Z their indicators and `g^2 R Z Z' R' = U L U'`,
+/// that of all rows is
+///
+/// ```text
+/// (1 - U (1 - 1 / sqrt(1 + L)) U') R
 /// ```
 #[derive(Clone)]
 pub struct Whitening {
     weights: Vec<f64>,
     /// Rows of each specimen, with a.
     specimens: Vec<(Vec<usize>, Vec<f64>)>,
+    /// U.
+    directions: DMatrix<f64>,
+    /// L.
+    variances: DVector<f64>,
 }
 
 impl Whitening {
-    fn new(specimens: &[Vec<usize>], weights: Vec<f64>, between: f64) -> Self {
-        let specimens = specimens.iter().map(|own| {
-            let a = own.iter().map(|i| between * weights[*i]).collect();
-            (own.clone(), a)
+    fn new(groups: &Groups, weights: Vec<f64>, between: Between) -> Self {
+        let n = weights.len();
+        let specimens = groups.specimens.iter().filter(|_| between.specimens > 0.0);
+        let specimens = specimens.map(|own| {
+            let a = own.iter().map(|i| between.specimens * weights[*i]);
+            (own.clone(), a.collect())
         });
-        Self {
+        let by_specimen = Self {
             specimens: specimens.collect(),
             weights,
+            directions: DMatrix::zeros(n, 0),
+            variances: DVector::zeros(0),
+        };
+        if between.sessions == 0.0 {
+            return by_specimen;
+        }
+        let mut offsets = DMatrix::zeros(n, groups.sessions.len());
+        for (s, own) in groups.sessions.iter().enumerate() {
+            let mut offset = DVector::zeros(n);
+            own.iter().for_each(|i| offset[*i] = between.sessions);
+            offsets.set_column(s, &by_specimen.apply(&offset));
+        }
+        let eigen = offsets.tr_mul(&offsets).symmetric_eigen();
+        let mut directions = offsets * eigen.eigenvectors;
+        let variances = eigen.eigenvalues.map(|variance| variance.max(1e-300));
+        for (mut direction, variance) in directions.column_iter_mut().zip(&variances) {
+            direction /= variance.sqrt();
+        }
+        Self {
+            directions,
+            variances,
+            ..by_specimen
         }
     }
 
@@ -61,18 +107,37 @@ impl Whitening {
             let share = (1.0 - 1.0 / (1.0 + norm).sqrt()) * along / norm;
             own.iter().zip(a).for_each(|(i, a)| white[*i] -= share * a);
         }
-        white
+        let shares = self.variances.map(|l| 1.0 - 1.0 / (1.0 + l).sqrt());
+        let along = self.directions.tr_mul(&white).component_mul(&shares);
+        white - &self.directions * along
     }
 
     /// Logarithm of the covariance's determinant.
     fn log_determinant(&self) -> f64 {
         let rows: f64 = self.weights.iter().map(|w| -2.0 * w.ln()).sum();
-        let of_specimen = |a: &Vec<f64>| a.iter().map(|a| a * a).sum::<f64>().ln_1p();
-        rows + self
-            .specimens
-            .iter()
-            .map(|(_, a)| of_specimen(a))
-            .sum::<f64>()
+        let of_specimen = |(_, a): &(Vec<usize>, Vec<f64>)| a.iter().map(|a| a * a).sum::<f64>();
+        let variances = self.specimens.iter().map(of_specimen);
+        let variances = variances.chain(self.variances.iter().copied());
+        rows + variances.map(f64::ln_1p).sum::<f64>()
+    }
+}
+
+/// Rows of each specimen and of each session.
+struct Groups {
+    specimens: Vec<Vec<usize>>,
+    sessions: Vec<Vec<usize>>,
+}
+
+impl Groups {
+    fn of(rows: &[Row]) -> Self {
+        let of = |name: fn(&Row) -> &String| {
+            let members = members(rows.iter().map(|row| name(row).as_str()));
+            members.into_values().collect()
+        };
+        Self {
+            specimens: of(|row| &row.name),
+            sessions: of(|row| &row.session),
+        }
     }
 }
 
@@ -130,9 +195,9 @@ impl Fit {
         Amount::of(candidate, value, error)
     }
 
-    /// Standard deviation of mu of a row: measurement, pressure and specimen.
+    /// Standard deviation of mu of a row: measurement, pressure, specimen and session.
     pub fn deviation(&self, setting: &Setting, row: &Row) -> f64 {
-        deviation(row, &self.step, setting.base).hypot(setting.between)
+        deviation(row, &self.step, setting.base).hypot(setting.between.both())
     }
 
     /// Root mean square of the residual of these rows.
@@ -162,12 +227,7 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
     let base = setting.base;
     let n = rows.len();
     let m = base.len() + chosen.len();
-    let specimens: Vec<Vec<usize>> = match setting.between > 0.0 {
-        true => members(rows.iter().map(|row| row.name.as_str())),
-        false => BTreeMap::new(),
-    }
-    .into_values()
-    .collect();
+    let groups = Groups::of(rows);
     let mut step = DVector::zeros(m);
     let mut fit = None;
     for round in 0..ROUNDS {
@@ -195,7 +255,7 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
             }
         }
         let weights = rows.iter().map(|row| 1.0 / deviation(row, &step, base));
-        let whitening = Whitening::new(&specimens, weights.collect(), setting.between);
+        let whitening = Whitening::new(&groups, weights.collect(), setting.between);
         let (plain_columns, plain_y) = (columns.clone(), y.clone());
         for k in 0..m {
             let white = whitening.apply(&columns.column(k).into_owned());
@@ -229,35 +289,56 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
     fit.expect("at least one iteration")
 }
 
-/// Restricted maximum likelihood estimate of the standard deviation of mu between specimens; 0 if
-/// fewer than three specimens were measured or almost none repeatedly.
-pub fn between_specimens(setting: &Setting, rows: &[Row]) -> f64 {
+/// Restricted maximum likelihood estimates of the standard deviations of mu between specimens and
+/// between sessions, given these candidates.
+///
+/// 0 for fewer than three groups, and where almost none was measured repeatedly.
+pub fn between(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Between {
     /// Largest deviation tried, in units of the rows' own, and number of trials.
     const LARGEST: f64 = 10.0;
     const TRIED: i32 = 60;
-    let mut names: Vec<&str> = rows.iter().map(|row| row.name.as_str()).collect();
-    names.sort_unstable();
-    names.dedup();
-    if names.len() < 3 || rows.len() < names.len() + 3 {
-        return 0.0;
-    }
+    /// Most sessions: a matrix of their number of columns is diagonalised in every fit.
+    const MOST: usize = 200;
+    /// Estimates of each deviation given the other.
+    const ROUNDS: usize = 2;
+    let groups = Groups::of(rows);
+    let repeats = |groups: &[Vec<usize>]| groups.len() >= 3 && rows.len() >= groups.len() + 3;
     let own = rows.iter().map(|row| row.mu_sd).sum::<f64>() / rows.len() as f64;
-    let cost = |between: f64| {
+    let cost = |between: Between| {
         let setting = Setting {
-            candidates: Vec::new(),
+            candidates: setting.candidates.clone(),
             known: setting.known.clone(),
             base: setting.base,
             between,
         };
-        let fit = fit(&setting, rows, &[]);
+        let fit = fit(&setting, rows, chosen);
         let information = fit.columns.tr_mul(&fit.columns).determinant().max(1e-300);
         fit.chi2 + fit.whitening.log_determinant() + information.ln()
     };
-    let tried = (0..=TRIED).map(|k| own * LARGEST * (f64::from(k) / f64::from(TRIED)).powi(2));
-    let costs = tried.map(|between| (cost(between), between));
-    costs
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map_or(0.0, |(_, between)| between)
+    let least = |with: &dyn Fn(f64) -> Between| {
+        let tried = (0..=TRIED).map(|k| own * LARGEST * (f64::from(k) / f64::from(TRIED)).powi(2));
+        let costs = tried.map(|sd| (cost(with(sd)), with(sd)));
+        let least = costs.min_by(|a, b| a.0.total_cmp(&b.0));
+        least.map_or(with(0.0), |(_, between)| between)
+    };
+    let mut between = Between::default();
+    for _ in 0..ROUNDS {
+        if repeats(&groups.sessions) && groups.sessions.len() <= MOST {
+            let specimens = between.specimens;
+            between = least(&|sessions| Between {
+                specimens,
+                sessions,
+            });
+        }
+        if repeats(&groups.specimens) {
+            let sessions = between.sessions;
+            between = least(&|specimens| Between {
+                specimens,
+                sessions,
+            });
+        }
+    }
+    between
 }
 
 #[cfg(test)]
@@ -268,22 +349,26 @@ mod tests {
     use crate::input::table::Table;
     use crate::null::random::{normal, stream};
 
-    /// Ten specimens of six rows, with a scatter of 0.1e-3 and `between` specimens.
-    fn rows(between: f64) -> Vec<Row> {
+    /// Ten specimens of six rows in as many sessions, with a scatter of 0.1e-3, `between` specimens
+    /// and `by_day` between sessions.
+    fn rows(between: f64, by_day: f64) -> Vec<Row> {
         let mut rng = stream(3, 3, 3);
-        let mut text = String::from("specimen,p_max_pa,p_max_sd_pa,mu,mu_sd\n");
+        let days: Vec<f64> = (0..6).map(|_| by_day * normal(&mut rng)).collect();
+        let mut text = String::from("specimen,session,p_max_pa,p_max_sd_pa,mu,mu_sd\n");
         for specimen in 0..10 {
             let offset = between * normal(&mut rng);
-            for k in 0..6 {
-                let mu = 4e-3 + offset + 1e-4 * normal(&mut rng);
-                let pressure = 8e6 + 1e5 * f64::from(specimen + 10 * k);
-                text += &format!("s{specimen},{pressure},1e3,{mu:.8},1e-4\n");
+            for (k, day) in days.iter().enumerate() {
+                let mu = 4e-3 + offset + day + 1e-4 * normal(&mut rng);
+                let pressure = 8e6 + 1e5 * f64::from(specimen + 10 * k as i32);
+                text += &format!("s{specimen},d{k},{pressure},1e3,{mu:.8},1e-4\n");
             }
         }
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("experiments.csv");
         std::fs::write(&path, text).unwrap();
-        crate::evidence::experiments::rows::read(&Table::read(&path).unwrap(), 0.0).unwrap()
+        crate::evidence::experiments::rows::read(&Table::read(&path).unwrap(), 0.0)
+            .unwrap()
+            .0
     }
 
     fn setting(rows: &[Row]) -> Setting {
@@ -298,35 +383,69 @@ mod tests {
                 .unwrap()
                 .0,
             base: Base::Fixed,
-            between: 0.0,
+            between: Between::default(),
         };
-        setting.between = between_specimens(&setting, rows);
+        setting.between = between(&setting, rows, &[]);
         setting
     }
 
     /// The mean of ten specimens has a tenth of their variance.
     #[test]
     fn different_specimens_widen_the_error_of_their_mean() {
-        let rows = rows(5e-4);
+        let rows = rows(5e-4, 0.0);
         let setting = setting(&rows);
-        assert!(
-            (3e-4..8e-4).contains(&setting.between),
-            "{}",
-            setting.between
-        );
+        let Between {
+            specimens,
+            sessions,
+        } = setting.between;
+        assert!((3e-4..8e-4).contains(&specimens), "{specimens}");
+        assert!(sessions < 0.6e-4, "{sessions}");
         let fit = fit(&setting, &rows, &[]);
-        let expected = (setting.between.powi(2) / 10.0 + 1e-8 / 60.0).sqrt();
-        assert!(
-            (fit.errors[0] / expected - 1.0).abs() < 0.2,
-            "{}",
-            fit.errors[0]
-        );
+        let expected = (specimens.powi(2) / 10.0 + 1e-8 / 60.0).sqrt();
+        let ratio = fit.errors[0] / expected;
+        assert!((ratio - 1.0).abs() < 0.2, "{ratio}");
         assert!((0.5..1.6).contains(&(fit.chi2 / 59.0)), "{}", fit.chi2);
     }
 
     #[test]
     fn equal_specimens_have_no_variance_between_them() {
-        let setting = setting(&rows(0.0));
-        assert!(setting.between < 0.6e-4, "{}", setting.between);
+        let setting = setting(&rows(0.0, 0.0));
+        assert!(setting.between.both() < 0.8e-4, "{:?}", setting.between);
+    }
+
+    /// Against the covariance written out: `R' R` is its inverse.
+    #[test]
+    fn specimens_and_sessions_are_whitened_together() {
+        let rows = rows(5e-4, 4e-4);
+        let setting = setting(&rows);
+        let Between {
+            specimens,
+            sessions,
+        } = setting.between;
+        assert!((2e-4..8e-4).contains(&sessions), "{sessions}");
+        let whitening = fit(&setting, &rows, &[]).whitening;
+        let same = |same: bool, sd: f64| if same { sd * sd } else { 0.0 };
+        let covariance = DMatrix::from_fn(60, 60, |i, k| {
+            let [a, b] = [&rows[i], &rows[k]];
+            same(i == k, 1.0 / whitening.weights[i])
+                + same(a.name == b.name, specimens)
+                + same(a.session == b.session, sessions)
+        });
+        let unit = DMatrix::<f64>::identity(60, 60);
+        let mut root = unit.clone();
+        for k in 0..60 {
+            root.set_column(k, &whitening.apply(&unit.column(k).into_owned()));
+        }
+        let found = root.tr_mul(&root) * &covariance;
+        assert!((found - &unit).amax() < 1e-9);
+        let log: f64 = 2.0
+            * covariance
+                .cholesky()
+                .unwrap()
+                .l()
+                .diagonal()
+                .map(f64::ln)
+                .sum();
+        assert!((whitening.log_determinant() - log).abs() < 1e-9);
     }
 }

@@ -30,6 +30,9 @@ pub struct Row {
     pub columns: BTreeMap<String, f64>,
 }
 
+/// Names of effects and laws that cannot be tested, with the reason.
+pub type Untestable = Vec<(String, String)>;
+
 /// Name of the column of row numbers, which represents drift.
 pub const ORDER: &str = "row";
 
@@ -43,12 +46,13 @@ const KNOWN: [&str; 6] = [
     "mu_sd",
 ];
 
-/// Reads the rows; `drag_area` [m2] is the model's.
+/// Reads the rows, and the laws of columns that are not all numbers with the reason; `drag_area`
+/// [m2] is the model's.
 ///
 /// # Errors
 /// [`Error::MissingColumn`], [`Error::Cell`] with row and column; [`Error::Duplicate`] for a row
 /// that repeats another one under another name.
-pub fn read(table: &Table, drag_area: f64) -> Result<Vec<Row>, Error> {
+pub fn read(table: &Table, drag_area: f64) -> Result<(Vec<Row>, Untestable), Error> {
     let names = table.texts("specimen")?;
     let pressure = table.numbers("p_max_pa", 1e4, 1e11)?;
     let pressure_sd = table.numbers("p_max_sd_pa", 0.0, 1e10)?;
@@ -72,15 +76,26 @@ pub fn read(table: &Table, drag_area: f64) -> Result<Vec<Row>, Error> {
     let width = column("contact_width_m", 1e-7, 1.0)?;
     let roughness = column("roughness_m", 0.0, 1e-4)?;
     let (time, place) = (column("t_s", 0.0, 1e6)?, column("s_m", -1e6, 1e6)?);
-    let mut further = Vec::new();
+    let (mut further, mut unreadable) = (Vec::new(), Vec::new());
     for name in &table.header {
         if KNOWN.contains(&name.as_str()) {
             continue;
         }
-        // Text columns are ignored; an invalid number in a numeric column is an error.
-        let numbers = table.texts(name)?;
-        if numbers.iter().any(|text| text.parse::<f64>().is_ok()) {
-            further.push((name.clone(), table.numbers(name, f64::MIN, f64::MAX)?));
+        let texts = table.texts(name)?;
+        let number = |text: &String| text.parse::<f64>().ok().filter(|x| x.is_finite());
+        let numbers: Vec<Option<f64>> = texts.iter().map(number).collect();
+        match numbers.iter().position(Option::is_none) {
+            None => further.push((name.clone(), numbers.into_iter().flatten().collect())),
+            // A column without any number is a text.
+            Some(row) if numbers.iter().any(Option::is_some) => unreadable.push((
+                format!("unknown:{name}"),
+                format!(
+                    "needs a number in every row; row {} has {:?}",
+                    row + 2,
+                    texts[row]
+                ),
+            )),
+            Some(_) => {}
         }
     }
     further.push((
@@ -119,10 +134,10 @@ pub fn read(table: &Table, drag_area: f64) -> Result<Vec<Row>, Error> {
             },
         },
         columns: (further.iter())
-            .map(|(name, values)| (name.clone(), values[i]))
+            .map(|(name, values): &(String, Vec<f64>)| (name.clone(), values[i]))
             .collect(),
     };
-    Ok((0..names.len()).map(row).collect())
+    Ok(((0..names.len()).map(row).collect(), unreadable))
 }
 
 /// All further numeric columns, by name.

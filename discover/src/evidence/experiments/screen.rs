@@ -34,7 +34,8 @@ pub struct Score {
     pub size: f64,
     /// Its standard error, with deviations as stated.
     pub error: f64,
-    /// The larger of the max-T p-values by permutation and by simulated tables.
+    /// Max-T p-value by permutation of sessions for a candidate that differs mainly between them,
+    /// else the larger of those by permutation of rows and by simulated tables.
     pub p_value: f64,
     remaining_share: f64,
     /// Whether its size is within its bounds, and enough of it remains after a refit of the base.
@@ -123,17 +124,24 @@ pub fn screen_table<'a>(
         .contains(&true)
         .then(|| units.by_sessions(&by_session, rows, &now.rest, options));
     let specimens = members(rows.iter().map(|row| row.name.as_str()));
+    let sessions = members(rows.iter().map(|row| row.session.as_str()));
+    let offsets = [
+        (specimens, setting.between.specimens),
+        (sessions, setting.between.sessions),
+    ];
     let simulated = MaxT::drawn(options.twins.max(FEWEST_TABLES) as usize, |k| {
         let mut rng = stream(options.seed, 0x7A17, k);
         let mut drawn = rows.to_vec();
-        for own in specimens.values() {
-            let offset = setting.between * normal(&mut rng);
-            own.iter().for_each(|i| drawn[*i].mu = offset);
-        }
         for (drawn, row) in drawn.iter_mut().zip(rows) {
             let (_, mu) = now.predict(setting, row);
-            drawn.mu = mu + drawn.mu + row.mu_sd * normal(&mut rng);
+            drawn.mu = mu + row.mu_sd * normal(&mut rng);
             drawn.pressure = row.pressure + row.pressure_sd * normal(&mut rng);
+        }
+        for (groups, sd) in offsets.iter().filter(|(_, sd)| *sd > 0.0) {
+            for own in groups.values() {
+                let offset = sd * normal(&mut rng);
+                own.iter().for_each(|i| drawn[*i].mu += offset);
+            }
         }
         let rest = fit(setting, &drawn, &now.chosen).rest;
         let products = units.products(rest.iter().copied());
@@ -143,14 +151,18 @@ pub fn screen_table<'a>(
     let score = |(c, free): (usize, DVector<f64>)| {
         let candidate = &candidates[c];
         let t = units.t(products[c], now.rest.norm_squared());
-        let null = permuted_sessions.as_ref().filter(|_| by_session[c]);
-        let by_permutation = null.unwrap_or(&permuted).p_value(t);
+        let p_value = match permuted_sessions.as_ref().filter(|_| by_session[c]) {
+            Some(sessions) => sessions.p_value(t),
+            None => permuted
+                .p_value(t)
+                .max(gumbel_tail(&simulated.maxima, t.abs())),
+        };
         let size = free.dot(&now.rest) / free.norm_squared().max(1e-300) * candidate.typical;
         Score {
             t,
             size,
             error: 1.0 / free.norm().max(1e-300) * candidate.typical,
-            p_value: by_permutation.max(gumbel_tail(&simulated.maxima, t.abs())),
+            p_value,
             remaining_share: share(c),
             is_admissible: is_judged(c) && candidate.admits(size),
             free,

@@ -36,8 +36,8 @@ use crate::finding::{ChannelGap, Fitted, Interval, Report, Step, Tolerated, fitt
 use crate::options::Options;
 use crate::procedure::closed::{ClosedGap, change};
 use crate::procedure::evidence::{
-    Account, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, SUPERFLUOUS, Screen,
-    Selection,
+    Account, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, NO_SIZE, SUPERFLUOUS,
+    Screen, Selection,
 };
 use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::search::{Found, search_evidence};
@@ -136,6 +136,14 @@ impl<'a> Maps<'a> {
             ));
             account.steps.clear();
             return Ok(self.start.clone());
+        }
+        let has_no_size = |p: &Vec<Fitted>| p[0].low <= 0.0 && p[0].high >= 0.0;
+        while let Some(k) = self.parameters(&fit).iter().position(has_no_size) {
+            account.remove_step(k, NO_SIZE);
+            fit = match account.steps.is_empty() {
+                true => self.start.clone(),
+                false => self.without(&fit, k)?,
+            };
         }
         let mut k = 0;
         while fit.active.len() > 1 && k < fit.active.len() {
@@ -326,7 +334,12 @@ impl Evidence for Maps<'_> {
             return Ok(None);
         }
         let of = |fit: &MapFit| self.held_out.reporting(&fit.active);
-        let falls = of(from)?.falls(&of(to)?, PIECES);
+        let (before, after) = (of(from)?, of(to)?);
+        // Relative to its errors and in Pa.
+        let falls = match after.rms < before.rms {
+            true => before.falls(&after, PIECES),
+            false => vec![0.0; PIECES],
+        };
         Ok(Decrease::over(&falls, 0.0))
     }
 

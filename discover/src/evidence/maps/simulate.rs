@@ -16,6 +16,10 @@ use crate::evidence::maps::sample::SolvedPressure;
 use crate::evidence::maps::sized::SizedEffects;
 use crate::procedure::rules::MapRules;
 
+/// Standard deviations of its noise above which a pixel is in contact, wherever the simulation has
+/// none: none of a million by chance.
+const BEYOND_NOISE: f64 = 5.0;
+
 /// Solution of a row before the sensor: the pressure of a row with a map, or the peak alone.
 enum Simulated {
     Pressure(SolvedPressure),
@@ -41,8 +45,8 @@ pub struct Misfit {
     pub chi2: f64,
     /// chi2 of each row.
     pub by_row: Vec<f64>,
-    /// Its part at the pixels in contact. Around them is noise alone, on as many pixels as the film
-    /// is large.
+    /// Its part at the pixels in contact, simulated or measured. Around them is noise alone, on as
+    /// many pixels as the film is large.
     pub in_contact: f64,
     /// Number of independent values in contact.
     pub count: f64,
@@ -300,21 +304,22 @@ fn compare(
         (own.spread[0] / like.spread[0]).ln(),
         (own.spread[1] / like.spread[1]).ln(),
     ]);
+    let as_one = patch(measured, rules);
     let mut touched = 0.0;
     let pairs = measured.pressure.iter().zip(&map.pressure);
     for ((m, s), weight) in pairs.zip(weights) {
-        out.rms += (m - s).powi(2);
         out.rest.push((m - s) * weight);
         out.size += (s * weight).powi(2);
-        if *s > 0.0 {
+        if *s > 0.0 || m * weight * as_one.sqrt() > BEYOND_NOISE {
             touched += 1.0;
+            out.rms += (m - s).powi(2);
             out.in_contact += ((m - s) * weight).powi(2);
         }
     }
     // The prior's part of the sum of squares.
     out.rest.extend(simulated.z);
-    out.count += touched / patch(measured, rules);
-    f64::max(touched, 1.0)
+    out.count += touched / as_one;
+    touched
 }
 
 #[cfg(test)]

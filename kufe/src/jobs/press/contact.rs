@@ -348,7 +348,7 @@ fn best(
 fn above_ice_strength(problem: &Problem, solution: &Solution) -> Option<String> {
     (problem.ice.hardness.is_none() && solution.p_max > ICE_GIVES_WAY).then(|| {
         format!(
-            "the peak of {} is above the 10-30 MPa that ice bears near 0 °C: read this linear elastic answer \
+            "the peak of {} is above 10 MPa, from which on ice near 0 °C yields (10-30 MPa): read this linear elastic answer \
              as a pressure test of the runner, or bound the pressure with ice.hardness_pa",
             quantity(solution.p_max, "Pa")
         )

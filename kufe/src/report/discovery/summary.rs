@@ -62,8 +62,10 @@ fn notes(report: &Report) -> Vec<(&'static str, String)> {
         );
         notes.push(("Not written", text));
     }
-    if let (Some(friction), true) = (report.base.first(), report.written != ModelKind::AsGiven) {
-        notes.push(("Base in the next model", size(friction)));
+    let friction = report.base.iter().filter(|one| one.unit != "N/rad");
+    let friction: Vec<String> = friction.map(size).collect();
+    if !friction.is_empty() && report.written != ModelKind::AsGiven {
+        notes.push(("Base in the next model", friction.join(", ")));
     }
     for parameter in &report.implausible {
         let text = format!(

@@ -26,6 +26,15 @@ pub fn deviations(map: &Map, p_max: f64, rules: &MapRules) -> Vec<f64> {
     pixels(map).map(of_pixel).collect()
 }
 
+/// Whether no pressure of a map exceeds that of its outermost pixels, or its sum is not positive.
+pub fn is_blank(map: &Map) -> bool {
+    /// Rounding of a constant map.
+    const ROUNDING: f64 = 1.0 + 1e-6;
+    let largest = three_by_three(map).into_iter().fold(0.0, f64::max);
+    let sum: f64 = map.pressure.iter().sum();
+    sum <= 0.0 || largest <= ROUNDING * far_noise(map)
+}
+
 /// Indices of all pixels along and across.
 fn pixels(map: &Map) -> impl Iterator<Item = (usize, usize)> {
     let nx = map.nx;

@@ -7,7 +7,7 @@ use kufe::case::effects::{CATALOGUE, Map};
 use kufe_contact::{Load, Problem};
 
 use crate::error::Error;
-use crate::evidence::maps::measured::noise::deviations;
+use crate::evidence::maps::measured::noise::{deviations, is_blank};
 use crate::evidence::maps::registration::FilmTolerance;
 use crate::evidence::maps::sized::SizedEffects;
 use crate::input::exr_map::read_map;
@@ -114,6 +114,17 @@ impl Measured {
                 true => None,
                 false => Some(read_map(&folder.join(&maps[i]))?),
             };
+            if map.as_ref().is_some_and(is_blank) {
+                return Err(Error::Cell {
+                    file: table.file.clone(),
+                    row: i as u64 + 2,
+                    column: "map".to_owned(),
+                    found: maps[i].clone(),
+                    expected:
+                        "a map with more pressure in the contact than at its outermost pixels"
+                            .to_owned(),
+                });
+            }
             let is_copy = |k: &usize| {
                 (map.is_some() && rows[*k].map == map) || table.rows[*k] == table.rows[i]
             };

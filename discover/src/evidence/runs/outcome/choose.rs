@@ -27,9 +27,8 @@ use crate::evidence::runs::model::residual_model::{
 };
 use crate::evidence::runs::outcome::misfit_decrease::with_whole_side;
 use crate::evidence::runs::outcome::replays::Squares;
-use crate::evidence::runs::outcome::superfluous::NO_SIZE;
 use crate::finding::{Baseline, Fitted, ModelKind, Rival, Withheld};
-use crate::procedure::evidence::{Account, Choice, Evidence};
+use crate::procedure::evidence::{Account, Choice, Evidence, NO_SIZE};
 use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::rules::SearchRules;
 use crate::procedure::shared_effects::{Amount, SharesEffects};

@@ -4,10 +4,7 @@ use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, RunFit, UnwrittenEffect};
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::finding::Step;
-use crate::procedure::evidence::Account;
-
-/// Why such an effect is removed.
-pub const NO_SIZE: &str = "had an interval that contains 0";
+use crate::procedure::evidence::{Account, NO_SIZE};
 
 impl Campaign<'_> {
     /// The fit with the steps that are significant given the others, with final estimates.
