@@ -154,6 +154,37 @@ fn time_steps_converge_with_order_four() {
     assert!(real_time < 1e-6, "1 kHz differs from 4 kHz by {real_time}");
 }
 
+/// A short sled of little yaw inertia answers within less than a step of 1 ms.
+#[test]
+fn a_stiff_sled_is_driven_in_smaller_steps() {
+    let track = sample_track("west");
+    let mut stiff = vehicle();
+    stiff.sled.j_zz_kgm2 = 1.0;
+    let drive = |step_s: f64| {
+        let options = SimulateOptions {
+            step_s,
+            start_speed_mps: 3.0,
+            ..SimulateOptions::default()
+        };
+        driven(&stiff, &track, &options)
+    };
+    let [usual, fine] = [1e-3, 5e-5].map(drive);
+    let times = [&usual, &fine].map(|run| run.instants.last().unwrap().state.t_s);
+    assert!((times[0] - times[1]).abs() < 0.003, "{times:?}");
+    let slip = |run: &Simulated| {
+        let slips = run.instants.iter().map(|at| at.state.alpha_r_rad.abs());
+        slips.fold(0.0, f64::max)
+    };
+    let slips = [&usual, &fine].map(slip);
+    assert!((slips[0] / slips[1] - 1.0).abs() < 0.01, "{slips:?}");
+    // No step is small enough for less inertia still.
+    stiff.sled.j_zz_kgm2 = 1e-3;
+    let options = SimulateOptions::default();
+    let driver = Driver::of_skill(0.9);
+    let error = simulate(&stiff, &TrackShape::new(&track), &driver, &options).unwrap_err();
+    assert!(error.to_string().contains("no step of"), "{error}");
+}
+
 #[test]
 fn the_same_seed_gives_the_same_bits_and_another_seed_another_run() {
     let track = sample_track("west");
