@@ -44,12 +44,12 @@ function stage(label) {
     for (const mark of overlay.children) {
       const at = new THREE.Vector3(...mark.place).project(camera);
       const x = (at.x + 1) / 2 * width, y = (1 - at.y) / 2 * height;
-      const hidden = at.z > 1 || x < 0 || x > width || y < 0 || y > height;
+      // What is hidden has no width.
+      mark.hidden = at.z > 1 || x < 0 || x > width || y < 0 || y > height;
       // A label stays whole at the edge of the view.
       const half = [0.5 * mark.offsetWidth, 0.5 * mark.offsetHeight];
       const inside = [Math.min(Math.max(x, half[0]), width - half[0]), Math.min(Math.max(y, half[1]), height - half[1])];
       mark.style.transform = `translate(-50%, -50%) translate(${inside[0].toFixed(1)}px, ${inside[1].toFixed(1)}px)`;
-      mark.hidden = hidden;
     }
   }
   const ask = () => { frame ||= requestAnimationFrame(render); };

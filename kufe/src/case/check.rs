@@ -178,6 +178,14 @@ fn ice_contradiction(case: &Case) -> Option<&'static str> {
         Some("ice.hardness_pa: \"from-temperature\" needs temperature_c")
     } else if ice.waviness.is_some() && ice.surface.is_some() {
         Some("ice.surface: either waviness or surface, not both")
+    } else if ice
+        .waviness
+        .as_ref()
+        .is_some_and(|waves| std::f64::consts::TAU * waves.amplitude_m.abs() > waves.wavelength_m)
+    {
+        Some(
+            "ice.waviness.amplitude_m: waves with slopes, 2 pi amplitude_m / wavelength_m, of at most 1",
+        )
     } else {
         None
     }
