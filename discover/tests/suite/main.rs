@@ -7,5 +7,6 @@ mod hidden_effects;
 mod misaligned;
 mod next_runs;
 mod real_data;
+mod sessions;
 mod trajectory;
 mod walls;

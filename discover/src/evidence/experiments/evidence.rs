@@ -17,7 +17,7 @@ use crate::error::Error;
 use crate::evidence::experiments::base::Base;
 use crate::evidence::experiments::bins::bins;
 use crate::evidence::experiments::candidates::{FrictionChange, list};
-use crate::evidence::experiments::fit::{Between, Fit, Setting, between, fit};
+use crate::evidence::experiments::fit::{Between, Fit, Offsets, Setting, between, fit};
 use crate::evidence::experiments::known::ModelEffects;
 use crate::evidence::experiments::pictures::pictures;
 use crate::evidence::experiments::rows::{Row, Untestable, read, set_films};
@@ -244,15 +244,31 @@ impl Evidence for Experiments<'_> {
     }
 
     fn misfit_decrease(&self, from: &Fit, to: &Fit) -> Result<Option<Decrease>, Error> {
+        let setting = &self.setting;
+        let offsets = [from, to].map(|fit| fit.offsets(setting, &self.training));
+        // An effect within sessions and specimens shows given their offsets, one between them in
+        // rows without.
         let fall = |row: &Row| {
-            let square = |of: &Fit| {
-                let residual = row.mu - of.predict(&self.setting, row).1;
-                (residual / from.deviation(&self.setting, row)).powi(2)
+            let squares = |of: &Fit, offsets: &Offsets| {
+                let residual = row.mu - of.predict(setting, row).1;
+                let given = (residual - offsets.of(row)) / from.own_deviation(setting, row);
+                let alone = residual / from.deviation(setting, row);
+                [given, alone].map(|r| r * r)
             };
-            square(from) - square(to)
+            let [before, after] = [squares(from, &offsets[0]), squares(to, &offsets[1])];
+            [before[0] - after[0], before[1] - after[1]]
         };
-        let falls: Vec<f64> = self.held_out.iter().map(fall).collect();
-        Ok(Decrease::over(&falls, 0.0))
+        let [falls, learned] =
+            [&self.held_out, &self.training].map(|rows| rows.iter().map(fall).collect::<Vec<_>>());
+        if setting.between.both() == 0.0 {
+            let falls: Vec<f64> = falls.iter().map(|fall| fall[1]).collect();
+            return Ok(Decrease::over(&falls, 0.0));
+        }
+        Ok(Decrease::over_channels(
+            ["mu given specimen and session", "mu"],
+            &falls,
+            &learned,
+        ))
     }
 
     fn open(

@@ -1,5 +1,7 @@
 //! Weighted least squares of mu by the base law and selected effects.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{DMatrix, DVector};
 
 use crate::evidence::experiments::base::Base;
@@ -100,13 +102,28 @@ impl Whitening {
 
     /// Whitens a value per row.
     pub fn apply(&self, values: &DVector<f64>) -> DVector<f64> {
-        let mut white = DVector::from_fn(values.len(), |i, _| values[i] * self.weights[i]);
+        let weights = DVector::from_column_slice(&self.weights);
+        self.without_sessions(self.without_specimens(values.component_mul(&weights)))
+    }
+
+    /// The transpose of [`apply`](Self::apply).
+    fn apply_transpose(&self, values: &DVector<f64>) -> DVector<f64> {
+        let weights = DVector::from_column_slice(&self.weights);
+        let white = self.without_specimens(self.without_sessions(values.clone()));
+        white.component_mul(&weights)
+    }
+
+    fn without_specimens(&self, mut white: DVector<f64>) -> DVector<f64> {
         for (own, a) in &self.specimens {
             let norm = a.iter().map(|a| a * a).sum::<f64>();
             let along: f64 = own.iter().zip(a).map(|(i, a)| a * white[*i]).sum();
             let share = (1.0 - 1.0 / (1.0 + norm).sqrt()) * along / norm;
             own.iter().zip(a).for_each(|(i, a)| white[*i] -= share * a);
         }
+        white
+    }
+
+    fn without_sessions(&self, white: DVector<f64>) -> DVector<f64> {
         let shares = self.variances.map(|l| 1.0 - 1.0 / (1.0 + l).sqrt());
         let along = self.directions.tr_mul(&white).component_mul(&shares);
         white - &self.directions * along
@@ -159,7 +176,38 @@ pub struct Fit {
     pub whitening: Whitening,
 }
 
+/// Predicted offsets of specimens and of sessions: with r the residual and V its covariance, those
+/// of sessions of a standard deviation g are `g^2 Z' inv(V) r`.
+pub struct Offsets<'a>([BTreeMap<&'a str, f64>; 2]);
+
+impl Offsets<'_> {
+    /// The offset of mu of a row; 0 for unknown specimens and sessions.
+    pub fn of(&self, row: &Row) -> f64 {
+        let [specimens, sessions] = &self.0;
+        let known = [
+            specimens.get(row.name.as_str()),
+            sessions.get(row.session.as_str()),
+        ];
+        known.into_iter().flatten().sum()
+    }
+}
+
 impl Fit {
+    /// The offsets of the specimens and sessions of the rows that it was fitted to.
+    pub fn offsets<'a>(&self, setting: &Setting, rows: &'a [Row]) -> Offsets<'a> {
+        let white = self.whitening.apply_transpose(&self.rest);
+        let Between {
+            specimens,
+            sessions,
+        } = setting.between;
+        let mut offsets = [BTreeMap::new(), BTreeMap::new()];
+        for (row, r) in rows.iter().zip(&white) {
+            *offsets[0].entry(row.name.as_str()).or_default() += specimens * specimens * r;
+            *offsets[1].entry(row.session.as_str()).or_default() += sessions * sessions * r;
+        }
+        Offsets(offsets)
+    }
+
     /// Number of rows less that of parameters, at least 1.
     pub fn freedom(&self) -> f64 {
         (self.rest.len() as f64 - self.step.len() as f64).max(1.0)
@@ -193,6 +241,11 @@ impl Fit {
         let [value, error] = [self.step.as_slice(), &self.errors]
             .map(|of| of[setting.base.len() + k] * candidate.typical);
         Amount::of(candidate, value, error)
+    }
+
+    /// Standard deviation of mu of a row given its specimen and session: measurement and pressure.
+    pub fn own_deviation(&self, setting: &Setting, row: &Row) -> f64 {
+        deviation(row, &self.step, setting.base)
     }
 
     /// Standard deviation of mu of a row: measurement, pressure, specimen and session.
@@ -411,6 +464,21 @@ mod tests {
     fn equal_specimens_have_no_variance_between_them() {
         let setting = setting(&rows(0.0, 0.0));
         assert!(setting.between.both() < 0.8e-4, "{:?}", setting.between);
+    }
+
+    /// Six rows of a day, and ten days of a specimen, leave a few per cent of an offset's variance.
+    #[test]
+    fn offsets_of_days_are_those_that_were_drawn() {
+        let rows = rows(0.0, 5e-4);
+        let setting = setting(&rows);
+        let offsets = fit(&setting, &rows, &[]).offsets(&setting, &rows);
+        let mean = rows.iter().map(|row| row.mu).sum::<f64>() / 60.0;
+        for day in 0..6 {
+            let own = rows.iter().filter(|row| row.session == format!("d{day}"));
+            let expected = own.map(|row| (row.mu - mean) / 10.0).sum::<f64>();
+            let found = offsets.of(&rows[day]);
+            assert!((found - expected).abs() < 5e-5, "{found} {expected}");
+        }
     }
 
     /// Against the covariance written out: `R' R` is its inverse.

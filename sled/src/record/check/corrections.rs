@@ -34,6 +34,11 @@ const MILES_PER_HOUR: Scale = scale("miles per hour", "unit = \"mph\"", 0.447_04
 const KNOTS: Scale = scale("knots", "unit = \"kn\"", 1852.0 / 3600.0);
 pub(super) const OTHER_SIGN: Scale = scale("the other sign", "sign = -1", -1.0);
 pub(super) const UNKNOWN: Scale = scale("a raw count or another unit", "unit = \"...\"", f64::NAN);
+pub(super) const SPIKES: Scale = scale(
+    "values that are far off in a few rows",
+    "the file without these values",
+    f64::NAN,
+);
 
 /// Units of a distance.
 pub(super) const DISTANCES: [Scale; 6] = [

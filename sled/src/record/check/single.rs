@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use crate::column::{COLUMNS, Sensor};
 use crate::fault::{Fault, FaultKind};
 use crate::record::check::corrections::{
-    DEGREES, DEGREES_PER_SECOND, G, KM_PER_HOUR, OTHER_SIGN, Scale, UNKNOWN,
+    DEGREES, DEGREES_PER_SECOND, G, KM_PER_HOUR, OTHER_SIGN, SPIKES, Scale, UNKNOWN,
 };
 use crate::record::gaps::rows_held;
 use crate::record::run::Run;
@@ -133,9 +133,14 @@ fn out_of_range(sensor: Sensor, values: &[f64]) -> Option<(Scale, String)> {
     let range = RANGES.iter().find(|(of, ..)| of.contains(&sensor))?;
     let (_, most, own, scale) = range;
     if largest > *most && !spins {
-        let evidence =
-            format!("largest magnitude {largest:.4}; expected {own}, magnitudes below {most}");
-        return Some((*scale, evidence));
+        let beyond = values.iter().filter(|v| v.abs() > *most).count();
+        let evidence = format!(
+            "largest magnitude {largest:.4}, {beyond} of {} values; expected {own}, magnitudes below {most}",
+            values.len()
+        );
+        // In another unit more than single values are far off.
+        let is_unit = 20 * beyond >= values.len();
+        return Some((if is_unit { *scale } else { SPIKES }, evidence));
     }
     let median = median(values.iter().copied()).filter(|_| sensor == Sensor::Az)?;
     let scale = match median {
