@@ -345,3 +345,27 @@ fn a_sign_is_proved_where_all_runs_agree_and_doubted_where_one_does_not() {
     let message = check_relations(&mut all).unwrap_err().to_string();
     assert!(message.contains("yaw_rate_radps"), "{message}");
 }
+
+#[test]
+fn a_speed_in_a_confused_unit_is_proved_with_its_unit() {
+    for (factor, unit) in [
+        (1.609_344, "\"km/h\""),
+        (1.852, "\"km/h\""),
+        (1.0 / 1.609_344, "\"mph\""),
+        (1.0 / 1.852, "\"kn\""),
+    ] {
+        let faults = changed("v_mps", |_, v| factor * v).faults;
+        assert_eq!(faults.len(), 1, "{factor}: {faults:#?}");
+        let fault = &faults[0];
+        assert!(fault.proven && fault.columns == ["v_mps"], "{fault:?}");
+        assert!(fault.mend.contains(unit), "{factor}: {}", fault.mend);
+    }
+}
+
+#[test]
+fn a_correction_is_not_proved_while_a_relation_disagrees() {
+    // No unit: as miles per hour the relation across is satisfied, that along the sled is not.
+    let faults = changed("v_mps", |_, v| 2.5 * v).faults;
+    assert!(!faults.is_empty());
+    assert!(faults.iter().all(|fault| !fault.proven), "{faults:#?}");
+}
