@@ -217,6 +217,23 @@ fn a_lateral_force_is_not_late_for_want_of_a_slip_sensor() {
 }
 
 #[test]
+fn a_late_channel_has_its_delay_within_the_stated_error() {
+    let clean = clean();
+    for (column, most_error) in [("v_mps", 0.06), ("yaw_rate_radps", 0.02), ("az_mps2", 0.01)] {
+        for rows in [10, 25, 60] {
+            let values = &clean.columns[column];
+            let late = changed(column, |i, _| values[i.saturating_sub(rows)]);
+            let [delay, error] = late.channels[column].delay_s.unwrap();
+            let off = delay - 0.01 * rows as f64;
+            assert!(
+                off.abs() < 3.0 * error && error < most_error,
+                "{column}, {rows} rows: {delay} +- {error}"
+            );
+        }
+    }
+}
+
+#[test]
 fn exchanged_channels_are_wrong_and_both_named() {
     let exchanged = said(&clean(), |mut lines| {
         lines[0] = lines[0]
