@@ -247,7 +247,10 @@ fn too_few_or_too_similar_specimens_are_refused() {
     let exact = fit_mu(&experiments, Weighting::Both, 0.95)
         .expect_err("refused")
         .to_string();
-    assert!(exact.contains("mu_sd = 0"), "{exact}");
+    assert!(
+        exact.starts_with("experiment 3 (Beta 1): mu_sd = 0:"),
+        "{exact}"
+    );
 }
 
 #[test]
@@ -270,10 +273,6 @@ fn bad_cells_are_named_by_file_row_and_column() {
         (
             "A,7.7e6,4e5,-0.0045,0.0004\n",
             vec!["row 2", "column mu", "-0.0045", "above 0"],
-        ),
-        (
-            "A,7.7e6,4e5,0.0045,0.0004\nB,8e6,4e5,0.0045,0\n",
-            vec!["row 3", "mu_sd", "\"0\"", "1e-9"],
         ),
         ("A,7.7e6,4e5,,0.4\n", vec!["row 2", "column mu", "nothing"]),
         (

@@ -92,7 +92,8 @@ fn a_fit_that_is_no_law_is_written_without_the_lines_of_a_model() -> Outcome {
     let negative = negative.replace(",-0.0001", ",0.0001");
     std::fs::write(folder.path().join("negative.csv"), negative)?;
     let fit = ["friction", "fit", "negative.csv", "-o", "other"];
-    refused(folder.path(), &fit, 3, &["negative.csv", "largest mu = -"])
+    let parts = ["negative.csv", "row 2, column mu", "-0.00555", "above 0"];
+    refused(folder.path(), &fit, 3, &parts)
 }
 
 /// A blunt paraboloid on thick ice: its pressure lies inside the published law.

@@ -27,14 +27,21 @@ const LEAST_SD: f64 = 1e-20;
 /// taken as stated.
 ///
 /// # Errors
-/// [`Error::TooFew`] below four points, [`Error::OutOfRange`] where no friction is positive or a
-/// weighted fit meets `mu_sd` below 1e-20, [`Error::Undetermined`] below three different
-/// pressures, [`Error::NotConverged`].
+/// [`Error::TooFew`] below four points, [`Error::OutOfRange`] where no friction is positive,
+/// [`Error::File`] where a weighted fit meets `mu_sd` below 1e-20, [`Error::Undetermined`] below
+/// three different pressures, [`Error::NotConverged`].
 pub fn fit_mu(
     experiments: &[Experiment],
     weighting: Weighting,
     confidence: f64,
 ) -> Result<MuFit, Error> {
+    let exact = experiments.iter().position(|e| e.mu_sd < LEAST_SD);
+    if let (Some(i), Weighting::Both) = (exact, weighting) {
+        let (name, mu_sd) = (&experiments[i].specimen, experiments[i].mu_sd);
+        let reason = format!("mu_sd = {mu_sd}: expected at least {LEAST_SD:e} in a weighted fit");
+        let place = format!("experiment {} ({name})", i + 1);
+        return Err(Error::file(place, reason));
+    }
     let experiments = &combined(experiments)[..];
     if experiments.len() < 4 {
         let what = "mu(p) fit: different specimens or pressures";
@@ -49,10 +56,6 @@ pub fn fit_mu(
     if weighting == Weighting::None {
         let quantile = student_quantile(confidence, freedom);
         return Ok(points.result(&plain, weighting, confidence, quantile));
-    }
-    if let Some(exact) = experiments.iter().find(|e| e.mu_sd < LEAST_SD) {
-        let expected = "at least 1e-20 in a weighted fit";
-        in_range("mu_sd", exact.mu_sd, false, expected)?;
     }
     let found = points.orthogonal(plain.coefficients)?;
     let quantile = Normal::standard().inverse_cdf(0.5 + 0.5 * confidence);
