@@ -483,8 +483,8 @@ const REPEATED: f64 = 0.1;
 /// stated rate. Of samples at one time the first counts: some loggers write a row twice.
 ///
 /// # Errors
-/// [`Error::NoChannel`]; [`Error::Channel`] where there is no time, its unit is unknown, it runs
-/// backwards or is too coarse.
+/// [`Error::NoChannel`]; [`Error::File`] where there is no time; [`Error::Channel`] where its unit is
+/// unknown, it runs backwards or is too coarse.
 pub(crate) fn times(
     log: &Log,
     source: &ChannelSource,
@@ -514,10 +514,10 @@ pub(crate) fn times(
             rows.map(|i| i as f64 / rate).collect()
         }
         (None, None, None) => {
-            let expected = format!(
-                "logger.{logger}.time, the channel that holds it, or logger.{logger}.rate_hz"
+            let reason = format!(
+                "no channel is its time: expected logger.{logger}.time, or logger.{logger}.rate_hz, in the mapping"
             );
-            return Err(wrong(&source.from, "no time".to_string(), expected));
+            return Err(Error::file(file, reason));
         }
     };
     if time.len() != channel.values.len() {

@@ -138,9 +138,16 @@ fn place(part: &Stretch, base: &Base, values: &mut [f64]) -> bool {
     true
 }
 
-/// Steps of more than this many usual ones are gaps: one lost sample makes two, jitter by a quarter
-/// at both ends one and a half.
+/// Longer steps than this are gaps [longest usual steps]: one lost sample makes two, jitter by a
+/// quarter at both ends one and a half.
 const GAP: f64 = 1.6;
+
+/// Share of the steps that differ by less than half from the usual one where one rate was sampled.
+/// Of two merged rates about half do.
+const EVEN: f64 = 0.75;
+
+/// Share of the steps of merged rates that are no longer than the longest usual one.
+const NOT_LONG: f64 = 0.95;
 
 /// Steps of more than this many medians are not used for the usual step.
 const OUTLIER: f64 = 2.5;
@@ -186,11 +193,11 @@ pub(crate) fn stretches(time: &[f64], values: &[f64]) -> Option<Stretches> {
     let both = time.iter().copied().zip(values.iter().copied());
     let present = both.filter(|(t, x)| t.is_finite() && x.is_finite());
     let present: Vec<(f64, f64)> = present.collect();
-    let usual = usual_step(&present)?;
+    let (usual, longest) = usual_steps(&present)?;
     let resolution = resolution(&present);
     let mut parts = Vec::new();
     let mut jitter: f64 = 0.0;
-    let is_gap = |pair: &[(f64, f64)]| pair[1].0 - pair[0].0 > GAP * usual;
+    let is_gap = |pair: &[(f64, f64)]| pair[1].0 - pair[0].0 > GAP * longest;
     let cuts = (1..present.len()).filter(|&i| is_gap(&present[i - 1..=i]));
     let ends: Vec<usize> = cuts.chain([present.len()]).collect();
     let mut begin = 0;
@@ -227,18 +234,20 @@ pub(crate) fn stretches(time: &[f64], values: &[f64]) -> Option<Stretches> {
     })
 }
 
-/// The mean of all steps but those that are gaps, whatever they are rounded to.
-fn usual_step(present: &[(f64, f64)]) -> Option<f64> {
+/// The usual step and the longest usual one.
+///
+/// The first is the mean of all steps but gaps, whatever they are rounded to. The second is the same
+/// where one rate was sampled, else a high quantile.
+fn usual_steps(present: &[(f64, f64)]) -> Option<(f64, f64)> {
     let steps = present.windows(2).map(|pair| pair[1].0 - pair[0].0);
     let mut steps: Vec<f64> = steps.collect();
-    if steps.is_empty() {
-        return None;
-    }
-    let middle = steps.len() / 2;
-    let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-    steps.retain(|step| *step < OUTLIER * median);
-    let sum = steps.iter().fold(0.0, |sum, step| sum + step);
-    Some(sum / steps.len() as f64)
+    steps.sort_unstable_by(f64::total_cmp);
+    let below = |limit: f64| steps.partition_point(|step| *step < limit);
+    let regular = below(OUTLIER * *steps.get(steps.len() / 2)?);
+    let mean = steps[..regular].iter().sum::<f64>() / regular as f64;
+    let even = (below(1.5 * mean) - below(0.5 * mean)) as f64 >= EVEN * steps.len() as f64;
+    let quantile = steps[(NOT_LONG * (steps.len() - 1) as f64) as usize];
+    Some((mean, if even { mean } else { quantile }))
 }
 
 /// The decimal that all times are multiples of [s]; 0 where there is none.
@@ -363,6 +372,44 @@ mod tests {
                 "{rate} Hz: {}",
                 found.step_s
             );
+        }
+    }
+
+    /// Values at these times, cut into stretches: how many, and the share of the time within them.
+    fn coverage(times: &[f64]) -> (usize, f64) {
+        let found = stretches(times, &vec![0.0; times.len()]).unwrap();
+        let within = found.parts.iter().map(|part| part.end_s() - part.start_s);
+        let whole = times[times.len() - 1] - times[0];
+        (found.parts.len(), within.sum::<f64>() / whole)
+    }
+
+    #[test]
+    fn merged_rates_have_no_gaps_but_a_loss_of_all_rates() {
+        for rates in [vec![25, 20], vec![25, 20, 12], vec![50, 50, 40, 30]] {
+            // In units of 0.01 ms; each rate starts at another time.
+            let own = |(k, rate): (usize, &u32)| {
+                let time = move |i| 137 * k as u32 + 100_000 * i / rate;
+                (0..60 * rate).map(time).collect::<Vec<u32>>()
+            };
+            let mut merged: Vec<u32> = rates.iter().enumerate().flat_map(own).collect();
+            merged.sort_unstable();
+            merged.dedup();
+            let mut times: Vec<f64> = merged.iter().map(|t| f64::from(*t) * 1e-5).collect();
+            assert_eq!(coverage(&times).0, 1, "{rates:?}");
+            times.retain(|t| !(20.0..20.3).contains(t));
+            assert_eq!(coverage(&times).0, 2, "{rates:?}");
+        }
+    }
+
+    #[test]
+    fn every_lost_sample_of_an_even_rate_is_a_gap() {
+        for lost in [0.01, 0.1] {
+            let is_lost = |i: &u32| (f64::from(*i) * 0.618_033_988_75).fract() < lost;
+            let kept = (0..6000).filter(|i| !is_lost(i));
+            let times: Vec<f64> = kept.map(|i| f64::from(i) * 0.01).collect();
+            let lengths = times.windows(2).map(|pair| pair[1] - pair[0] > 0.015);
+            let gaps = lengths.filter(|long| *long).count();
+            assert_eq!(coverage(&times).0, gaps + 1, "{lost}");
         }
     }
 

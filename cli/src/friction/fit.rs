@@ -12,7 +12,7 @@ use kufe_sled::friction::{
 
 use crate::friction::open;
 use crate::output::OutputDir;
-use crate::terminal::Global;
+use crate::terminal::{Global, warn_if_cut};
 
 /// Arguments of `kufe friction fit`.
 #[derive(clap::Args, Debug)]
@@ -45,6 +45,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     }
     let name = args.experiments.display().to_string();
     let experiments = read_experiments(&name, open(&args.experiments)?)?;
+    warn_if_cut(&args.experiments);
     let weighting = if args.unweighted {
         Weighting::None
     } else {

@@ -11,7 +11,7 @@ use kufe_sled::friction::{
 
 use crate::friction::open;
 use crate::output::{OutputDir, of_file};
-use crate::terminal::Global;
+use crate::terminal::{Global, warn_if_cut};
 use crate::text::table_text;
 
 /// Arguments of `kufe icehouse`.
@@ -31,6 +31,7 @@ pub struct Args {
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let index = args.glides.display().to_string();
     let entries = read_glide_index(&index, open(&args.glides)?)?;
+    warn_if_cut(&args.glides);
     let folder = args.glides.parent().unwrap_or(Path::new(""));
     let runs = entries
         .iter()
@@ -61,6 +62,7 @@ fn read_run(index: &str, folder: &Path, entry: &GlideEntry) -> Result<GlideRun, 
         open(&path).map_err(|failure| failure.within(format!("{index}, run {}", entry.run)))?;
     let name = path.display().to_string();
     let trace = read_glide(&name, reader)?;
+    warn_if_cut(&path);
     evaluate_glide(entry, &trace).map_err(of_file(&path))
 }
 

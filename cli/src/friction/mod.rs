@@ -12,7 +12,7 @@ use std::path::Path;
 
 use kufe::jobs::Failure;
 
-use crate::terminal::{Global, misspelt, warn_if_cut};
+use crate::terminal::{Global, misspelt};
 
 /// Arguments of `kufe friction`.
 #[derive(clap::Args, Debug)]
@@ -50,10 +50,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     }
 }
 
-/// Opens a table, with a warning where it may be cut.
+/// Opens a table.
 fn open(path: &Path) -> Result<BufReader<File>, Failure> {
     let file = kufe_files::open_regular(path);
     let file = file.map_err(|error| Failure::in_file(path, error))?;
-    warn_if_cut(path);
     Ok(BufReader::new(file))
 }

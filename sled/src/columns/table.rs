@@ -10,7 +10,7 @@ use crate::error::Error;
 const NUMBERS: [(&str, f64, f64, &str); 14] = [
     ("p_max_pa", 1e4, 1e11, "a pressure in Pa (7.7e6)"),
     ("p_max_sd_pa", 0.0, 1e11, "a deviation in Pa, 0 to 1e11"),
-    ("mu", -1.0, 1.0, "a coefficient of friction (0.004)"),
+    ("mu", LEAST, 1.0, "a coefficient of friction above 0"),
     ("mu_sd", 0.0, 1.0, "a standard deviation (0.0004), 0 to 1"),
     ("fz_n", LEAST, f64::MAX, "a force in N, positive"),
     ("v_mps", 0.0, f64::MAX, "a speed in m/s, 0 or more"),

@@ -268,7 +268,7 @@ pub struct IceHouse {
 ///
 /// # Errors
 /// [`Error::TooFew`] where no specimen has a run in each direction, [`Error::DuplicateContent`] where a
-/// run is listed twice.
+/// run is listed twice, [`Error::File`] for a specimen without friction.
 pub fn evaluate_ice_house(runs: Vec<GlideRun>) -> Result<IceHouse, Error> {
     for (i, run) in runs.iter().enumerate() {
         let copy = |before: &&GlideRun| before.s == run.s && before.kinetic == run.kinetic;
@@ -304,6 +304,14 @@ pub fn evaluate_ice_house(runs: Vec<GlideRun>) -> Result<IceHouse, Error> {
     if pairs.is_empty() {
         let what = "pairs of runs of one specimen in both directions";
         return Err(Error::too_few(what, 0, 1));
+    }
+    if let Some(bad) = specimens.iter().find(|s| s.mu.value <= 0.0) {
+        let (mu, expected) = (
+            bad.mu.value,
+            "expected above 0; v_mps in m/s (km/h: divide by 3.6)",
+        );
+        let specimen = format!("specimen {}", bad.specimen);
+        return Err(Error::file(specimen, format!("mu = {mu:.4}, {expected}")));
     }
     let slopes: Vec<f64> = pairs.iter().map(|p| p.slope_rad).collect();
     let errors: Vec<f64> = pairs.iter().map(|p| p.slope_se_rad).collect();

@@ -126,6 +126,46 @@ fn exact_glides_give_friction_and_slope_back() {
 }
 
 #[test]
+fn a_slope_that_outweighs_the_friction_cancels_where_the_glide_still_slows() {
+    // The air takes 1.5 N at 3 m/s; the slope gives 0.4 N more than the ice takes.
+    let glide = Glide {
+        mu: 0.0020,
+        climb: 0.0024,
+        ..PLAIN
+    };
+    let house = house(&glide, 1, 0);
+    assert!(
+        house.runs[1].line.slope > 0.3,
+        "{}",
+        house.runs[1].line.slope
+    );
+    let mu = house.specimens[0].mu.value;
+    assert!((mu / glide.mu - 1.0).abs() < 1e-3, "{mu}");
+}
+
+#[test]
+fn kilometres_an_hour_show_where_the_air_would_take_more_than_is_lost() {
+    // The air takes as much as the ice: at 3.6 times the speed 3.6 times as much.
+    let run = |name: &str, direction: &str, seed: u64| {
+        let glide = Glide {
+            mu: 0.0010,
+            climb: 0.0,
+            speed_sd: 1e-6,
+            ..PLAIN
+        };
+        let mut trace = read_glide(name, glide.file(seed).as_bytes()).expect("reads");
+        trace.v.iter_mut().for_each(|v| *v *= 3.6);
+        trace.s.iter_mut().for_each(|s| *s *= 3.6);
+        evaluate_glide(&glide.entry(name, "A", direction), &trace).expect("evaluates")
+    };
+    let reported = evaluate_ice_house(vec![run("1", "up", 1), run("2", "down", 2)]);
+    let reported = reported.expect_err("refused").to_string();
+    for part in ["specimen A: mu = -0.", "above 0", "km/h: divide by 3.6"] {
+        assert!(reported.contains(part), "{reported}");
+    }
+}
+
+#[test]
 fn neglecting_the_air_would_matter() {
     // The drag of the simulated sled is worth several per cent of its friction, so the test above
     // exercises it.

@@ -159,6 +159,52 @@ fn intervals_cover_the_truth_at_the_stated_rate() {
 }
 
 #[test]
+fn intervals_cover_the_truth_where_rows_of_a_specimen_share_the_error_of_its_pressure() {
+    let [b, c, d] = [0.088, 2.01, 14.66];
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
+    let draws = 200;
+    let mut covered = [0; 3];
+    for _ in 0..draws {
+        let mut experiments = Vec::new();
+        for specimen in 0..7 {
+            let p = 8.0 + 1.2 * f64::from(specimen);
+            let stated = 1e6 * (p + 0.3 * normal());
+            experiments.extend((0..6).map(|_| Experiment {
+                specimen: format!("{specimen}"),
+                p_max_pa: stated,
+                p_max_sd_pa: 0.3e6,
+                mu: 1e-3 * (b * p * p - c * p + d + 0.15 * normal()),
+                mu_sd: 0.15e-3,
+                ..Default::default()
+            }));
+        }
+        let fit = fit_mu(&experiments, Weighting::Both, 0.95).expect("fits");
+        assert_eq!(fit.freedom, 4);
+        for (k, off) in [fit.b - b, fit.c - c, fit.d - d].into_iter().enumerate() {
+            covered[k] += u32::from(off.abs() < fit.quantile * fit.covariance[(k, k)].sqrt());
+        }
+    }
+    // Binomial with 0.95 and 200 draws: 190 +- 3.1.
+    println!("{covered:?} of {draws}");
+    assert!(
+        covered.iter().all(|n| (180..=199).contains(n)),
+        "{covered:?} of {draws}"
+    );
+}
+
+#[test]
+fn without_weights_every_specimen_counts_once() {
+    let mut experiments = paper();
+    let once = fit_mu(&experiments, Weighting::None, 0.95).expect("fits");
+    let repeated = vec![experiments[0].clone(); 5];
+    experiments.extend(repeated);
+    let repeated = fit_mu(&experiments, Weighting::None, 0.95).expect("fits");
+    assert_eq!(repeated.freedom, once.freedom);
+    assert!((repeated.b / once.b - 1.0).abs() < 1e-9, "{}", repeated.b);
+}
+
+#[test]
 fn a_straight_line_has_no_least_friction() {
     let mut experiments = paper();
     for (i, e) in experiments.iter_mut().enumerate() {
@@ -201,7 +247,10 @@ fn too_few_or_too_similar_specimens_are_refused() {
     let exact = fit_mu(&experiments, Weighting::Both, 0.95)
         .expect_err("refused")
         .to_string();
-    assert!(exact.contains("mu_sd = 0"), "{exact}");
+    assert!(
+        exact.starts_with("experiment 3 (Beta 1): mu_sd = 0:"),
+        "{exact}"
+    );
 }
 
 #[test]
@@ -221,6 +270,10 @@ fn bad_cells_are_named_by_file_row_and_column() {
             vec!["row 3", "column mu", "nan"],
         ),
         ("A,7.7e6,4e5,4.5,0.4\n", vec!["row 2", "column mu", "4.5"]),
+        (
+            "A,7.7e6,4e5,-0.0045,0.0004\n",
+            vec!["row 2", "column mu", "-0.0045", "above 0"],
+        ),
         ("A,7.7e6,4e5,,0.4\n", vec!["row 2", "column mu", "nothing"]),
         (
             ",7.7e6,4e5,0.0045,0.0004\n",

@@ -160,9 +160,9 @@ fn what_is_wrong_is_one_line_with_its_place() {
             .contains("expected files of that pattern")
     );
     assert!(reported(&MAPPING.replace("[channels]", "[chanels]"), &good).contains("chanels"));
-    assert!(
-        reported(&MAPPING.replace("time = \"Zeit\"", ""), &good)
-            .contains("expected logger.box.time")
+    assert_eq!(
+        reported(&MAPPING.replace("time = \"Zeit\"", ""), &good),
+        "raw/r7.csv: no channel is its time: expected logger.box.time, or logger.box.rate_hz, in the mapping"
     );
     assert!(
         reported(&MAPPING.replace("sign = -1 }", "sign = -2 }"), &good)

@@ -58,6 +58,21 @@ Gamma 3,9.6e6,0.5e6,0.0033,0.0003
 ";
 
 #[test]
+fn a_table_that_cannot_be_read_has_one_message() -> Outcome {
+    let bench = tempfile::tempdir()?;
+    let cut = TABLE.trim_end().rsplit_once(',').expect("cells").0;
+    let utf16: Vec<u8> = TABLE.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    for bytes in [cut.as_bytes(), &utf16] {
+        std::fs::write(bench.path().join("cut.csv"), bytes)?;
+        let output = kufe(bench.path(), &["friction", "fit", "cut.csv"])?;
+        let reported = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(3), "{reported}");
+        assert_eq!(reported.lines().count(), 1, "{reported}");
+    }
+    Ok(())
+}
+
+#[test]
 fn a_fit_that_is_no_law_is_written_without_the_lines_of_a_model() -> Outcome {
     let folder = tempfile::tempdir()?;
     let out = folder.path().join("out");
@@ -77,7 +92,8 @@ fn a_fit_that_is_no_law_is_written_without_the_lines_of_a_model() -> Outcome {
     let negative = negative.replace(",-0.0001", ",0.0001");
     std::fs::write(folder.path().join("negative.csv"), negative)?;
     let fit = ["friction", "fit", "negative.csv", "-o", "other"];
-    refused(folder.path(), &fit, 3, &["negative.csv", "largest mu = -"])
+    let parts = ["negative.csv", "row 2, column mu", "-0.00555", "above 0"];
+    refused(folder.path(), &fit, 3, &parts)
 }
 
 /// A blunt paraboloid on thick ice: its pressure lies inside the published law.

@@ -18,22 +18,33 @@ const LEAST_SD: f64 = 1e-20;
 
 /// Fits the quadratic to experiments.
 ///
+/// Rows of one specimen at one pressure are one point, their mean: they share one error of the
+/// pressure.
+///
 /// `Weighting::Both` minimises `sum ((mu_i - q(xi_i))/s_mu)^2 + ((p_i - xi_i)/s_p)^2` over the
 /// coefficients and the true pressures `xi_i` (P. Boggs and J. Rogers, "Orthogonal distance
 /// regression", 1990); the covariance is the coefficients' block of `(J^T J)^-1` with the errors
 /// taken as stated.
 ///
 /// # Errors
-/// [`Error::TooFew`] below four experiments, [`Error::OutOfRange`] where no friction is positive
-/// or a weighted fit meets `mu_sd` below 1e-20, [`Error::Undetermined`] below three different
-/// pressures, [`Error::NotConverged`].
+/// [`Error::TooFew`] below four points, [`Error::OutOfRange`] where no friction is positive,
+/// [`Error::File`] where a weighted fit meets `mu_sd` below 1e-20, [`Error::Undetermined`] below
+/// three different pressures, [`Error::NotConverged`].
 pub fn fit_mu(
     experiments: &[Experiment],
     weighting: Weighting,
     confidence: f64,
 ) -> Result<MuFit, Error> {
+    let exact = experiments.iter().position(|e| e.mu_sd < LEAST_SD);
+    if let (Some(i), Weighting::Both) = (exact, weighting) {
+        let (name, mu_sd) = (&experiments[i].specimen, experiments[i].mu_sd);
+        let reason = format!("mu_sd = {mu_sd}: expected at least {LEAST_SD:e} in a weighted fit");
+        let place = format!("experiment {} ({name})", i + 1);
+        return Err(Error::file(place, reason));
+    }
+    let experiments = &combined(experiments)[..];
     if experiments.len() < 4 {
-        let what = "mu(p) fit: experiments";
+        let what = "mu(p) fit: different specimens or pressures";
         return Err(Error::too_few(what, experiments.len(), 4));
     }
     let largest = experiments.iter().map(|e| e.mu).fold(f64::MIN, f64::max);
@@ -46,10 +57,6 @@ pub fn fit_mu(
         let quantile = student_quantile(confidence, freedom);
         return Ok(points.result(&plain, weighting, confidence, quantile));
     }
-    if let Some(exact) = experiments.iter().find(|e| e.mu_sd < LEAST_SD) {
-        let expected = "at least 1e-20 in a weighted fit";
-        in_range("mu_sd", exact.mu_sd, false, expected)?;
-    }
     let found = points.orthogonal(plain.coefficients)?;
     let quantile = Normal::standard().inverse_cdf(0.5 + 0.5 * confidence);
     let distribution = ChiSquared::new(freedom as f64).ok();
@@ -57,6 +64,32 @@ pub fn fit_mu(
         p_value: distribution.map(|d| d.sf(found.chi2)),
         ..points.result(&found, weighting, confidence, quantile)
     })
+}
+
+/// The mean of all rows of a specimen at a pressure, in order of the first rows.
+fn combined(experiments: &[Experiment]) -> Vec<Experiment> {
+    let mut groups: Vec<Vec<&Experiment>> = Vec::new();
+    for one in experiments {
+        let own = |group: &&mut Vec<&Experiment>| {
+            group[0].specimen == one.specimen && group[0].p_max_pa == one.p_max_pa
+        };
+        match groups.iter_mut().find(own) {
+            Some(group) => group.push(one),
+            None => groups.push(vec![one]),
+        }
+    }
+    let mean = |group: &Vec<&Experiment>| {
+        let mean = |value: fn(&Experiment) -> f64| {
+            group.iter().map(|one| value(one)).sum::<f64>() / group.len() as f64
+        };
+        Experiment {
+            p_max_sd_pa: mean(|one| one.p_max_sd_pa),
+            mu: mean(|one| one.mu),
+            mu_sd: (mean(|one| one.mu_sd.powi(2)) / group.len() as f64).sqrt(),
+            ..group[0].clone()
+        }
+    };
+    groups.iter().map(mean).collect()
 }
 
 /// How the points are weighted.

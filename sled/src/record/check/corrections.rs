@@ -32,6 +32,11 @@ pub(super) const DEGREES_PER_SECOND: Scale =
 pub(super) const KM_PER_HOUR: Scale = scale("km/h", "unit = \"km/h\"", 1.0 / 3.6);
 const MILES_PER_HOUR: Scale = scale("miles per hour", "unit = \"mph\"", 0.447_04);
 const KNOTS: Scale = scale("knots", "unit = \"kn\"", 1852.0 / 3600.0);
+/// Speeds in km/h that were converted as another unit, and the reverse.
+const NOT_MILES: Scale = scale("km/h read as mph", "unit = \"km/h\"", 1.0 / 1.609_344);
+const NOT_KNOTS: Scale = scale("km/h read as knots", "unit = \"km/h\"", 1.0 / 1.852);
+const MILES_NOT_KM: Scale = scale("mph read as km/h", "unit = \"mph\"", 1.609_344);
+const KNOTS_NOT_KM: Scale = scale("knots read as km/h", "unit = \"kn\"", 1.852);
 pub(super) const OTHER_SIGN: Scale = scale("the other sign", "sign = -1", -1.0);
 pub(super) const UNKNOWN: Scale = scale("a raw count or another unit", "unit = \"...\"", f64::NAN);
 pub(super) const SPIKES: Scale = scale(
@@ -62,7 +67,7 @@ pub(super) enum Correction {
 }
 
 /// Scales and the channels that they are tried on.
-const SCALES: [(Scale, &[&[Sensor]]); 7] = [
+const SCALES: [(Scale, &[&[Sensor]]); 11] = [
     (G, &[&[Ax], &[Ay], &[Az], &[Ax, Ay], &Sensor::ACCELEROMETER]),
     (
         DEGREES_PER_SECOND,
@@ -71,6 +76,10 @@ const SCALES: [(Scale, &[&[Sensor]]); 7] = [
     (KM_PER_HOUR, &[&[Speed]]),
     (MILES_PER_HOUR, &[&[Speed]]),
     (KNOTS, &[&[Speed]]),
+    (NOT_MILES, &[&[Speed]]),
+    (NOT_KNOTS, &[&[Speed]]),
+    (MILES_NOT_KM, &[&[Speed]]),
+    (KNOTS_NOT_KM, &[&[Speed]]),
     (DEGREES, &[&[Slip]]),
     (
         OTHER_SIGN,

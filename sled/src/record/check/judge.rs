@@ -22,7 +22,7 @@ const MOST: usize = 4;
 /// - Of single channels ([`plain_faults`], [`range_faults`]).
 /// - By the motion that a turned sensor box measures ([`BoxRotation`]), over all runs together.
 /// - By the relations of a rigid body: one correction after the other as long as it lowers the
-///   disagreement and the relations are then satisfied.
+///   disagreement. They are proved where all relations are satisfied in the end.
 /// - By the response of a sled to steering ([`response_faults`]), over all runs together.
 pub fn judge(runs: &[impl Borrow<Run> + Sync]) -> Vec<Fault> {
     judge_by(runs, &RelationRules::default())
@@ -167,6 +167,7 @@ impl RelationRules {
             .flat_map(second)
             .map(|(k, other)| vec![all[k], other]);
         let pairs: Vec<Vec<Correction>> = pairs.collect();
+        let mut found = Vec::new();
         for _ in 0..MOST {
             let before = Agreement::of(slow);
             let best = self.best(slow, &before, &singles);
@@ -185,10 +186,16 @@ impl RelationRules {
             let proven = changes.any(|(_, b, a)| b >= self.noise && a < self.noise);
             for one in &best.corrections {
                 let fault = one.fault(run, before.compared(&best.after));
-                faults.push(fault.proven_if(proven));
+                found.push(fault.proven_if(proven));
             }
             *slow = best.slow;
         }
+        // A correction is not proved while a relation shows another fault.
+        let mut residuals = Agreement::of(slow).residual.into_iter().flatten();
+        if residuals.any(|residual| residual > self.shows) {
+            found.iter_mut().for_each(|fault| fault.proven = false);
+        }
+        faults.append(&mut found);
         if let Some((one, evidence)) = self.lateral_scale(slow) {
             faults.push(one.fault(run, evidence).proven_if(false));
             *slow = one.applied(slow);

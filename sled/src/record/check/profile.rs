@@ -35,7 +35,8 @@ pub struct Profile {
     pub saturation: Option<Saturation>,
     /// Mean while the speed was 0 for a second or more: a gyroscope's bias.
     pub at_standstill: Option<f64>,
-    /// Delay relative to the others, if it alone is late, and the standard error [s].
+    /// Delay relative to the others, if it alone is late, and the standard error [s]; none where
+    /// the channels do not determine it within a second.
     pub delay_s: Option<[f64; 2]>,
 }
 

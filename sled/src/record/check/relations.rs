@@ -22,7 +22,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use crate::column::{COLUMNS, SENSORS, Sensor};
 use crate::friction::GRAVITY;
 use crate::record::run::Run;
-use crate::series::median;
+use crate::series::{median, root_mean_square};
 
 /// Corner of the low pass [Hz].
 const CORNER_HZ: f64 = 1.0;
@@ -30,6 +30,8 @@ const CORNER_HZ: f64 = 1.0;
 const RATE_HZ: f64 = 20.0;
 /// Fewest samples of a stretch: derivatives spend two at each end.
 const LEAST_SAMPLES: usize = 9;
+/// Largest delay that is searched [s].
+const MOST_LATE_S: f64 = 1.0;
 /// Shortest time that is judged [s].
 const LEAST_S: f64 = 5.0;
 
@@ -93,6 +95,30 @@ impl Slow {
 
     pub fn len(&self) -> usize {
         self.pieces.last().map_or(0, |piece| piece.end)
+    }
+
+    /// Without the first and the last `reach` samples of each stretch; of one sensor `shift` of
+    /// `2 reach` samples later ones.
+    fn shifted(&self, sensor: Sensor, reach: usize, shift: usize) -> Slow {
+        let long = |piece: &&Range<usize>| piece.len() >= 2 * reach + LEAST_SAMPLES;
+        let kept: Vec<&Range<usize>> = self.pieces.iter().filter(long).collect();
+        let cut = |at: usize| -> Option<Vec<f64>> {
+            let x = self.channels[at].as_ref()?;
+            let first = if at == sensor as usize { shift } else { reach };
+            let own = |piece: &&Range<usize>| &x[piece.start + first..][..piece.len() - 2 * reach];
+            Some(kept.iter().flat_map(own).copied().collect())
+        };
+        let mut end = 0;
+        let piece = |piece: &&Range<usize>| {
+            let start = end;
+            end += piece.len() - 2 * reach;
+            start..end
+        };
+        Slow {
+            dt_s: self.dt_s,
+            pieces: kept.iter().map(piece).collect(),
+            channels: std::array::from_fn(cut),
+        }
     }
 
     /// Whether all of these are recorded.
@@ -285,13 +311,15 @@ impl Agreement {
     }
 }
 
+/// Blocks of time that are left out for standard errors.
+const BLOCKS: usize = 20;
+
 /// A coefficient and its standard error.
 pub(super) type Coefficient = (f64, f64);
 
 /// Coefficients of columns and a constant for these values, with errors by leaving out a twentieth
 /// at a time; `None` where the columns do not determine them.
 pub(super) fn coefficients(columns: &[&[f64]], values: &[f64]) -> Option<Vec<Coefficient>> {
-    const BLOCKS: usize = 20;
     let width = columns.len() + 1;
     let largest = |x: &&[f64]| x.iter().fold(1e-300_f64, |most, y| most.max(y.abs()));
     let scale: Vec<f64> = columns.iter().map(largest).collect();
@@ -318,38 +346,43 @@ pub(super) fn coefficients(columns: &[&[f64]], values: &[f64]) -> Option<Vec<Coe
     Some(found.collect())
 }
 
-/// How many times the change from `slow` to `changed` the relations require, for small changes or
-/// those to which the relations are linear.
+/// One over the size of the terms of each relation of a recorded acceleration, 0 of another.
+fn weight(slow: &Slow) -> Vector3<f64> {
+    let recorded = Vector3::from_fn(|axis, _| f64::from(u8::from(slow.channels[axis].is_some())));
+    recorded.zip_map(&Relations::of(slow).scale(), |recorded, scale| {
+        recorded / scale.sqrt().max(1e-300)
+    })
+}
+
+/// The residuals of all relations times their weights, sample by sample.
+fn weighted(slow: &Slow, weight: &Vector3<f64>) -> DVector<f64> {
+    let relations = Relations::of(slow);
+    let residuals = relations.residuals().map(|x| x.component_mul(weight));
+    let all: Vec<f64> = residuals.flat_map(|x| [x.x, x.y, x.z]).collect();
+    DVector::from_vec(all)
+}
+
+/// What an accelerometer or a slip sensor that is not where it is stated to be changes in them, a
+/// metre along each axis.
+fn places(slow: &Slow, weight: &Vector3<f64>) -> Vec<DVector<f64>> {
+    let now = weighted(slow, weight);
+    let moved = [0, 1, 2].map(|axis| accelerometer_moved(slow, axis));
+    let moved = moved.into_iter().chain(slip_moved(slow));
+    let effects = moved.map(|moved| weighted(&moved, weight) - &now);
+    effects.filter(|effect| effect.amax() > 0.0).collect()
+}
+
+/// How many times the change from `slow` to `changed` the relations require, for changes to which
+/// the relations are linear.
 ///
 /// Fitted together with an accelerometer or a slip sensor that is not where it is stated to be.
 pub(super) fn required_change(slow: &Slow, changed: &Slow) -> Option<Coefficient> {
-    let now = Relations::of(slow);
-    let recorded = Vector3::from_fn(|axis, _| f64::from(u8::from(slow.channels[axis].is_some())));
-    let weight = recorded.zip_map(&now.scale(), |recorded, scale| {
-        recorded / scale.sqrt().max(1e-300)
-    });
-    let weighted = |of: &Relations| -> Vec<f64> {
-        let residuals = of
-            .residuals()
-            .map(|residual| residual.component_mul(&weight));
-        residuals
-            .flat_map(|residual| [residual.x, residual.y, residual.z])
-            .collect()
-    };
-    let now = weighted(&now);
-    let effect = |changed: &Slow| -> Vec<f64> {
-        let changed = weighted(&Relations::of(changed));
-        changed.iter().zip(&now).map(|(a, b)| a - b).collect()
-    };
-    let mut columns = vec![effect(changed)];
-    let places = [0, 1, 2]
-        .map(|axis| accelerometer_moved(slow, axis))
-        .into_iter();
-    let places = places.chain(slip_moved(slow)).map(|moved| effect(&moved));
-    columns.extend(places.filter(|place| place.iter().any(|x| *x != 0.0)));
-    let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-    let residual: Vec<f64> = now.iter().map(|x| -x).collect();
-    coefficients(&columns, &residual)?.first().copied()
+    let weight = weight(slow);
+    let now = weighted(slow, &weight);
+    let mut columns = vec![weighted(changed, &weight) - &now];
+    columns.extend(places(slow, &weight));
+    let columns: Vec<&[f64]> = columns.iter().map(DVector::as_slice).collect();
+    coefficients(&columns, (-now).as_slice())?.first().copied()
 }
 
 /// The readings of the accelerometer a metre further along an axis.
@@ -382,18 +415,57 @@ fn slip_moved(slow: &Slow) -> Option<Slow> {
 
 /// How late a channel is relative to the others, if it alone is [s], with its standard error.
 ///
+/// The shift of least residual, together with places as in [`required_change`]. The noise of a
+/// channel is the same at every shift. It would attenuate a regression on the channel's rate. The
+/// error is that of halves of the run. `None` where the least residual of the whole or of a half is
+/// at an end of [`MOST_LATE_S`].
+///
 /// Without a slip sensor the slip's own part of the lateral force would pass for a delay of it:
 /// there is none.
 pub(super) fn delay(slow: &Slow, sensor: Sensor) -> Option<Coefficient> {
-    const STEP_S: f64 = 0.01;
     let related = sensor as usize <= Sensor::Slip as usize;
-    if !related || sensor == Sensor::Ay && !slow.has(&[Sensor::Slip]) {
+    if !related || !slow.has(&[sensor]) || sensor == Sensor::Ay && !slow.has(&[Sensor::Slip]) {
         return None;
     }
-    let mut later = slow.clone();
-    let rates = slow.rate(slow[sensor].as_ref()?);
-    let values = later[sensor].iter_mut().flatten();
-    values.zip(rates).for_each(|(x, rate)| *x += STEP_S * rate);
-    let (steps, error) = required_change(slow, &later)?;
-    Some((STEP_S * steps, STEP_S * error))
+    let reach = (MOST_LATE_S / slow.dt_s).round() as usize;
+    let centred = slow.shifted(sensor, reach, reach);
+    if centred.len() == 0 {
+        return None;
+    }
+    let weight = weight(&centred);
+    // Sums of squares by shift and block.
+    let squares = |shift: usize| {
+        let shifted = slow.shifted(sensor, reach, shift);
+        let residual = weighted(&shifted, &weight);
+        let count = residual.len();
+        let mut columns = places(&shifted, &weight);
+        columns.push(DVector::repeat(count, 1.0));
+        let basis = DMatrix::from_columns(&columns).qr().q();
+        let rest = &residual - &basis * basis.tr_mul(&residual);
+        let mut sums = [0.0; BLOCKS];
+        for (i, x) in rest.iter().enumerate() {
+            sums[i * BLOCKS / count] += x * x;
+        }
+        sums
+    };
+    let squares: Vec<[f64; BLOCKS]> = (0..=2 * reach).map(squares).collect();
+    let least = |blocks: &dyn Fn(usize) -> bool| {
+        let sum = |sums: &[f64; BLOCKS]| -> f64 {
+            let sums = sums.iter().enumerate();
+            sums.filter(|(block, _)| blocks(*block))
+                .map(|(_, sum)| sum)
+                .sum()
+        };
+        let sums: Vec<f64> = squares.iter().map(sum).collect();
+        let best = (0..sums.len()).min_by(|a, b| sums[*a].total_cmp(&sums[*b]))?;
+        let (before, after) = (sums.get(best.wrapping_sub(1))?, sums.get(best + 1)?);
+        // The vertex of the parabola through the least and its neighbours.
+        let vertex = 0.5 * (before - after) / (before - 2.0 * sums[best] + after);
+        Some((best as f64 - reach as f64 + vertex) * slow.dt_s)
+    };
+    let all = least(&|_| true)?;
+    // Of a half, the deviation from the whole has the variance of the whole.
+    let half = |first: usize| least(&|block| (block + first) % BLOCKS < BLOCKS / 2);
+    let halves: Vec<f64> = (0..BLOCKS).map(half).collect::<Option<_>>()?;
+    Some((all, root_mean_square(halves.iter().map(|half| half - all))))
 }

@@ -217,6 +217,23 @@ fn a_lateral_force_is_not_late_for_want_of_a_slip_sensor() {
 }
 
 #[test]
+fn a_late_channel_has_its_delay_within_the_stated_error() {
+    let clean = clean();
+    for (column, most_error) in [("v_mps", 0.06), ("yaw_rate_radps", 0.02), ("az_mps2", 0.01)] {
+        for rows in [10, 25, 60] {
+            let values = &clean.columns[column];
+            let late = changed(column, |i, _| values[i.saturating_sub(rows)]);
+            let [delay, error] = late.channels[column].delay_s.unwrap();
+            let off = delay - 0.01 * rows as f64;
+            assert!(
+                off.abs() < 3.0 * error && error < most_error,
+                "{column}, {rows} rows: {delay} +- {error}"
+            );
+        }
+    }
+}
+
+#[test]
 fn exchanged_channels_are_wrong_and_both_named() {
     let exchanged = said(&clean(), |mut lines| {
         lines[0] = lines[0]
@@ -344,4 +361,28 @@ fn a_sign_is_proved_where_all_runs_agree_and_doubted_where_one_does_not() {
     assert_eq!(proven, 2);
     let message = check_relations(&mut all).unwrap_err().to_string();
     assert!(message.contains("yaw_rate_radps"), "{message}");
+}
+
+#[test]
+fn a_speed_in_a_confused_unit_is_proved_with_its_unit() {
+    for (factor, unit) in [
+        (1.609_344, "\"km/h\""),
+        (1.852, "\"km/h\""),
+        (1.0 / 1.609_344, "\"mph\""),
+        (1.0 / 1.852, "\"kn\""),
+    ] {
+        let faults = changed("v_mps", |_, v| factor * v).faults;
+        assert_eq!(faults.len(), 1, "{factor}: {faults:#?}");
+        let fault = &faults[0];
+        assert!(fault.proven && fault.columns == ["v_mps"], "{fault:?}");
+        assert!(fault.mend.contains(unit), "{factor}: {}", fault.mend);
+    }
+}
+
+#[test]
+fn a_correction_is_not_proved_while_a_relation_disagrees() {
+    // No unit: as miles per hour the relation across is satisfied, that along the sled is not.
+    let faults = changed("v_mps", |_, v| 2.5 * v).faults;
+    assert!(!faults.is_empty());
+    assert!(faults.iter().all(|fault| !fault.proven), "{faults:#?}");
 }
