@@ -305,7 +305,7 @@ fn only_what_is_asked_for_is_looked_for() -> Outcome {
         &["--only", "temperature,damp"],
     )?;
     let reported = String::from_utf8_lossy(&wrong.stderr).into_owned();
-    assert_eq!(wrong.status.code(), Some(3), "{reported}");
+    assert_eq!(wrong.status.code(), Some(2), "{reported}");
     assert!(
         reported.contains("\"damp\"")
             && reported.contains("humidity")
