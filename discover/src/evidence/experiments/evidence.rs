@@ -258,12 +258,12 @@ impl Evidence for Experiments<'_> {
             let [before, after] = [squares(from, &offsets[0]), squares(to, &offsets[1])];
             [before[0] - after[0], before[1] - after[1]]
         };
-        let [falls, learned] =
-            [&self.held_out, &self.training].map(|rows| rows.iter().map(fall).collect::<Vec<_>>());
+        let falls: Vec<[f64; 2]> = self.held_out.iter().map(fall).collect();
         if setting.between.both() == 0.0 {
             let falls: Vec<f64> = falls.iter().map(|fall| fall[1]).collect();
             return Ok(Decrease::over(&falls, 0.0));
         }
+        let learned: Vec<[f64; 2]> = self.training.iter().map(fall).collect();
         Ok(Decrease::over_channels(
             ["mu given specimen and session", "mu"],
             &falls,

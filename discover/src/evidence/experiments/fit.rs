@@ -1,5 +1,6 @@
 //! Weighted least squares of mu by the base law and selected effects.
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
@@ -40,14 +41,15 @@ impl Between {
 
 /// Whitening of rows whose specimens and sessions have random offsets.
 ///
-/// With sd_i the standard deviation of row i and s that between specimens, the covariance of a
-/// specimen's rows is `diag(sd^2) + s^2 1 1'`. With `a = s / sd`, its inverse root is
+/// With sd_i the standard deviation of row i and s that between specimens (or between sessions,
+/// whichever are more), the covariance of a specimen's rows is `diag(sd^2) + s^2 1 1'`. With
+/// `a = s / sd`, its inverse root is
 ///
 /// ```text
 /// R = (1 - (1 - 1 / sqrt(1 + |a|^2)) a a' / |a|^2) diag(1 / sd)
 /// ```
 ///
-/// With g the standard deviation between sessions, Z their indicators and `g^2 R Z Z' R' = U L U'`,
+/// With g the standard deviation between the others, Z their indicators and `g^2 R Z Z' R' = U L U'`,
 /// that of all rows is
 ///
 /// ```text
@@ -56,8 +58,8 @@ impl Between {
 #[derive(Clone)]
 pub struct Whitening {
     weights: Vec<f64>,
-    /// Rows of each specimen, with a.
-    specimens: Vec<(Vec<usize>, Vec<f64>)>,
+    /// Rows of each specimen or session, with a.
+    blocks: Vec<(Vec<usize>, Vec<f64>)>,
     /// U.
     directions: DMatrix<f64>,
     /// L.
@@ -67,25 +69,34 @@ pub struct Whitening {
 impl Whitening {
     fn new(groups: &Groups, weights: Vec<f64>, between: Between) -> Self {
         let n = weights.len();
-        let specimens = groups.specimens.iter().filter(|_| between.specimens > 0.0);
-        let specimens = specimens.map(|own| {
-            let a = own.iter().map(|i| between.specimens * weights[*i]);
-            (own.clone(), a.collect())
+        let mut effects = vec![
+            (&groups.specimens, between.specimens),
+            (&groups.sessions, between.sessions),
+        ];
+        effects.retain(|(_, sd)| *sd > 0.0);
+        effects.sort_by_key(|(groups, _)| Reverse(groups.len()));
+        let mut effects = effects.into_iter();
+        let blocks = effects.next().map_or(Vec::new(), |(groups, sd)| {
+            let block = |own: &Vec<usize>| {
+                let a = own.iter().map(|i| sd * weights[*i]);
+                (own.clone(), a.collect())
+            };
+            groups.iter().map(block).collect()
         });
-        let by_specimen = Self {
-            specimens: specimens.collect(),
+        let by_block = Self {
+            blocks,
             weights,
             directions: DMatrix::zeros(n, 0),
             variances: DVector::zeros(0),
         };
-        if between.sessions == 0.0 {
-            return by_specimen;
-        }
-        let mut offsets = DMatrix::zeros(n, groups.sessions.len());
-        for (s, own) in groups.sessions.iter().enumerate() {
+        let Some((others, sd)) = effects.next() else {
+            return by_block;
+        };
+        let mut offsets = DMatrix::zeros(n, others.len());
+        for (s, own) in others.iter().enumerate() {
             let mut offset = DVector::zeros(n);
-            own.iter().for_each(|i| offset[*i] = between.sessions);
-            offsets.set_column(s, &by_specimen.apply(&offset));
+            own.iter().for_each(|i| offset[*i] = sd);
+            offsets.set_column(s, &by_block.apply(&offset));
         }
         let eigen = offsets.tr_mul(&offsets).symmetric_eigen();
         let mut directions = offsets * eigen.eigenvectors;
@@ -96,25 +107,25 @@ impl Whitening {
         Self {
             directions,
             variances,
-            ..by_specimen
+            ..by_block
         }
     }
 
     /// Whitens a value per row.
     pub fn apply(&self, values: &DVector<f64>) -> DVector<f64> {
         let weights = DVector::from_column_slice(&self.weights);
-        self.without_sessions(self.without_specimens(values.component_mul(&weights)))
+        self.without_directions(self.without_blocks(values.component_mul(&weights)))
     }
 
     /// The transpose of [`apply`](Self::apply).
     fn apply_transpose(&self, values: &DVector<f64>) -> DVector<f64> {
         let weights = DVector::from_column_slice(&self.weights);
-        let white = self.without_specimens(self.without_sessions(values.clone()));
+        let white = self.without_blocks(self.without_directions(values.clone()));
         white.component_mul(&weights)
     }
 
-    fn without_specimens(&self, mut white: DVector<f64>) -> DVector<f64> {
-        for (own, a) in &self.specimens {
+    fn without_blocks(&self, mut white: DVector<f64>) -> DVector<f64> {
+        for (own, a) in &self.blocks {
             let norm = a.iter().map(|a| a * a).sum::<f64>();
             let along: f64 = own.iter().zip(a).map(|(i, a)| a * white[*i]).sum();
             let share = (1.0 - 1.0 / (1.0 + norm).sqrt()) * along / norm;
@@ -123,7 +134,7 @@ impl Whitening {
         white
     }
 
-    fn without_sessions(&self, white: DVector<f64>) -> DVector<f64> {
+    fn without_directions(&self, white: DVector<f64>) -> DVector<f64> {
         let shares = self.variances.map(|l| 1.0 - 1.0 / (1.0 + l).sqrt());
         let along = self.directions.tr_mul(&white).component_mul(&shares);
         white - &self.directions * along
@@ -132,8 +143,8 @@ impl Whitening {
     /// Logarithm of the covariance's determinant.
     fn log_determinant(&self) -> f64 {
         let rows: f64 = self.weights.iter().map(|w| -2.0 * w.ln()).sum();
-        let of_specimen = |(_, a): &(Vec<usize>, Vec<f64>)| a.iter().map(|a| a * a).sum::<f64>();
-        let variances = self.specimens.iter().map(of_specimen);
+        let of_block = |(_, a): &(Vec<usize>, Vec<f64>)| a.iter().map(|a| a * a).sum::<f64>();
+        let variances = self.blocks.iter().map(of_block);
         let variances = variances.chain(self.variances.iter().copied());
         rows + variances.map(f64::ln_1p).sum::<f64>()
     }
@@ -350,7 +361,7 @@ pub fn between(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Between {
     /// Largest deviation tried, in units of the rows' own, and number of trials.
     const LARGEST: f64 = 10.0;
     const TRIED: i32 = 60;
-    /// Most sessions: a matrix of their number of columns is diagonalised in every fit.
+    /// Most sessions: with specimens, a matrix of that many columns may be diagonalised in every fit.
     const MOST: usize = 200;
     /// Estimates of each deviation given the other.
     const ROUNDS: usize = 2;
@@ -375,7 +386,11 @@ pub fn between(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Between {
         least.map_or(with(0.0), |(_, between)| between)
     };
     let mut between = Between::default();
-    for _ in 0..ROUNDS {
+    for round in 0..ROUNDS {
+        // Given no specimens the sessions were estimated in the first round.
+        if round > 0 && between.specimens == 0.0 {
+            break;
+        }
         if repeats(&groups.sessions) && groups.sessions.len() <= MOST {
             let specimens = between.specimens;
             between = least(&|sessions| Between {

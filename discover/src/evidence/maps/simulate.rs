@@ -18,7 +18,7 @@ use crate::procedure::rules::MapRules;
 
 /// Standard deviations of its noise above which a pixel is in contact, wherever the simulation has
 /// none: none of a million by chance.
-const BEYOND_NOISE: f64 = 5.0;
+const ABOVE_NOISE: f64 = 5.0;
 
 /// Solution of a row before the sensor: the pressure of a row with a map, or the peak alone.
 enum Simulated {
@@ -310,7 +310,7 @@ fn compare(
     for ((m, s), weight) in pairs.zip(weights) {
         out.rest.push((m - s) * weight);
         out.size += (s * weight).powi(2);
-        if *s > 0.0 || m * weight * as_one.sqrt() > BEYOND_NOISE {
+        if *s > 0.0 || m * weight * as_one.sqrt() > ABOVE_NOISE {
             touched += 1.0;
             out.rms += (m - s).powi(2);
             out.in_contact += ((m - s) * weight).powi(2);

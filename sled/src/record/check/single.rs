@@ -133,13 +133,13 @@ fn out_of_range(sensor: Sensor, values: &[f64]) -> Option<(Scale, String)> {
     let range = RANGES.iter().find(|(of, ..)| of.contains(&sensor))?;
     let (_, most, own, scale) = range;
     if largest > *most && !spins {
-        let beyond = values.iter().filter(|v| v.abs() > *most).count();
+        let above = values.iter().filter(|v| v.abs() > *most).count();
         let evidence = format!(
-            "largest magnitude {largest:.4}, {beyond} of {} values; expected {own}, magnitudes below {most}",
+            "largest magnitude {largest:.4}, {above} of {} values; expected {own}, magnitudes below {most}",
             values.len()
         );
         // In another unit more than single values are far off.
-        let is_unit = 20 * beyond >= values.len();
+        let is_unit = 20 * above >= values.len();
         return Some((if is_unit { *scale } else { SPIKES }, evidence));
     }
     let median = median(values.iter().copied()).filter(|_| sensor == Sensor::Az)?;
