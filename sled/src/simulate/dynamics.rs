@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::effects::{Active, Relaxed};
-use crate::friction::GRAVITY;
+use crate::friction::{GRAVITY, sin_cos_near};
 
 use crate::conditions::Conditions;
 use crate::model::vehicle::Vehicle;
@@ -148,34 +148,36 @@ impl World<'_> {
         // The sled moves forward throughout, which `trouble` sees to: the plain forms do, and are
         // faster.
         let speed = (vx * vx + vys * vys).sqrt();
-        let alpha = -(vys / vx).atan();
+        let alpha = -libm::atan(vys / vx);
         let Slips { cog, front, rear } = slips(sled, alpha, yaw, speed, delta);
 
-        let (sin_chi, cos_chi) = chi.sin_cos();
+        let small = |angle| sin_cos_near(angle, 0.0, (0.0, 1.0));
+        let (sin_chi, cos_chi) = small(chi);
         let ds = vx * cos_chi - vy * sin_chi;
         let dn = vx * sin_chi + vy * cos_chi;
         let tilt = self.cross_curvature * n;
         let tilt_t = self.cross_curvature * dn;
         let phi = bank + tilt;
-        let (sin_theta, cos_theta) = theta.sin_cos();
-        let (sin_bank, cos_bank) = bank.sin_cos();
+        let (sin_theta, cos_theta) = libm::sincos(theta);
+        let (sin_bank, cos_bank) = libm::sincos(bank);
         let half = 0.5 * tilt;
         let chord = if half == 0.0 {
             n
         } else {
             n * half.sin() / half
         };
-        let (sin_mean, cos_mean) = (bank + half).sin_cos();
+        let near_bank = |angle| sin_cos_near(angle, bank, (sin_bank, cos_bank));
+        let ((sin_mean, cos_mean), (sin_phi, cos_phi)) = (near_bank(bank + half), near_bank(phi));
         let climb = chord * (bank_s * cos_theta * cos_mean - theta_s * sin_theta * sin_mean);
-        let rise = [climb - sin_theta, cos_theta * phi.sin()];
+        let rise = [climb - sin_theta, cos_theta * sin_phi];
         let up = [
             rise[0] * cos_chi + rise[1] * sin_chi,
             rise[1] * cos_chi - rise[0] * sin_chi,
-            cos_theta * phi.cos(),
+            cos_theta * cos_phi,
         ];
 
         // Rates of the ice's frame on the line, and off it, where the cross-section tilts it.
-        let (sin_tilt, cos_tilt) = tilt.sin_cos();
+        let (sin_tilt, cos_tilt) = small(tilt);
         let pitch_0 = -speed * curvature;
         let yaw_0 = -GRAVITY * cos_theta * sin_bank / speed;
         let pitch_n = pitch_0 * cos_tilt + yaw_0 * sin_tilt;

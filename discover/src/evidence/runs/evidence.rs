@@ -111,20 +111,22 @@ impl Evidence for Campaign<'_> {
         account
             .remarks
             .extend(remarks_on_channels(self.model, self.used[0]));
-        let base = self.fitted_anew(&self.given, Vec::new())?;
-        let pushed = self.mark_pushes(&base.residual_model);
+        let start = self.started(&self.given)?;
+        let rough = self.roughly_fitted(&self.with_discrepancy(start.clone()))?;
+        let pushed = self.mark_pushes(&rough.with_fixed(true));
         if !pushed.is_empty() {
             account.remarks.push(format!(
                 "single runs were pushed aside at places that others pass, possibly by a wall; their samples there are omitted: {}",
                 pushed.join(", ")
             ));
         }
-        let base = match pushed.is_empty() {
-            true => base,
-            false => self.fitted(&base.residual_model, Vec::new())?,
+        let rough = match pushed.is_empty() {
+            true => rough,
+            false => self.roughly_fitted(&rough)?,
         };
-        self.scale_places(&base.residual_model);
-        let base = self.fitted_anew(&self.given, Vec::new())?;
+        self.scale_places(&rough);
+        let start = self.roughly_fitted(&start)?;
+        let base = self.fitted(&self.with_discrepancy(start), Vec::new())?;
         self.given.model_error = base.residual_model.model_error;
         if self.data.noise_from == NoiseFrom::Differences {
             let n = self.data.noise.sd();

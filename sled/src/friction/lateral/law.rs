@@ -150,17 +150,18 @@ impl MagicFormula {
     }
 
     fn angles(&self, x: f64, near: Option<&LateralAngles>) -> LateralAngles {
-        let of_x = near.map_or_else(|| x.atan(), |near| atan_near(x, near.x));
+        let of_x = near.map_or_else(|| libm::atan(x), |near| atan_near(x, near.x));
         let u = self.inner(x, of_x);
-        let of_u = near.map_or_else(|| u.atan(), |near| atan_near(u, near.u));
+        let of_u = near.map_or_else(|| libm::atan(u), |near| atan_near(u, near.u));
         let wave = self.c * of_u;
         LateralAngles {
             x: (x, of_x),
             u: (u, of_u),
-            wave: near.map_or_else(
-                || wave.sin_cos(),
-                |near| sin_cos_near(wave, self.c * near.u.1, near.wave),
-            ),
+            wave: match near {
+                Some(near) => sin_cos_near(wave, self.c * near.u.1, near.wave),
+                // C is small for a runner.
+                None => sin_cos_near(wave, 0.0, (0.0, 1.0)),
+            },
         }
     }
 
@@ -249,7 +250,7 @@ pub fn sin_cos_near(angle: f64, from: f64, (sine, cosine): (f64, f64)) -> (f64, 
         return (sine, cosine);
     }
     if d.abs() > NEAR || d.is_nan() {
-        return angle.sin_cos();
+        return libm::sincos(angle);
     }
     let q = d * d;
     let s = d
@@ -268,7 +269,7 @@ pub fn sin_cos_near(angle: f64, from: f64, (sine, cosine): (f64, f64)) -> (f64, 
 fn atan_near(x: f64, (from, of_from): (f64, f64)) -> f64 {
     let d = (x - from) / (1.0 + x * from);
     if d.is_nan() || d.abs() > NEAR || x * from < 0.0 {
-        return x.atan();
+        return libm::atan(x);
     }
     let q = d * d;
     let rest =

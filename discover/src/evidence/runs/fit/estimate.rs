@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use crate::evidence::runs::fit::gauss_newton::{FitProducts, Fitting, solve};
+use crate::evidence::runs::fit::gauss_newton::{FitProducts, Fitting, GaussNewtonStep, solve};
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
@@ -101,8 +101,8 @@ impl FinalEstimates {
             let error = covariance[(k, k)].max(0.0).sqrt();
             *estimate = estimate.moved(-shift[k]).with_error(error);
         }
-        for (b, estimate) in free.iter().zip(&estimates) {
-            model.base[*b] = estimate.value;
+        for b in free {
+            model.base[*b] = 1.0;
         }
         let amplitudes = model.free();
         for ((e, q), estimate) in amplitudes.into_iter().zip(&estimates[known..count]) {
@@ -139,10 +139,10 @@ pub fn estimate(fitting: &Fitting, model: &ResidualModel, whitener: &Whitener) -
     let score = |cluster: &[usize]| score_without(&by_run, cluster, &solved);
     let of_sessions: Vec<_> = sessions.iter().map(|runs| score(runs)).collect();
     let covariance = match by_session {
-        true => sandwich(&of_sessions, &prior, &solved.1),
+        true => sandwich(&of_sessions, &prior, &solved.inverse),
         false => {
             let of_runs: Vec<_> = (0..frames.len()).map(|run| score(&[run])).collect();
-            sandwich(&of_runs, &prior, &solved.1)
+            sandwich(&of_runs, &prior, &solved.inverse)
         }
     };
     let clusters = if by_session {
@@ -172,7 +172,7 @@ pub fn estimate(fitting: &Fitting, model: &ResidualModel, whitener: &Whitener) -
         ..2 => Vec::new(),
         _ => {
             let change = |score: &DVector<f64>| {
-                let change = -(&solved.1 * score);
+                let change = -(&solved.inverse * score);
                 DVector::from_fn(known, |k, _| scales[k] * change[k])
             };
             let changes: Vec<_> = of_sessions.iter().map(change).collect();
@@ -200,7 +200,9 @@ pub fn estimate(fitting: &Fitting, model: &ResidualModel, whitener: &Whitener) -
 fn score_without(
     grams: &[DMatrix<f64>],
     cluster: &[usize],
-    (step, inverse): &(DVector<f64>, DMatrix<f64>),
+    GaussNewtonStep {
+        by: step, inverse, ..
+    }: &GaussNewtonStep,
 ) -> DVector<f64> {
     let p = step.len();
     let mut gram = DMatrix::zeros(p + 1, p + 1);

@@ -99,7 +99,8 @@ impl Fitting<'_> {
     /// ```
     ///
     /// A large installation error is not taken up by the base, as it is by a fit of the base
-    /// before. Steps are halved until the criterion falls; amplitudes are bounded.
+    /// before. Steps are halved until the criterion falls, and lengthened where it falls by more than
+    /// its products predict, as they do not contain the change of E; amplitudes are bounded.
     ///
     /// # Errors
     /// [`Error::BaseFit`] if a residual is not finite.
@@ -117,6 +118,9 @@ impl Fitting<'_> {
         const ROUNDS: usize = 12;
         /// Smallest share of a step.
         const LEAST: f64 = 0.05;
+        /// Multiples of a step that are tried, from that which is worth another evaluation.
+        const LONGER: f64 = 1.5;
+        const MOST: f64 = 4.0;
         let mut model = model.clone();
         let mut rows = conditional_residuals(&model, self.frames);
         for _ in 0..ROUNDS {
@@ -128,19 +132,27 @@ impl Fitting<'_> {
                 });
             }
             let FitProducts { by_run, prior } = self.products(&model, &self.whitener(&rows));
-            let (step, _) = solve(&by_run, &prior);
-            let mut share = 1.0;
-            let mut gained = 0.0;
-            while share > LEAST {
-                let trial = stepped(&model, self.free, step.as_slice(), share);
+            let step = solve(&by_run, &prior);
+            let tried = |share: f64| {
+                let trial = stepped(&model, self.free, step.by.as_slice(), share);
                 let trial_rows = conditional_residuals(&trial, self.frames);
-                let by = before - self.criterion(&trial, &trial_rows);
-                if by > 0.0 {
-                    (model, rows, gained) = (trial, trial_rows, by);
-                    break;
+                let gained = before - self.criterion(&trial, &trial_rows);
+                (gained, trial, trial_rows)
+            };
+            let shares = std::iter::successors(Some(1.0), |share| Some(0.5 * share));
+            let mut shares = shares.take_while(|share| *share > LEAST).map(tried);
+            let Some(mut best) = shares.find(|(gained, ..)| *gained > 0.0) else {
+                break;
+            };
+            let longer = step.multiple(best.0).min(MOST);
+            if longer >= LONGER {
+                let further = tried(longer);
+                if further.0 > best.0 {
+                    best = further;
                 }
-                share *= 0.5;
             }
+            let gained = best.0;
+            (_, model, rows) = best;
             if gained < enough {
                 break;
             }
@@ -202,14 +214,42 @@ pub struct Fit {
     pub whitener: Whitener,
 }
 
-/// A Gauss-Newton step from products by run, and the inverse of their sum with the prior.
-pub fn solve(by_run: &[DMatrix<f64>], prior: &Prior) -> (DVector<f64>, DMatrix<f64>) {
+/// A Gauss-Newton step.
+pub struct GaussNewtonStep {
+    pub by: DVector<f64>,
+    /// Inverse of the sum of the products and the prior.
+    pub inverse: DMatrix<f64>,
+    /// Decrease of the criterion with the whole step if it is quadratic with these products.
+    predicted: f64,
+}
+
+impl GaussNewtonStep {
+    /// The multiple of the step at which the criterion is least, from its decrease d with the whole
+    /// step: with p the predicted decrease, `2 p s - (2 p - d) s^2` has its maximum at
+    /// `s = p / (2 p - d)`.
+    fn multiple(&self, decrease: f64) -> f64 {
+        let curvature = 2.0 * self.predicted - decrease;
+        match curvature > 0.0 {
+            true => self.predicted / curvature,
+            false => f64::INFINITY,
+        }
+    }
+}
+
+/// A Gauss-Newton step from products by run.
+pub fn solve(by_run: &[DMatrix<f64>], prior: &Prior) -> GaussNewtonStep {
     let p = prior.count();
     let mut total = DMatrix::zeros(p + 1, p + 1);
     by_run.iter().for_each(|products| total += products);
     let inverse = prior.inverse(total.view((0, 0), (p, p)).into_owned());
-    let step = &inverse * (total.view((0, p), (p, 1)).column(0) + prior.scores(&prior.at));
-    (step, inverse)
+    let scores = total.view((0, p), (p, 1)).column(0) + prior.scores(&prior.at);
+    let by = &inverse * &scores;
+    let predicted = 0.5 * by.dot(&scores);
+    GaussNewtonStep {
+        by,
+        inverse,
+        predicted,
+    }
 }
 
 /// Largest factor by which a step moves a base multiplier: a long step along a poorly determined
@@ -345,8 +385,8 @@ mod tests {
         let fitting = fitting(&frames);
         let fit = fitting.fit(&model).expect("finite residuals");
         let FitProducts { by_run, prior } = fitting.products(&fit.model, &fit.whitener);
-        let (step, _) = solve(&by_run, &prior);
-        let beyond = stepped(&fit.model, fitting.free, step.as_slice(), 1.0);
+        let step = solve(&by_run, &prior);
+        let beyond = stepped(&fit.model, fitting.free, step.by.as_slice(), 1.0);
         let more = criterion(&fitting, &fit.model) - criterion(&fitting, &beyond);
         assert!(more < 0.5, "{more}");
         // The runs are those of the published model.

@@ -41,29 +41,49 @@ impl Campaign<'_> {
     /// # Errors
     /// [`Error::BaseFit`] if a residual is not finite.
     pub fn fitted_anew(&self, model: &ResidualModel, owners: Vec<usize>) -> Result<RunFit, Error> {
-        const ROUND: u64 = 6_500_003;
-        /// Tolerance of the criterion without a discrepancy: the fit with one starts there.
-        const START: f64 = 5.0;
-        let start = ResidualModel {
+        let start = self.started(model)?;
+        self.fitted(&self.with_discrepancy(start), owners)
+    }
+
+    /// The model from which a fit starts: the stated base and installation errors, fitted without a
+    /// discrepancy.
+    ///
+    /// # Errors
+    /// [`Error::BaseFit`] if a residual is not finite.
+    pub fn started(&self, model: &ResidualModel) -> Result<ResidualModel, Error> {
+        self.roughly_fitted(&ResidualModel {
             base: self.given.base,
             installation: self.stated_installation(model, &self.training),
             ..model.without_discrepancy()
-        };
-        let start = self.fitting().fit_within(&start, START)?.model;
+        })
+    }
+
+    /// A fit that is good enough to start from.
+    ///
+    /// # Errors
+    /// [`Error::BaseFit`] if a residual is not finite.
+    pub fn roughly_fitted(&self, model: &ResidualModel) -> Result<ResidualModel, Error> {
+        /// Tolerance of the criterion.
+        const ROUGH: f64 = 5.0;
+        Ok(self.fitting().fit_within(model, ROUGH)?.model)
+    }
+
+    /// A model with the discrepancy that its residuals have.
+    pub fn with_discrepancy(&self, model: ResidualModel) -> ResidualModel {
+        const ROUND: u64 = 6_500_003;
         let by_inputs = self
-            .simulator(&start)
-            .residuals(&self.training, &start, ROUND);
+            .simulator(&model)
+            .residuals(&self.training, &model, ROUND);
         let discrepancy = Discrepancy::estimate(
             &self.training,
-            [&residuals(&start, &self.training), &by_inputs],
+            [&residuals(&model, &self.training), &by_inputs],
             &self.used,
             self.rules().discrepancy_m,
         );
-        let start = ResidualModel {
+        ResidualModel {
             discrepancy,
-            ..start
-        };
-        self.fitted(&start, owners)
+            ..model
+        }
     }
 
     /// Installation errors that the tolerances allow in these runs, with the information of the
@@ -84,8 +104,8 @@ impl Campaign<'_> {
     pub fn installed_in(&self, model: &ResidualModel, frames: &[Frame]) -> ResidualModel {
         let frames: Vec<Frame> = frames.iter().map(without_contacts).collect();
         let names: Vec<&str> = frames.iter().map(|frame| frame.name.as_str()).collect();
-        let (effects, discrepancy) = (&model.effects, &model.discrepancy);
-        let inputs = format!("{:?}", (names, model.base, effects, discrepancy));
+        let discrepancy = model.discrepancy.with_fixed(false).at_zero();
+        let inputs = format!("{:?}", (names, model.base, &model.effects, &discrepancy));
         let installed = |(installation, discrepancy): (Installation, Discrepancy)| ResidualModel {
             installation,
             discrepancy,
@@ -101,7 +121,7 @@ impl Campaign<'_> {
         let effects = model.effects.active.iter();
         let start = ResidualModel {
             installation,
-            discrepancy: model.discrepancy.with_fixed(false).at_zero(),
+            discrepancy,
             frozen: effects.map(|effect| effect.name.clone()).collect(),
             ..model.clone()
         };

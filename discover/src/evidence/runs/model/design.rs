@@ -322,9 +322,8 @@ impl Design<'_> {
             if reads.are_none() {
                 continue;
             }
-            for (c, raw) in raw.iter_mut().enumerate() {
-                reads.add_change(c, -1.0 / 0.01, &jacobians, &mut raw[*k]);
-            }
+            let to = raw.each_mut().map(|raw| raw[*k].as_mut_slice());
+            reads.add_change(-1.0 / 0.01, &jacobians, to);
         }
     }
 

@@ -8,8 +8,10 @@ use std::sync::OnceLock;
 
 use kufe_sled::effects::{Active, Forces, OperatingPoint, Relaxed, Sensor, Signals};
 use kufe_sled::friction::film::Patch;
+use kufe_sled::friction::sin_cos_near;
 use kufe_sled::{
     Balance, Conditions, GRAVITY, LawForces, Motion, Sled, State, Vehicle, aero, from_sensors,
+    slips, to_centre_of_gravity,
 };
 
 use crate::evidence::runs::model::channels::Channels;
@@ -64,9 +66,7 @@ impl ResidualModel {
         let on_run = ModelOnRun::new(self, frame);
         let of = |i: usize| {
             let signals = on_run.measured(i);
-            let (_, state, motion) = on_run.motion(i, &signals);
-            let residual = on_run.track(i, &state, &motion, &signals);
-            (residual, signals[Sensor::Speed])
+            (on_run.track(i, &signals), signals[Sensor::Speed])
         };
         let (residual, speed) = (0..frame.len()).map(of).unzip();
         [residual, speed]
@@ -172,10 +172,10 @@ impl<'a> ModelOnRun<'a> {
 
     /// Corrects the signals of a sample by the active effects.
     fn corrected(&self, i: usize, mut signals: Signals) -> Signals {
-        let effects = &self.vehicle.effects;
-        if !effects.is_empty() {
+        if self.corrects {
             let v = self.channels.value(Sensor::Speed)[i];
-            effects.correct(&self.operating_point(i, v), &mut signals);
+            let at = self.operating_point(i, v);
+            self.vehicle.effects.correct(&at, &mut signals);
         }
         signals
     }
@@ -367,21 +367,25 @@ impl<'a> ModelOnRun<'a> {
 
     /// Residual along the path of the sled [m/s2]; 0 without a survey. The slope is positive
     /// downhill.
-    fn track(&self, i: usize, state: &State, motion: &Motion, signals: &Signals) -> f64 {
+    fn track(&self, i: usize, signals: &Signals) -> f64 {
         let Some(slope) = self.slopes().get(i) else {
             return 0.0;
         };
         let slope = slope + self.vehicle.effects.slope(self.frame.s[i]);
-        let (sine, cosine) = state.alpha_cog_rad.sin_cos();
-        let [ahead, aside, _] = motion.accel_mps2;
-        signals.rate(Sensor::Speed) - GRAVITY * slope.sin() - ahead * cosine + aside * sine
+        let (sled, rates) = (&signals.sled, signals.rates());
+        let speed = signals[Sensor::Speed].max(LEAST_SPEED);
+        let alpha = slips(sled, signals[Sensor::Slip], rates[2], speed, 0.0).cog;
+        let (sine, cosine) = sin_cos_near(alpha, 0.0, (0.0, 1.0));
+        let place = [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m];
+        let turning = signals.angular_acceleration();
+        let [ahead, aside, _] = to_centre_of_gravity(signals.acceleration(), rates, turning, place);
+        signals.rate(Sensor::Speed) - GRAVITY * libm::sin(slope) - ahead * cosine + aside * sine
     }
 
     pub fn residual(&self, i: usize) -> [f64; CHANNELS] {
         let at = self.instant(i, &self.measured(i));
         let [along, side, yaw] = self.balances(&at, &self.forces(&at));
-        let Balance { state, motion, .. } = &at.balance;
-        [along, side, yaw, self.track(i, state, motion, &at.signals)]
+        [along, side, yaw, self.track(i, &at.signals)]
     }
 
     /// Scale of a sensor's reading.
@@ -415,13 +419,11 @@ impl<'a> ModelOnRun<'a> {
         if !effect.acts_on(&self.frame.track) {
             return self.balances(at, forces);
         }
-        let mut signals = at.signals;
-        if effect.moves_signals() {
-            effect.correct(&at.seen.point, &mut signals);
-        }
-        if signals == at.signals {
+        if !effect.moves_signals() {
             return residuals_with(effect, at, forces);
         }
+        let mut signals = at.signals;
+        effect.correct(&at.seen.point, &mut signals);
         // Another reading changes the motion; a sensor effect changes no force.
         if let Some(by) = by {
             let (own, moved) = (self.balances(at, forces), by.between(&at.signals, &signals));

@@ -5,8 +5,8 @@ use kufe_sled::{Sled, Vehicle};
 
 use crate::evidence::runs::model::channels::Channels;
 use crate::evidence::runs::model::installation::{Installation, Part};
-use crate::evidence::runs::model::residual_jacobian::ResidualJacobian;
-use crate::evidence::runs::model::residual_model::ResidualModel;
+use crate::evidence::runs::model::residual_jacobian::{ResidualJacobian, changed_constants};
+use crate::evidence::runs::model::residual_model::{BALANCES, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 
 /// Channels of the inertial unit.
@@ -143,20 +143,26 @@ impl Differences {
         self.sensors.is_empty() && self.sleds[0] == self.sleds[1]
     }
 
-    /// Adds the change of a balance's residuals times a factor, from their derivatives by sample.
-    pub fn add_change(&self, balance: usize, by: f64, at: &[ResidualJacobian], to: &mut [f64]) {
-        if self.sensors.is_empty() {
-            let [before, after] = &self.sleds;
-            for (to, at) in to.iter_mut().zip(at) {
-                *to += by * at.of_constants(before, after)[balance];
+    /// Adds the change of the balances' residuals times a factor, from their derivatives by sample.
+    pub fn add_change(&self, by: f64, at: &[ResidualJacobian], mut to: [&mut [f64]; BALANCES]) {
+        let mut add = |i: usize, change: [f64; BALANCES]| {
+            for (to, change) in to.iter_mut().zip(change) {
+                if let Some(to) = to.get_mut(i) {
+                    *to += by * change;
+                }
+            }
+        };
+        let [before, after] = self.sleds;
+        let constants = changed_constants(before, after).into_iter().enumerate();
+        for (constant, change) in constants.filter(|(_, change)| *change != 0.0) {
+            for (i, at) in at.iter().enumerate() {
+                add(i, at.by_constant(constant).map(|by| change * by));
             }
         }
         for (sensor, [value, rate]) in &self.sensors {
-            for ((to, at), value) in to.iter_mut().zip(at).zip(value) {
-                *to += by * at.by_value(*sensor)[balance] * value;
-            }
-            for ((to, at), rate) in to.iter_mut().zip(at).zip(rate) {
-                *to += by * at.by_rate(*sensor)[balance] * rate;
+            for (i, (at, value)) in at.iter().zip(value).enumerate() {
+                let rate = rate.get(i).copied().unwrap_or(0.0);
+                add(i, at.of_sensor(*sensor, *value, rate));
             }
         }
     }

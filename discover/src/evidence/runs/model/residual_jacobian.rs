@@ -18,12 +18,35 @@ pub struct ResidualJacobian {
     value: [[f64; 3]; SENSORS],
     /// By each gyro's derivative: roll, pitch and yaw.
     rate: [[f64; 3]; 3],
-    mass: [f64; 3],
-    pitch_inertia: [f64; 3],
-    yaw_inertia: [f64; 3],
-    axles: [[f64; 3]; 2],
-    accelerometer: [[f64; 3]; 3],
-    slip_sensor: [f64; 3],
+    /// By each of [`CONSTANTS`].
+    constants: [[f64; 3]; CONSTANTS.len()],
+}
+
+/// A constant of the sled.
+type Constant = fn(&mut Sled) -> &mut f64;
+
+/// Constants of the sled that installation errors change.
+const CONSTANTS: [Constant; 9] = [
+    |sled| &mut sled.mass_kg,
+    |sled| &mut sled.j_yy_kgm2,
+    |sled| &mut sled.j_zz_kgm2,
+    |sled| &mut sled.l_f_m,
+    |sled| &mut sled.l_r_m,
+    |sled| &mut sled.accel_x_m,
+    |sled| &mut sled.accel_y_m,
+    |sled| &mut sled.accel_z_m,
+    |sled| &mut sled.slip_x_m,
+];
+const MASS: usize = 0;
+const PITCH_INERTIA: usize = 1;
+const YAW_INERTIA: usize = 2;
+const AXLES: [usize; 2] = [3, 4];
+const ACCELEROMETER: [usize; 3] = [5, 6, 7];
+const SLIP_SENSOR: usize = 8;
+
+/// Changes of [`CONSTANTS`] between two sleds.
+pub fn changed_constants(mut from: Sled, mut to: Sled) -> [f64; CONSTANTS.len()] {
+    CONSTANTS.map(|constant| *constant(&mut to) - *constant(&mut from))
 }
 
 /// Linear combination of vectors.
@@ -62,21 +85,10 @@ impl ResidualJacobian {
         sum([(value, self.by_value(sensor)), (rate, self.by_rate(sensor))])
     }
 
-    /// Change of the residuals between two sets of constants.
+    /// Derivatives of the residuals by a constant of the sled, by its place in [`CONSTANTS`].
     #[inline]
-    pub fn of_constants(&self, from: &Sled, to: &Sled) -> [f64; 3] {
-        let [x, y, z] = &self.accelerometer;
-        sum([
-            (to.mass_kg - from.mass_kg, &self.mass),
-            (to.j_yy_kgm2 - from.j_yy_kgm2, &self.pitch_inertia),
-            (to.j_zz_kgm2 - from.j_zz_kgm2, &self.yaw_inertia),
-            (to.l_f_m - from.l_f_m, &self.axles[0]),
-            (to.l_r_m - from.l_r_m, &self.axles[1]),
-            (to.accel_x_m - from.accel_x_m, x),
-            (to.accel_y_m - from.accel_y_m, y),
-            (to.accel_z_m - from.accel_z_m, z),
-            (to.slip_x_m - from.slip_x_m, &self.slip_sensor),
-        ])
+    pub fn by_constant(&self, constant: usize) -> &[f64; 3] {
+        &self.constants[constant]
     }
 
     /// Change of the residuals between two readings of one instant.
@@ -90,33 +102,25 @@ impl ResidualJacobian {
                 total = sum([(1.0, &total), (1.0, &self.of_sensor(sensor, value, rate))]);
             }
         }
-        if from.sled == to.sled {
-            return total;
+        if from.sled != to.sled {
+            let changes = changed_constants(from.sled, to.sled);
+            for (by, change) in self.constants.iter().zip(changes) {
+                total = sum([(1.0, &total), (change, by)]);
+            }
         }
-        let by = self.of_constants(&from.sled, &to.sled);
-        sum([(1.0, &total), (1.0, &by)])
+        total
     }
 
     /// Forward differences; `change` maps a change of the signals to that of the residuals.
     pub fn of_differences(change: impl Fn(&dyn Fn(&mut Signals)) -> [f64; 3]) -> Self {
         const STEP: f64 = 1e-4;
         let along = |moved: &dyn Fn(&mut Signals)| change(moved).map(|x| x / STEP);
-        type Constant = fn(&mut Sled) -> &mut f64;
-        let by = |constant: Constant| along(&|signals| *constant(&mut signals.sled) += STEP);
         Self {
             value: Sensor::ALL.map(|sensor| along(&|signals| signals[sensor] += STEP)),
             rate: [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate]
                 .map(|gyro| along(&|signals| signals.rate[gyro as usize] += STEP)),
-            mass: by(|sled| &mut sled.mass_kg),
-            pitch_inertia: by(|sled| &mut sled.j_yy_kgm2),
-            yaw_inertia: by(|sled| &mut sled.j_zz_kgm2),
-            axles: [by(|sled| &mut sled.l_f_m), by(|sled| &mut sled.l_r_m)],
-            accelerometer: [
-                by(|sled| &mut sled.accel_x_m),
-                by(|sled| &mut sled.accel_y_m),
-                by(|sled| &mut sled.accel_z_m),
-            ],
-            slip_sensor: by(|sled| &mut sled.slip_x_m),
+            constants: CONSTANTS
+                .map(|constant| along(&|signals| *constant(&mut signals.sled) += STEP)),
         }
     }
 
@@ -232,23 +236,25 @@ impl ResidualJacobian {
                 by.rate[k][c] -= angular[k];
                 by.value[Sensor::RollRate as usize + k][c] -=
                     g[k] * wr + place[k] * wg - 2.0 * rates[k] * rg;
-                by.accelerometer[k][c] -= tangential[k] + rates[k] * wg - dot(rates, rates) * g[k];
+                by.constants[ACCELEROMETER[k]][c] -=
+                    tangential[k] + rates[k] * wg - dot(rates, rates) * g[k];
             }
             by.rate[1][c] += sled.j_yy_kgm2 / length * pitched[c];
             by.value[Sensor::PitchRate as usize][c] += curvature[c] / v;
             by.value[Sensor::YawRate as usize][c] -= by_turn[c];
-            by.mass[c] = [a_x, a_y, 0.0][c] - a_z / length * (l_r * axle_f[c] + l_f * axle_r[c]);
-            by.pitch_inertia[c] = motion.pitch_accel_radps2 / length * pitched[c];
-            by.slip_sensor[c] = -turn * slips[c];
-            by.axles[0][c] =
+            by.constants[MASS][c] =
+                [a_x, a_y, 0.0][c] - a_z / length * (l_r * axle_f[c] + l_f * axle_r[c]);
+            by.constants[PITCH_INERTIA][c] = motion.pitch_accel_radps2 / length * pitched[c];
+            by.constants[SLIP_SENSOR][c] = -turn * slips[c];
+            by.constants[AXLES[0]][c] =
                 force_f * axle_f[c] - (weight - force_r) * axle_r[c] + turn * slip_f[c];
-            by.axles[1][c] =
+            by.constants[AXLES[1]][c] =
                 force_r * axle_r[c] - (weight - force_f) * axle_f[c] - turn * slip_r[c];
         }
         by.rate[2][2] += sled.j_zz_kgm2;
-        by.yaw_inertia[2] = motion.yaw_accel_radps2;
-        by.axles[0][2] -= front_y;
-        by.axles[1][2] += fy_r;
+        by.constants[YAW_INERTIA][2] = motion.yaw_accel_radps2;
+        by.constants[AXLES[0]][2] -= front_y;
+        by.constants[AXLES[1]][2] += fy_r;
         by
     }
 }

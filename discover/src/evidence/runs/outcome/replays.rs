@@ -34,8 +34,8 @@ use crate::null::clusters::members;
 const REPLAYED: [(&str, &str); 3] = [("t_s", "s"), ("v_mps", "m/s"), ("yaw_rate_radps", "rad/s")];
 /// Index of the speed among these columns.
 const SPEED: usize = 1;
-/// Time step [s]: times of passing differ from those with half of it by less than 10 µs.
-const STEP_S: f64 = 5e-3;
+/// Time step [s]: the differences of time, of 5 ms, change by 7 µs from half of it.
+const STEP_S: f64 = 1e-2;
 /// Speed below which a run counts as at rest [m/s].
 const SLOWEST_MPS: f64 = 1.0;
 /// Rate of a replay's output [Hz].
