@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use kufe_sled::effects::Column;
 use kufe_sled::{Entry, Model, Noise, Run, SampleCoverage, Track, covariates, gaps_line};
+use rayon::prelude::*;
 
 use crate::error::Error;
 use crate::evidence::runs::recordings::available::available;
@@ -107,10 +108,13 @@ pub fn prepare(
     let mut before: BTreeMap<&str, f64> = BTreeMap::new();
     let entries: Vec<&Entry> = runs.iter().map(|run| &run.entry).collect();
     let stated_of_all = covariates(&entries);
-    for (run, stated_of_run) in runs.iter().zip(&stated_of_all) {
-        let own = signal_kernel(run.dt_s, recordings);
+    let smoothed = |run: &Run| {
+        let kernel = signal_kernel(run.dt_s, recordings);
+        frame(run, &kernel, surveys, recordings)
+    };
+    let smoothed: Vec<Frame> = runs.par_iter().map(smoothed).collect::<Result<_, _>>()?;
+    for ((run, mut frame), stated_of_run) in runs.iter().zip(smoothed).zip(&stated_of_all) {
         let travelled = before.entry(run.entry.session.as_str()).or_insert(0.0);
-        let mut frame = frame(run, &own, surveys, recordings)?;
         let stated = model.conditions.unwrap_or_default();
         let stated = stated.complete(&run.entry.conditions);
         frame.humidity_pct = stated.humidity_pct;

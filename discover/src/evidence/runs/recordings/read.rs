@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use kufe_sled::{
-    Entry, Model, Needs, OnGaps, Run, check_relations, read_index, read_needed, refuse_unstated_air,
-};
+use kufe_sled::{Model, Needs, OnGaps, Run, read_runs, refuse_unstated_air};
 
 use crate::error::Error;
 use crate::evidence::runs::recordings::prepare::{Data, prepare};
@@ -33,20 +31,16 @@ const INDISPENSABLE: Needs = Needs {
 /// Those of the sled's readers; [`Error::Duplicate`] if two runs have the same samples;
 /// [`Error::TooFew`].
 pub fn read(index: &Path, model: &Model, options: &Options) -> Result<Data, Error> {
-    let entries: Vec<Entry> = read_index(index)?;
-    let mut runs = Vec::with_capacity(entries.len());
     let on_gaps = match options.strict {
         true => OnGaps::Refuse,
         false => OnGaps::LeaveOut,
     };
-    for entry in entries {
-        let run = read_needed(entry, &INDISPENSABLE, on_gaps)?;
-        let file = run.entry.file.display().to_string();
-        refuse_unstated_air(INDISPENSABLE.by, &run.entry.conditions, &file)?;
-        runs.push(run);
+    let runs = read_runs(index, &INDISPENSABLE, on_gaps)?;
+    for Run { entry, .. } in &runs {
+        let file = entry.file.display().to_string();
+        refuse_unstated_air(INDISPENSABLE.by, &entry.conditions, &file)?;
     }
     refuse_copies(index, &runs)?;
-    check_relations(&mut runs)?;
     let folder = index.parent().unwrap_or(Path::new(""));
     let tables = TrackTables::in_folder(folder, &runs)?;
     let mut data = prepare(&runs, model, &tables.slopes, &options.rules)?;
