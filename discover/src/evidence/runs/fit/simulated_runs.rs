@@ -142,6 +142,13 @@ impl RunSimulator {
         }
     }
 
+    /// A simulation of each run.
+    pub fn simulated(&self, frames: &[Frame], model: &ResidualModel, k: u64) -> Vec<Frame> {
+        let runs = frames.par_iter().enumerate();
+        runs.map(|(i, frame)| self.pair(frame, model, k, i).plus)
+            .collect()
+    }
+
     /// Residuals of a simulation of each run.
     pub fn residuals(
         &self,

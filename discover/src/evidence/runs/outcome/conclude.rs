@@ -178,18 +178,10 @@ impl Campaign<'_> {
             |bins: &[crate::finding::Bin]| bins.iter().any(|b| b.p_value <= rules.alpha_levels);
         strong(bins)
             && (0..6).all(|k| {
-                let simulated: Vec<Frame> = self
-                    .training
-                    .iter()
-                    .enumerate()
-                    .map(|(i, frame)| {
-                        simulator
-                            .pair(frame, &last.residual_model, 5_000_011 + k, i)
-                            .plus
-                    })
-                    .collect();
+                let model = &last.residual_model;
+                let simulated = simulator.simulated(&self.training, model, 5_000_011 + k);
                 !strong(&significant_bins(
-                    &last.residual_model,
+                    model,
                     &last.whitener,
                     &simulated,
                     self.options.seed,

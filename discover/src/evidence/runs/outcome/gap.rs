@@ -1,8 +1,6 @@
 //! Misfit by channel, before and after. For the track channel it is that of the speed's rate
 //! between the halves of its bins.
 
-use rayon::prelude::*;
-
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::residual_model::{
@@ -44,11 +42,7 @@ pub fn channels(
         })
     };
     let quiet = simulator.sensors_only();
-    let sensors: Vec<Frame> = frames
-        .par_iter()
-        .enumerate()
-        .map(|(i, frame)| quiet.pair(frame, after, 2_000_003, i).plus)
-        .collect();
+    let sensors = quiet.simulated(frames, after, 2_000_003);
     let [before, noise] = [(before, frames), (after, &sensors)].map(|(m, f)| rms(m, f));
     let after = rms(after, frames);
     (0..CHANNELS)

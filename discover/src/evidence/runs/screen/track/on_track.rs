@@ -9,7 +9,6 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::installation::{Information, Installation, Part};
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel, TRACK};
-use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::channel::TrackChannel;
 use crate::finding::{Fitted, Rival};
 use crate::procedure::candidate::Candidate;
@@ -133,12 +132,7 @@ impl Campaign<'_> {
             ));
         }
         let quiet = simulator.sensors_only();
-        let simulated: Vec<Frame> = self
-            .training
-            .iter()
-            .enumerate()
-            .map(|(i, frame)| quiet.pair(frame, residual_model, 5_000_003, i).plus)
-            .collect();
+        let simulated = quiet.simulated(&self.training, residual_model, 5_000_003);
         let expected = TrackChannel::new(residual_model, &simulated, self.rules())?.scatter();
         if channel.scatter() > self.rules().track_agrees * expected {
             let message = format!(
