@@ -120,7 +120,7 @@ pub struct Step {
     pub gap_after: f64,
     /// Unit of the two.
     pub unit: String,
-    /// Share of the explainable gap that is closed on the held-out runs, by all steps of the
+    /// Share of the explainable misfit that is explained on the held-out runs, by all steps of the
     /// channel; on the fitted ones where there are too few to hold any out.
     pub explainable_gap_closed: Interval,
     /// The rivals, best first.

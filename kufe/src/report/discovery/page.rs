@@ -131,7 +131,7 @@ fn details(report: &Report, viewer: Option<&str>) -> String {
     let remains = shown_if(!tested(report).is_empty(), bins(&report.bins_after));
     let by_run = report.by_run.iter().any(|channel| channel.runs.len() >= 2);
     let by_run = shown_if(by_run, runs(&report.by_run, viewer));
-    let title = "The gap before and after, channel by channel";
+    let title = "The misfit before and after, channel by channel";
     out += &fold(title, &before_and_after);
     out += &fold("Where it disagrees", &bins(&report.bins));
     out += &folded("What remains afterwards", remains);

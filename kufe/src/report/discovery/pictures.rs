@@ -241,7 +241,7 @@ fn bars<'a>(
     for_both(ALONE, figure)
 }
 
-/// The gap of each channel before and after, and what the sensors' noise alone would give.
+/// The misfit of each channel before and after, and what the sensors' noise alone would give.
 pub fn gaps(title: &str, channels: &[ChannelGap]) -> String {
     let values = channels.iter().map(|c| {
         let values = vec![
@@ -254,7 +254,7 @@ pub fn gaps(title: &str, channels: &[ChannelGap]) -> String {
     bars(title, values)
 }
 
-/// The gap of each quantity by three models; a model that cannot be simulated has no bar.
+/// The misfit of each quantity by three models; a model that cannot be simulated has no bar.
 pub fn models(title: &str, baselines: &[Baseline]) -> String {
     let values = baselines.iter().map(|b| {
         let refitted = b.refitted.map(|gap| ("base refitted", gap, NEUTRAL));

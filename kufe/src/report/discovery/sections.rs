@@ -14,7 +14,7 @@ use crate::results::finding::{
 /// Bins of a table.
 const MOST_BINS: usize = 15;
 
-/// One effect: how far the gap falls, its sizes, its rivals.
+/// One effect: how far the misfit falls, its sizes, its rivals.
 pub fn step(number: usize, step: &Step, report: &Report) -> String {
     let shared = match report.steps.len() {
         1 => "",
@@ -27,7 +27,7 @@ pub fn step(number: usize, step: &Step, report: &Report) -> String {
     let closed = &step.explainable_gap_closed;
     let [value, low, high] = [closed.value, closed.low, closed.high].map(|share| 100.0 * share);
     let text = format!(
-        "Channel {}; p {}. {} Of what could be explained{judged}, {value:.0} % ({low:.0} to {high:.0} %) is closed{shared}.",
+        "Channel {}; p {}. {} Of what could be explained{judged}, {value:.0} % ({low:.0} to {high:.0} %) is explained{shared}.",
         step.channel,
         p_is(step.p_value),
         fitted_gap(step, report),
@@ -40,13 +40,13 @@ pub fn step(number: usize, step: &Step, report: &Report) -> String {
     out + &folded(&title, rivals(&step.rivals))
 }
 
-/// How far the gap falls on the data that were fitted: of a single effect as the bars show it, from
+/// How far the misfit falls on the data that were fitted: of a single effect as the bars show it, from
 /// the model as given to the next one; of several, effect by effect after the base was refitted.
 fn fitted_gap(step: &Step, report: &Report) -> String {
     let bars = report.training.iter().find(|c| c.channel == step.channel);
     let text = if let (1, Some(bars)) = (report.steps.len(), bars) {
         let [before, after] = [bars.before, bars.after].map(|gap| quantity(gap, &bars.unit));
-        format!("the gap is {before} with the model as given and {after} with the next one.")
+        format!("the misfit is {before} with the model as given and {after} with the next one.")
     } else {
         let [before, after] =
             [step.gap_before, step.gap_after].map(|gap| quantity(gap, &step.unit));
@@ -55,9 +55,9 @@ fn fitted_gap(step: &Step, report: &Report) -> String {
             _ => " of the refitted base",
         };
         if step.gap_after >= step.gap_before {
-            format!("the base model had taken its place: the gap was {before} and is {after}.")
+            format!("the base model had taken its place: the misfit was {before} and is {after}.")
         } else {
-            format!("it takes the gap{base} from {before} to {after}.")
+            format!("it lowers the misfit{base} from {before} to {after}.")
         }
     };
     format!("On the data it was fitted to {text}")
@@ -127,7 +127,8 @@ fn evidence(kinds: &[OfKind]) -> String {
             ]
         })
     });
-    let columns = "data|parameter|#by itself|#95 % interval|unit|#gap not seen before, and after";
+    let columns =
+        "data|parameter|#by itself|#95 % interval|unit|#misfit on held-out data before, and after";
     format!("<p>{message}</p>\n{}", table(columns, rows))
 }
 

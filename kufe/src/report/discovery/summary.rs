@@ -31,7 +31,7 @@ pub fn summary(report: &Report) -> String {
             effects.collect::<String>()
         )
     };
-    let mut figures = Vec::from_iter(gap(report));
+    let mut figures = Vec::from_iter(misfit(report));
     if let Some(step) = steps.first() {
         figures.extend(explained(step, report));
         let why = "probability that noise alone resembles the first";
@@ -177,20 +177,25 @@ fn contacts(step: &Step) -> Option<String> {
 /// A figure, and what it is.
 type Tile = (String, String);
 
-/// Gaps one after another in one unit, from which none is broken off.
+/// Misfits one after another in one unit, from which none is broken off.
 fn arrow<const N: usize>(gaps: [f64; N], unit: &str) -> String {
     let (gaps, scale) = alike(gaps, unit);
     let text = scale.with_unit(&gaps.join("→"));
     text.replace(' ', "\u{a0}").replace('→', " → ")
 }
 
-/// The gap before and after, on held-out data where there are any.
-fn gap(report: &Report) -> Option<Tile> {
+/// The misfit before and after, on held-out data where there are any.
+fn misfit(report: &Report) -> Option<Tile> {
     let held_out = &report.held_out;
     if held_out.runs.is_empty() {
-        let gap = report.training.first()?;
+        let shares = report.remaining.iter();
+        let most = shares.max_by(|a, b| a.of_misfit.value.total_cmp(&b.of_misfit.value));
+        let of_most = |c: &&ChannelGap| most.is_some_and(|most| most.channel == c.channel);
+        let mut training = report.training.iter();
+        let gap = training.find(of_most).or(report.training.first())?;
         let figure = arrow([gap.before, gap.after], &gap.unit);
-        return Some((figure, "gap between measured and simulated".to_owned()));
+        let why = format!("misfit ({}): as given, as fitted", gap.channel);
+        return Some((figure, why));
     }
     let runs = match held_out.runs.len() {
         1 => format!("one {}", held_out.what),
@@ -213,7 +218,7 @@ fn gap(report: &Report) -> Option<Tile> {
     Some((arrow([one.as_given, refitted, with_effect], &one.unit), why))
 }
 
-/// The channel whose gap the report states.
+/// The channel whose misfit the report states.
 fn judged(held_out: &HeldOut) -> Option<&ChannelGap> {
     let mut channels = held_out.channels.iter();
     channels.find(|c| c.before == held_out.gap_before)
@@ -252,7 +257,7 @@ fn scatter(held_out: &HeldOut) -> Option<String> {
     (excess > noise).then(|| quantity(excess, &held_out.unit))
 }
 
-/// The share of the explainable gap that is explained, where it is known.
+/// The share of the explainable misfit that is explained, where it is known.
 fn explained(step: &Step, report: &Report) -> Option<Tile> {
     let closed = &step.explainable_gap_closed;
     let [value, low, high] = [closed.value, closed.low, closed.high].map(|share| 100.0 * share);
