@@ -3,6 +3,8 @@
 use std::fmt::Display;
 use std::io::Read;
 
+use kufe_files::{TABLE_TEXT, column_names};
+
 use crate::conditions::{CONDITIONS, Conditions};
 use crate::error::Error;
 
@@ -61,11 +63,9 @@ impl Table {
         let mut csv = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .from_reader(reader.take(MOST_BYTES + 1));
-        let header = csv.headers().map_err(|error| unreadable(&error))?;
-        let header = header
-            .iter()
-            .map(|name| name.trim_start_matches('\u{feff}'));
-        let header: Vec<String> = header.map(str::to_string).collect();
+        let cells = csv.byte_headers().map_err(|error| unreadable(&error))?;
+        let header = column_names(cells.iter())
+            .map_err(|what| Error::file(file, format!("{what}; expected {TABLE_TEXT}")))?;
         let all = [columns.required, columns.optional].concat();
         for (i, name) in header.iter().enumerate() {
             let expected = || all.join(", ") + columns.further_names;
