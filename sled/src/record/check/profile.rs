@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::record::gaps::{Saturation, rows_held};
 use crate::record::run::Run;
-use crate::series::{bridged, noise_sd_within};
+use crate::series::{bridged, median, noise_sd_within};
 
 /// Longest leap or drop-out [s]; after a longer one the channel has another level.
 const DROPOUT_S: f64 = 0.5;
@@ -18,6 +18,9 @@ const UNUSUAL: f64 = 5.0;
 /// by chance, none comes with a probability of e^-20; next to the extremum of a smooth quantised
 /// signal there are eight at most.
 const LEAST_CHANGES: usize = 20;
+/// Steps into and out of a rest below this part of the median one around it are those of a channel
+/// without noise: of noise both are in one case in a thousand.
+const SMOOTH: f64 = 0.05;
 
 /// Profile of a recorded channel, in its own unit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
@@ -151,14 +154,20 @@ impl Odd {
             );
         }
         let (up, down) = (from - column[start - 1], column[end] - column[end - 1]);
+        let [up, down, usual] = [up, down, usual].map(four_digits);
         let verb = match self.kind {
             OddKind::DropOut => "drops out",
             _ => "leaps off",
         };
         format!(
-            "{verb} from {place} on for {duration_s:.3} s: steps of {up:.3e} and {down:.3e}, where all but a thousandth are below {usual:.3e}"
+            "{verb} from {place} on for {duration_s:.3} s: steps of {up} and {down}, where all but a thousandth are below {usual}"
         )
     }
+}
+
+/// A number to four significant digits.
+fn four_digits(x: f64) -> f64 {
+    format!("{x:.3e}").parse().unwrap_or(x)
 }
 
 /// Time and distance of a sample; the distance is the integral of the speed where none is recorded.
@@ -256,9 +265,18 @@ impl Limits {
     }
 }
 
+/// The median step, of those that are none of 0, of so many samples before and after.
+fn usual_step(before: &[f64], after: &[f64], most: usize) -> f64 {
+    let before = &before[before.len().saturating_sub(most)..];
+    let pairs = before.windows(2).chain(after.windows(2).take(most));
+    let steps = pairs.map(|w| (w[1] - w[0]).abs());
+    median(steps.filter(|step| *step > 0.0)).unwrap_or(0.0)
+}
+
 /// Stretches of equal values, each with the least number of changes in as many samples elsewhere
 /// where that makes it implausible: next to it on either side, and in four of five stretches of that
-/// length, since a channel that rests now and then does so again.
+/// length, since a channel that rests now and then does so again. One without noise that comes to
+/// rest smoothly has small steps at both ends.
 fn stills(x: &[f64]) -> Vec<Odd> {
     let changes = |x: &[f64]| x.windows(2).filter(|w| w[0] != w[1]).count();
     let elsewhere = |at: &Range<usize>| {
@@ -268,17 +286,22 @@ fn stills(x: &[f64]) -> Vec<Odd> {
         let (before, after) = (&x[..at.start], &x[at.end..]);
         let mut left = before.rchunks_exact(at.len()).map(changes);
         let mut right = after.chunks_exact(at.len()).map(changes);
-        let mut known: Vec<usize> = [left.next(), right.next()].into_iter().flatten().collect();
-        if known.is_empty() {
-            return changes(before).max(changes(after));
-        }
-        let near = known.iter().copied().min().unwrap_or(0);
+        let nearest = [left.next(), right.next()].into_iter().flatten().min();
+        let near = nearest.unwrap_or_else(|| changes(before).max(changes(after)));
         if near < LEAST_CHANGES {
             return 0;
         }
-        known.extend(left.chain(right));
-        let fifth = known.len() / 5;
-        near.min(*known.select_nth_unstable(fifth).1)
+        let smooth = SMOOTH * usual_step(before, after, at.len());
+        let ends = [before.last(), after.first()].into_iter().flatten();
+        if ends
+            .map(|next| (next - x[at.start]).abs())
+            .all(|step| step <= smooth)
+        {
+            return 0;
+        }
+        let mut all: Vec<usize> = left.chain(right).chain([near]).collect();
+        let fifth = all.len() / 5;
+        near.min(*all.select_nth_unstable(fifth).1)
     };
     let mut end = 0;
     let still = |equal: &[f64]| {
@@ -347,6 +370,12 @@ mod tests {
         let rest = |i: i32| f64::from(i * i32::from(i / 100 % 2 == 0));
         let resting: Vec<f64> = (0..2000).map(rest).collect();
         assert_eq!(evident(&resting), 0);
+        // Once, but coming from it smoothly.
+        let once = |i: i32| f64::from((i - 500).max(0)).powi(2) * f64::from(i % 7 + 20);
+        let once: Vec<f64> = (0..2000).map(once).collect();
+        assert_eq!(evident(&once), 0);
+        let from_there: Vec<f64> = once.iter().map(|x| x + f64::from(*x > 0.0) * 1e8).collect();
+        assert_eq!(evident(&from_there), 1);
         // A wave of which each value is repeated over ten rows, frozen for a quarter of the time.
         let wave = |i: i32| (0.01 * f64::from(i / 10)).sin();
         let mut held: Vec<f64> = (0..2000).map(wave).collect();
