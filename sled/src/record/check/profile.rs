@@ -36,9 +36,9 @@ pub struct Profile {
     pub rows_held: Option<usize>,
     /// Longest stretch of one value [s].
     pub longest_still_s: f64,
-    /// Stretches of up to half a second, or single values, that leap off the values around them and
-    /// back: by more than twenty deviations of the noise, and more than a fifth of the channel's
-    /// span or five times what all but a thousandth of its steps stay below.
+    /// Stretches of up to half a second that leap off the values around them and back: by more than
+    /// twenty deviations of the noise and five times what all but a thousandth of the steps stay
+    /// below. Of one value a fifth of the channel's span is enough.
     pub leaps: usize,
     /// Those that have one value: what was sent while nothing was measured.
     pub dropouts: usize,
@@ -73,11 +73,13 @@ impl Profile {
             true => 0.0,
             false => *differences.select_nth_unstable_by(usual, f64::total_cmp).1,
         };
-        // A fifth of all that it does is more than a quick hand.
-        let far = (UNUSUAL * usual).min(0.2 * (high - low));
+        let noise = 20.0 * noise_sd;
+        let unusual = noise.max(UNUSUAL * usual);
         let limits = Limits {
             usual,
-            far: far.max(20.0 * noise_sd),
+            // A fifth of all that it does is more than a quick hand.
+            far: unusual.min(noise.max(0.2 * (high - low))),
+            unusual,
             most: (DROPOUT_S * rate_hz) as usize,
         };
         let in_piece = |piece: &Range<usize>| {
@@ -216,8 +218,10 @@ pub struct OddStretch {
 struct Limits {
     /// What nearly all steps stay below, in the channel's unit.
     usual: f64,
-    /// Least size of a leap, in the channel's unit.
+    /// Least size of a leap of one value, in the channel's unit.
     far: f64,
+    /// Least size where it has several: a force that sets in may have a fifth of the span.
+    unusual: f64,
     /// Most samples of a leap.
     most: usize,
 }
@@ -233,24 +237,26 @@ impl Limits {
         while i + 2 < x.len() {
             let mut next = (i + 1..x.len() - 1).take(self.most.max(1));
             let next = if leaps(&i) { next.find(leaps) } else { None };
-            let least = |j: usize| step(i).abs().min(step(j).abs());
-            let is_back =
-                |j: &usize| step(i) * step(*j) < 0.0 && (x[j + 1] - x[i]).abs() < least(*j);
-            let Some(end) = next.filter(is_back).map(|j| j + 1) else {
+            let equal = |j: usize| x[i + 1..=j].iter().all(|value| *value == x[i + 1]);
+            let is_back = |j: &usize| {
+                let least = step(i).abs().min(step(*j).abs());
+                let returns = step(i) * step(*j) < 0.0 && (x[j + 1] - x[i]).abs() < least;
+                returns && (least > self.unusual || equal(*j))
+            };
+            let Some(last) = next.filter(is_back) else {
                 i += 1;
                 continue;
             };
-            let equal = end > i + 2 && x[i + 1..end].iter().all(|value| *value == x[i + 1]);
+            let kind = match equal(last) && last > i + 1 {
+                true => OddKind::DropOut,
+                false => OddKind::Leap,
+            };
             odd.push(Odd {
-                kind: if equal {
-                    OddKind::DropOut
-                } else {
-                    OddKind::Leap
-                },
-                at: i + 1..end,
+                kind,
+                at: i + 1..last + 1,
                 usual: self.usual,
             });
-            i = end;
+            i = last + 1;
         }
         let stills = stills(x);
         let longest = stills.iter().map(|still| still.at.len()).max();
