@@ -1,4 +1,4 @@
-//! Names of the columns of tables.
+//! Names of the columns of tables, and lines of their rows.
 
 /// What the text of a table must be.
 pub const TABLE_TEXT: &str = "UTF-8 with commas between cells";
@@ -26,6 +26,14 @@ pub fn column_names<'a>(
     }
     let name = |name: &str| shown_name(name.trim_start_matches('\u{feff}'));
     Ok(names.into_iter().map(name).collect())
+}
+
+/// Line of the row of a CSV table whose reading began at this line and byte: the csv reader skips
+/// blank lines before a row and counts them only afterwards.
+pub fn line_of_row(text: &[u8], (line, byte): (u64, u64)) -> u64 {
+    let ahead = text.get(byte as usize..).unwrap_or_default();
+    let blank = ahead.iter().take_while(|byte| b"\r\n".contains(byte));
+    line + blank.filter(|byte| **byte == b'\n').count() as u64
 }
 
 /// A name of a user's file on one line: without blanks at its ends, its line breaks and other

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kufe_files::{TABLE_TEXT, column_names};
+use kufe_files::{TABLE_TEXT, column_names, line_of_row};
 
 use crate::error::Error;
 
@@ -40,7 +40,10 @@ impl Table {
         let (mut rows, mut lines) = (Vec::new(), Vec::new());
         for record in reader.records() {
             let record = record.map_err(|e| refused(&e))?;
-            lines.push(record.position().map_or(0, csv::Position::line));
+            let begun = record
+                .position()
+                .map_or((0, 0), |at| (at.line(), at.byte()));
+            lines.push(line_of_row(&text, begun));
             rows.push(record.iter().map(str::to_owned).collect());
         }
         if rows.is_empty() {

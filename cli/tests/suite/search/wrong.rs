@@ -67,6 +67,14 @@ fn rows_are_counted_as_lines_of_the_file_and_names_are_shown_on_one_line() -> Ou
     let blank = TABLE.replace("Beta 1", "\n\nBeta 1");
     let word = blank.replace("0.0046", "slow");
     refused(&word, &["row 7, column mu: found \"slow\""])?;
+    let first = blank.replace("0.0042", "slow");
+    for text in [
+        first.replace('\n', "\r\n"),
+        format!("\u{feff}{first}"),
+        first,
+    ] {
+        refused(&text, &["row 6, column mu: found \"slow\""])?;
+    }
     let copied = format!("{blank}\nDelta,7.7e6,0.4e6,0.0045,0.0004\n");
     refused(&copied, &["row 2", "row 12"])?;
     let broken = TABLE.replace("mu_sd", "\"mu\n\u{1b}[2J_sd\"");
