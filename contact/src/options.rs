@@ -29,7 +29,8 @@ pub enum StiffnessForm {
 /// Callback for every update of the contact set.
 pub type Watcher = Arc<dyn Fn(&Iterate) + Send + Sync>;
 
-/// A mesh that is about to be solved.
+/// A mesh that is about to be solved. Grids on which asperities in contact are searched before the
+/// first mesh have its number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NextMesh {
     /// Its number, counted from the coarsest.

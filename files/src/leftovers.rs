@@ -1,15 +1,63 @@
-//! What processes that were killed left behind.
+//! Temporary folders, and what processes that were killed left behind.
 
+use std::fs::File;
+use std::io::{ErrorKind, Result};
 use std::path::Path;
 use std::time::{Duration, SystemTime};
+
+use tempfile::TempDir;
 
 use crate::whole::TEMPORARY;
 
 /// Temporaries that nothing has written to for so long are nobody's any more.
 const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 
-/// Removes hidden files and folders of this crate's writers from `folder` that nobody has touched
-/// for a day: those of processes that were killed. What cannot be removed stays.
+/// A hidden folder for files that are not whole yet, removed on drop.
+///
+/// Its process holds a lock on it. On Linux its name has the machine's boot, so that
+/// [`clear_temporaries`] knows whose locks it can see.
+pub struct TemporaryFolder {
+    folder: TempDir,
+    _lock: Option<File>,
+}
+
+impl TemporaryFolder {
+    /// Makes one in `folder`.
+    ///
+    /// # Errors
+    /// The system's where it cannot be made; [`ErrorKind::NotFound`] where another process removed
+    /// it before it was locked.
+    pub fn new_in(folder: &Path) -> Result<TemporaryFolder> {
+        let prefix = prefix_of_boot().unwrap_or_else(|| TEMPORARY.to_owned());
+        let made = tempfile::Builder::new()
+            .prefix(&prefix)
+            .tempdir_in(folder)?;
+        let lock = File::open(made.path()).ok();
+        let lock = lock.filter(|file| file.lock().is_ok());
+        match made.path().exists() {
+            true => Ok(TemporaryFolder {
+                folder: made,
+                _lock: lock,
+            }),
+            false => Err(ErrorKind::NotFound.into()),
+        }
+    }
+
+    /// Its path.
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+}
+
+/// How names of the folders of this boot of this machine begin.
+fn prefix_of_boot() -> Option<String> {
+    let boot = std::fs::read_to_string("/proc/sys/kernel/random/boot_id").ok()?;
+    Some(format!("{TEMPORARY}{}-", boot.get(..8)?))
+}
+
+/// Removes hidden files and folders of this crate's writers from `folder` that belong to processes
+/// that were killed: folders of this boot of this machine that no process has locked, and whatever
+/// nobody has touched for a day. What cannot be removed stays.
 pub fn clear_temporaries(folder: &Path) {
     clear_older_than(folder, ABANDONED);
 }
@@ -18,13 +66,26 @@ fn clear_older_than(folder: &Path, age: Duration) {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return;
     };
+    let prefix = prefix_of_boot();
     for entry in entries.flatten() {
-        let ours = entry.file_name().to_string_lossy().starts_with(TEMPORARY);
-        let Some(found) = entry.metadata().ok().filter(|_| ours) else {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let Some(found) = entry
+            .metadata()
+            .ok()
+            .filter(|_| name.starts_with(TEMPORARY))
+        else {
             continue;
         };
         let touched = found.modified().unwrap_or(SystemTime::now());
-        if touched.elapsed().unwrap_or_default() >= age {
+        let is_old = touched.elapsed().unwrap_or_default() >= age;
+        let is_of_boot = prefix
+            .as_ref()
+            .is_some_and(|prefix| name.starts_with(prefix));
+        // Held until the folder is gone, so that its maker notices.
+        let unowned = Some(entry.path()).filter(|_| found.is_dir() && is_of_boot);
+        let unowned = unowned.and_then(|path| File::open(path).ok());
+        let unowned = unowned.filter(|file| file.try_lock().is_ok());
+        if is_old || unowned.is_some() {
             let _ = if found.is_dir() {
                 std::fs::remove_dir_all(entry.path())
             } else {
@@ -51,5 +112,26 @@ mod tests {
         clear_older_than(folder.path(), Duration::ZERO);
         assert!(!at(".kufe-old").exists() && !at(".kufe-point").exists());
         assert!(at("mine").exists());
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_folder_goes_once_its_process_has_ended() {
+        let folder = tempfile::tempdir().unwrap();
+        let living = TemporaryFolder::new_in(folder.path()).unwrap();
+        let killed = TemporaryFolder::new_in(folder.path()).unwrap();
+        let path = killed.path().to_path_buf();
+        std::fs::write(path.join("half.vtu"), "half").unwrap();
+        // A process that is killed removes nothing, and its locks end.
+        let TemporaryFolder {
+            folder: left,
+            _lock,
+        } = killed;
+        let _ = left.keep();
+        clear_temporaries(folder.path());
+        assert!(path.exists() && living.path().exists());
+        drop(_lock);
+        clear_temporaries(folder.path());
+        assert!(!path.exists() && living.path().exists());
     }
 }

@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::path::Path;
 
-use kufe_files::read_regular;
+use kufe_files::{TABLE_TEXT, column_names, read_regular};
 
 use crate::error::MeshError;
 
@@ -32,19 +32,19 @@ pub(crate) fn read_columns<const N: usize>(
     let mut table = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .from_reader(table);
-    let wrong = |row: usize, column: &str, found: String| {
+    let wrong = |row: u64, column: &str, found: String| {
         let place = format!("row {row}, column {column}");
         MeshError::value(place, found, "a number in [m]")
     };
     let headers = table
-        .headers()
-        .map_err(|error| wrong(1, "header", error.to_string()))?
-        .clone();
+        .byte_headers()
+        .map_err(|error| wrong(1, "header", error.to_string()))?;
+    let headers =
+        column_names(headers.iter()).map_err(|what| MeshError::value("row 1", what, TABLE_TEXT))?;
     let mut columns = [0; N];
     for (column, name) in columns.iter_mut().zip(names) {
         let missing = || {
-            let found: Vec<&str> = headers.iter().collect();
-            let found = format!("the columns {}", found.join(","));
+            let found = format!("the columns {}", headers.join(","));
             MeshError::value("row 1", found, format!("a column {name}"))
         };
         *column = headers.iter().position(|h| h == name).ok_or_else(missing)?;
@@ -53,13 +53,16 @@ pub(crate) fn read_columns<const N: usize>(
         }
     }
     let mut rows = Vec::new();
-    for (i, record) in table.records().enumerate() {
-        let record = record.map_err(|error| wrong(i + 2, "row", error.to_string()))?;
+    for record in table.records() {
+        let line = |at: Option<&csv::Position>| at.map_or(0, csv::Position::line);
+        let record =
+            record.map_err(|error| wrong(line(error.position()), "row", error.to_string()))?;
+        let line = line(record.position());
         let mut row = [0.0; N];
         for ((value, column), name) in row.iter_mut().zip(columns).zip(names) {
             let text = record.get(column).unwrap_or_default();
             let number = text.parse().ok().filter(|v: &f64| v.is_finite());
-            *value = number.ok_or_else(|| wrong(i + 2, name, format!("{text:?}")))?;
+            *value = number.ok_or_else(|| wrong(line, name, format!("{text:?}")))?;
         }
         rows.push(row);
     }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use falcon_mdf::io::range::read_seek_source;
 use falcon_mdf::{Channel as MdfChannel, Mf4Error, Mf4File, OpenOptions};
+use kufe_files::shown_name;
 use kufe_sled::MOST_NUMBERS;
 
 use crate::error::Error;
@@ -39,7 +40,7 @@ pub fn read_mdf4(
     let mdf = Mf4File::from_source_with_options(source, options).map_err(failure)?;
     let of: Vec<&MdfChannel> = mdf.channels().collect();
     let channels = of.iter().map(|channel| Channel {
-        name: channel.name.clone(),
+        name: shown_name(&channel.name),
         unit: Some(channel.unit.clone()).filter(|unit| !unit.trim().is_empty()),
         ..Channel::default()
     });

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
+use kufe_files::{TABLE_TEXT, column_names};
 use kufe_sled::{
     CONDITIONS, COVARIATE, Conditions, Entry, ICE_AT, INDEX_COLUMNS, IceAlong, MORE_INDEX_COLUMNS,
     file_stem, write_index,
@@ -279,10 +280,11 @@ pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexV
         .delimiter(delimiter)
         .trim(csv::Trim::All)
         .from_reader(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes));
-    let header = reader.headers().map_err(failure)?.clone();
+    let header = column_names(reader.byte_headers().map_err(failure)?.iter())
+        .map_err(|what| Error::file(file, format!("{what}; expected {TABLE_TEXT}")))?;
     let known = || INDEX_COLUMNS.iter().chain(&MORE_INDEX_COLUMNS);
     for (i, name) in header.iter().enumerate() {
-        if header.iter().take(i).any(|known| known == name) {
+        if header[..i].contains(name) {
             let twice = format!("column {name:?} is given twice, expected once");
             return Err(Error::file(file, twice));
         }
@@ -293,7 +295,7 @@ pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexV
         {
             continue;
         }
-        if name == "file" || !known().any(|known| *known == name) {
+        if name == "file" || !known().any(|known| known == name) {
             let names: Vec<&str> = known().copied().filter(|name| *name != "file").collect();
             let names = names.join(", ");
             let unknown = format!(

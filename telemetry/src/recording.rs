@@ -5,6 +5,7 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use hdf5_pure::{AttrValue, DType, Dataset, File as Hdf5, Group, ReadSeekSource};
+use kufe_files::shown_name;
 use kufe_sled::{LONGEST_MATLAB, MOST_NUMBERS, matlab_remark, read_matlab, read_parquet};
 
 use crate::error::Error;
@@ -42,7 +43,9 @@ pub fn read_log(
     let ending = path.extension().and_then(|ending| ending.to_str());
     let log = match ending.unwrap_or("").to_ascii_lowercase().as_str() {
         "parquet" => {
-            let named = |name: &str| wanted.is_none_or(|w| w.iter().any(|one| alike(one, name)));
+            let named = |name: &str| {
+                wanted.is_none_or(|w| w.iter().any(|one| alike(one, &shown_name(name))))
+            };
             let columns = read_parquet(open()?, wanted.is_some().then_some(&named), &file);
             of_vectors(columns.map_err(of_sled(&file))?, Vec::new())
                 .with_channels(&file, "every column holds text, dates or nested values")?
@@ -94,7 +97,7 @@ fn is_matlab73(mut file: File) -> bool {
 fn of_vectors(vectors: impl IntoIterator<Item = (String, Vec<f64>)>, remarks: Vec<String>) -> Log {
     let channels = vectors.into_iter().map(|(name, values)| Channel {
         unit: name_unit(&name),
-        name,
+        name: shown_name(&name),
         values,
         ..Channel::default()
     });

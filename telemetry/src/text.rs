@@ -5,6 +5,7 @@ use std::io::Read;
 use std::iter;
 
 use chrono::NaiveDate;
+use kufe_files::shown_name;
 
 use crate::error::Error;
 use crate::log::{Channel, Log};
@@ -538,7 +539,7 @@ fn sections(text: &str) -> Option<Layout> {
         added.filter(unit).or(last.filter(unit))
     };
     let of = |(i, name): (usize, &&str)| Channel {
-        name: name.to_string(),
+        name: shown_name(name),
         unit: unit_of(i, name),
         ..Channel::default()
     };
@@ -560,7 +561,7 @@ fn sections(text: &str) -> Option<Layout> {
 /// `Speed [km/h]` is Speed in km/h; without brackets a name has the unit that it ends in.
 fn channel(cell: &str) -> Channel {
     let mut channel = Channel {
-        name: cell.to_string(),
+        name: shown_name(cell),
         unit: name_unit(cell),
         ..Channel::default()
     };
@@ -570,7 +571,7 @@ fn channel(cell: &str) -> Channel {
             && !name.trim().is_empty()
             && (open == '[' || is_unit(unit))
         {
-            channel.name = name.trim().to_string();
+            channel.name = shown_name(name);
             channel.unit = Some(unit.trim().to_string());
         }
     }

@@ -75,7 +75,6 @@ impl OutputDir {
                 .map_err(|error| Failure::unwritable(target, error))?,
             target: place,
         };
-        kufe_files::clear_temporaries(&output.target);
         output.check(&[])?;
         Ok(output)
     }

@@ -8,8 +8,7 @@ use std::fs::DirEntry;
 use std::path::{Path, PathBuf};
 
 use kufe::jobs::{Failure, case_file::LoadedCase};
-use kufe_files::TEMPORARY;
-use tempfile::TempDir;
+use kufe_files::{TEMPORARY, TemporaryFolder, clear_temporaries};
 
 pub use file::{OutputFiles, write_file};
 pub use folder::{OutputDir, listed};
@@ -50,7 +49,7 @@ pub fn case_inputs(case: Option<&Path>, loaded: &LoadedCase) -> Result<Vec<PathB
 /// the latter where it was made for them and is empty.
 struct Staging {
     /// Dropped before the folders that it is in.
-    hidden: TempDir,
+    hidden: TemporaryFolder,
     made: NewFolders,
 }
 
@@ -62,9 +61,8 @@ impl Staging {
             let missing = folder.ancestors().take_while(missing);
             let made = NewFolders(missing.map(Path::to_path_buf).collect());
             std::fs::create_dir_all(folder)?;
-            let hidden = tempfile::Builder::new()
-                .prefix(TEMPORARY)
-                .tempdir_in(folder)?;
+            let hidden = TemporaryFolder::new_in(folder)?;
+            clear_temporaries(folder);
             Ok(Staging { hidden, made })
         };
         // Other processes that give up may remove the folder meanwhile.

@@ -378,7 +378,9 @@ fn fast(least: usize, even: bool) -> usize {
 impl Search<'_> {
     /// The contact on few cells, of the size of what the surface consists of where that is few.
     fn near(&self, spacing: [f64; 2]) -> Result<WindowContact, CheckUnavailable> {
-        self.fitted(FEWEST as usize, |window| of_size(window, spacing, FIRST))
+        self.fitted(FEWEST as usize, |window| {
+            self.announced(of_size(window, spacing, FIRST))
+        })
     }
 
     /// The same on more cells where there are such, in a window outside of which nothing touches.
@@ -391,7 +393,7 @@ impl Search<'_> {
         for _ in 0..MOST_WINDOWS {
             let finer = of_size(window, spacing, SCOUTED);
             if finer != found.window {
-                found = self.solved(finer, Some(found.carried(&finer)))?;
+                found = self.solved(self.announced(finer), Some(found.carried(&finer)))?;
             }
             if let Some(next) = found.window.fitted(found.touched()) {
                 window = next;
@@ -402,6 +404,12 @@ impl Search<'_> {
             }
         }
         Err(CheckUnavailable::NotSettled)
+    }
+
+    /// A window that is about to be solved on the way to the first grid.
+    fn announced(&self, window: Window) -> Window {
+        self.checked.options.announce(0, window.count(), None);
+        window
     }
 
     /// The window with what touches around a contact in it, by cells of about this size; `None`

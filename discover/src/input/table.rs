@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use kufe_files::{TABLE_TEXT, column_names, line_of_row};
+
 use crate::error::Error;
 
 /// Largest table [bytes]: some 500,000 rows.
@@ -13,6 +15,8 @@ pub struct Table {
     pub file: String,
     pub header: Vec<String>,
     pub rows: Vec<Vec<String>>,
+    /// Lines of the rows in the file.
+    pub lines: Vec<u64>,
 }
 
 impl Table {
@@ -22,20 +26,26 @@ impl Table {
     /// [`Error::File`] if it cannot be read or is ragged.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let refused = |reason: &dyn std::fmt::Display| Error::file(path, reason);
-        let text = kufe_files::text_of_regular(path, MOST_BYTES).map_err(|e| refused(&e))?;
+        let text = kufe_files::read_regular(path, MOST_BYTES).map_err(|e| refused(&e))?;
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
-            .from_reader(text.as_bytes());
-        let owned = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect();
-        let header: Vec<String> = owned(reader.headers().map_err(|e| refused(&e))?);
+            .from_reader(text.as_slice());
+        let cells = reader.byte_headers().map_err(|e| refused(&e))?;
+        let header = column_names(cells.iter());
+        let header = header.map_err(|what| refused(&format!("{what}; expected {TABLE_TEXT}")))?;
         if let Some(twice) = (0..header.len()).find(|k| header[..*k].contains(&header[*k])) {
             let what = format!("column `{}` is given twice; expected once", header[twice]);
             return Err(refused(&what));
         }
-        let rows = reader.records().map(|record| Ok(owned(&record?)));
-        let rows: Vec<Vec<String>> = rows
-            .collect::<Result<_, csv::Error>>()
-            .map_err(|e| refused(&e))?;
+        let (mut rows, mut lines) = (Vec::new(), Vec::new());
+        for record in reader.records() {
+            let record = record.map_err(|e| refused(&e))?;
+            let begun = record
+                .position()
+                .map_or((0, 0), |at| (at.line(), at.byte()));
+            lines.push(line_of_row(&text, begun));
+            rows.push(record.iter().map(str::to_owned).collect());
+        }
         if rows.is_empty() {
             return Err(refused(&"no rows; expected at least one"));
         }
@@ -43,6 +53,7 @@ impl Table {
             file: path.display().to_string(),
             header,
             rows,
+            lines,
         })
     }
 
@@ -73,7 +84,7 @@ impl Table {
                 Ok(value) if value >= low && value <= high => Ok(value),
                 _ => Err(Error::Cell {
                     file: self.file.clone(),
-                    row: index as u64 + 2,
+                    row: self.lines[index],
                     column: column.to_owned(),
                     found: text,
                     expected: format!("a number from {low} to {high}"),

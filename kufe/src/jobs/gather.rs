@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
-use kufe_files::{leads_out, resolved, same_file};
+use kufe_files::{column_names, leads_out, resolved, same_file};
 use kufe_sled::{Entry, read_columns, read_index, track_file};
 
 use crate::jobs::failure::{Failure, Located};
@@ -119,8 +119,9 @@ fn kind(path: &Path) -> Result<Kind, Failure> {
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .from_reader(std::io::Read::take(file, 1 << 16));
-        let header = reader.headers().in_file(path)?;
-        header.iter().map(str::to_owned).collect()
+        let header = reader.byte_headers().in_file(path)?;
+        // Text of another encoding is another file.
+        column_names(header.iter()).unwrap_or_default()
     } else {
         read_columns(path, &[])?.into_keys().collect()
     };

@@ -9,6 +9,8 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
+use kufe_files::{TABLE_TEXT, column_names, shown_name};
+
 use crate::columns::matlab::{LONGEST_MATLAB, read_matlab_columns};
 use crate::columns::parquet::read_parquet;
 use crate::error::Error;
@@ -36,6 +38,7 @@ pub(crate) fn collect(
 ) -> Result<Columns, Error> {
     let mut gathered = Columns::new();
     for (name, values) in columns {
+        let name = shown_name(&name);
         if gathered.contains_key(&name) {
             return Err(given_twice(&name, file));
         }
@@ -72,23 +75,11 @@ pub fn read_csv(
         .buffer_capacity(1 << 16)
         .flexible(true)
         .from_reader(reader);
-    let names = table.byte_headers().map_err(failure)?.iter();
-    let names: Result<Vec<_>, _> = names.map(std::str::from_utf8).collect();
-    let foreign = match &names {
-        Ok(names) if names.iter().any(|name| name.contains('\0')) => Some("text in UTF-16"),
-        Ok(names) => match names[..] {
-            [one] if one.contains(';') => Some("cells separated by semicolons"),
-            _ => None,
-        },
-        Err(_) => Some("no text in UTF-8"),
-    };
-    if let Some(what) = foreign {
-        let expected = "expected UTF-8 with commas between cells";
-        let reason = format!("{what}; {expected}: kufe runs import writes that of such files");
-        return Err(Error::file(file, reason));
-    }
-    let names = names.unwrap_or_default().into_iter();
-    let names: Vec<String> = names.map(|name| name.trim().to_string()).collect();
+    let names = column_names(table.byte_headers().map_err(failure)?.iter());
+    let names = names.map_err(|what| {
+        let advice = "kufe runs import writes that of such files";
+        Error::file(file, format!("{what}; expected {TABLE_TEXT}: {advice}"))
+    })?;
     let named = |i: &usize| !names[*i].is_empty() && names[..*i].contains(&names[*i]);
     if let Some(twice) = (0..names.len()).find(named) {
         return Err(given_twice(&names[twice], file));

@@ -3,6 +3,8 @@
 use std::fmt::Display;
 use std::io::Read;
 
+use kufe_files::{TABLE_TEXT, column_names, line_of_row};
+
 use crate::conditions::{CONDITIONS, Conditions};
 use crate::error::Error;
 
@@ -48,6 +50,8 @@ pub(crate) struct Table {
     columns: &'static TableColumns,
     pub(crate) header: Vec<String>,
     rows: Vec<csv::StringRecord>,
+    /// Lines of the rows in the file.
+    lines: Vec<u64>,
 }
 
 impl Table {
@@ -58,14 +62,18 @@ impl Table {
     ) -> Result<Self, Error> {
         let unreadable =
             |reason: &dyn Display| Error::file(file, format!("cannot be read: {reason}"));
+        let mut text = Vec::new();
+        let read = reader.take(MOST_BYTES + 1).read_to_end(&mut text);
+        if read.map_err(|error| unreadable(&error))? as u64 > MOST_BYTES {
+            let reason = format!("it is longer than {MOST_BYTES} bytes: expected fewer rows");
+            return Err(unreadable(&reason));
+        }
         let mut csv = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
-            .from_reader(reader.take(MOST_BYTES + 1));
-        let header = csv.headers().map_err(|error| unreadable(&error))?;
-        let header = header
-            .iter()
-            .map(|name| name.trim_start_matches('\u{feff}'));
-        let header: Vec<String> = header.map(str::to_string).collect();
+            .from_reader(text.as_slice());
+        let cells = csv.byte_headers().map_err(|error| unreadable(&error))?;
+        let header = column_names(cells.iter())
+            .map_err(|what| Error::file(file, format!("{what}; expected {TABLE_TEXT}")))?;
         let all = [columns.required, columns.optional].concat();
         for (i, name) in header.iter().enumerate() {
             let expected = || all.join(", ") + columns.further_names;
@@ -81,15 +89,18 @@ impl Table {
             return Err(Error::missing_column(file, name, &header));
         }
         let rows: Result<Vec<_>, _> = csv.records().collect();
-        if csv.get_ref().limit() == 0 {
-            let reason = format!("it is longer than {MOST_BYTES} bytes: expected fewer rows");
-            return Err(unreadable(&reason));
-        }
+        let rows = rows.map_err(|error| unreadable(&error))?;
+        let begun = |row: &csv::StringRecord| {
+            let position = row.position();
+            position.map_or((0, 0), |at| (at.line(), at.byte()))
+        };
+        let lines = rows.iter().map(|row| line_of_row(&text, begun(row)));
         Ok(Table {
             file: file.into(),
             columns,
             header,
-            rows: rows.map_err(|error| unreadable(&error))?,
+            lines: lines.collect(),
+            rows,
         })
     }
 
@@ -99,8 +110,7 @@ impl Table {
 
     /// Line of a row in the file.
     pub(crate) fn line(&self, row: usize) -> u64 {
-        let position = self.rows[row].position();
-        position.map_or(row as u64 + 2, csv::Position::line)
+        self.lines[row]
     }
 
     /// The cell's text; `None` where there is no such column.

@@ -286,7 +286,7 @@ fn a_stop_ends_the_iterations_of_a_grid_too() {
 }
 
 #[test]
-fn grids_are_announced_once_each_and_the_finest_allowed_has_its_error() {
+fn grids_are_announced_once_each_after_those_of_the_search_and_the_finest_allowed_has_its_error() {
     let problem = on_rough_ice(Tilt::LEVEL);
     let begun = Arc::new(Mutex::new(Vec::new()));
     let announced = begun.clone();
@@ -316,7 +316,11 @@ fn grids_are_announced_once_each_and_the_finest_allowed_has_its_error() {
     // The limit left room for three grids, from which the error is.
     assert!(best.history.len() >= 3, "{}", best.history.len());
     let solved: Vec<(usize, usize)> = best.history.iter().map(|i| (i.level, i.dofs)).collect();
-    assert_eq!(*begun.lock().unwrap(), solved);
+    let begun = begun.lock().unwrap();
+    // What touches is searched on coarse grids before, which may take as long.
+    let (searched, begun) = begun.split_at(begun.len() - solved.len());
+    assert_eq!(begun, solved);
+    assert!(!searched.is_empty() && searched.iter().all(|(level, _)| *level == 0));
     assert!(solved.iter().enumerate().all(|(k, (level, _))| k == *level));
 }
 

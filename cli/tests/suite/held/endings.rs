@@ -153,6 +153,39 @@ fn handles_termination(process: u32) -> bool {
     caught.is_some_and(|mask| mask >> (SIGTERM - 1) & 1 == 1)
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn what_a_killed_command_left_goes_with_the_next_one() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE.replace("p_max = 0.02", "p_max = 0.0001"));
+    let mut child = Command::new(env!("CARGO_BIN_EXE_kufe"))
+        .current_dir(bench.folder.path())
+        .args(["press", "case.toml", "-o", "out", "-q"])
+        .spawn()
+        .expect("the command runs");
+    let hidden = || {
+        let there = std::fs::read_dir(bench.path("out")).into_iter().flatten();
+        let names = there.map(|entry| entry.expect("an entry").file_name());
+        names
+            .filter(|name| name.to_string_lossy().starts_with(".kufe-"))
+            .count()
+    };
+    let begun = Instant::now();
+    while hidden() == 0 {
+        assert!(begun.elapsed() < Duration::from_secs(60), "no folder");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    // The folder of a process that lives stays.
+    bench.write("other.toml", CASE);
+    bench.succeeds(&["press", "other.toml", "-o", "out", "-q"]);
+    assert_eq!(hidden(), 1);
+    child.kill().expect("it is killed");
+    child.wait().expect("it ends");
+    assert_eq!(hidden(), 1);
+    bench.succeeds(&["press", "other.toml", "-o", "out", "-q"]);
+    assert_eq!(hidden(), 0);
+}
+
 #[cfg(unix)]
 #[test]
 fn a_command_that_is_terminated_leaves_nothing() {

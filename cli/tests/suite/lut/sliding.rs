@@ -96,6 +96,23 @@ fn a_node_is_what_press_says_of_that_load_track_speed_and_ice() {
 }
 
 #[test]
+fn a_rocker_that_the_case_cannot_have_is_refused_before_any_point_is_solved() {
+    let axes = "fz_n = { values = [600.0, 900.0] }\ncurvature_1pm = { values = [0.0] }\n\
+                rocker_radius_m = { values = [5.0, 30.0] }\n";
+    let bench = bench("[sliding]\nv_mps = 11.0\nice_c = -2.0\n", axes);
+    let shape = "kind = \"bob\", length_m = 1.0, width_m = 0.010, height_m = 0.030, ";
+    let case = std::fs::read_to_string(bench.path("case.toml")).expect("the case");
+    bench.write("case.toml", case.replace("kind = \"paraboloid\", ", shape));
+    let output = bench.kufe(&["lut", "table.toml", "-o", "front.lut"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "{said}");
+    let place =
+        "table.toml: axes.rocker_radius_m = 5: case.toml: runner.shape: height [m]: found 0.03";
+    assert!(said.contains(place), "{said}");
+    assert!(!bench.path("front.lut.points").exists());
+}
+
+#[test]
 fn what_is_wrong_with_a_table_that_slides_is_told_by_its_place() {
     let axes = |further: &str| {
         format!(
@@ -125,6 +142,14 @@ fn what_is_wrong_with_a_table_that_slides_is_told_by_its_place() {
             &["axes.ice_c", "sliding.ice_c = 1"],
         ),
         (slides, "ice_c = 4", &["line 5", "integer `4`"]),
+        (
+            slides,
+            "rocker_radius_m = { values = [0.01, 30.0] }",
+            &[
+                "table.toml: axes.rocker_radius_m = 0.01: ",
+                "expected a radius",
+            ],
+        ),
     ] {
         let bench = bench(sliding, &axes(further));
         let output = bench.kufe(&["lut", "table.toml", "-o", "front.lut"]);

@@ -6,7 +6,7 @@ use crate::search::friction_table::{MODEL, TABLE, discover};
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
-fn refused(table: &str, parts: &[&str]) -> Outcome {
+fn refused(table: impl AsRef<[u8]>, parts: &[&str]) -> Outcome {
     let folder = tempfile::tempdir()?;
     std::fs::write(folder.path().join("model.toml"), MODEL)?;
     std::fs::write(folder.path().join("experiments.csv"), table)?;
@@ -60,6 +60,36 @@ fn cells_columns_and_files_that_are_wrong_are_named_with_their_place() -> Outcom
         .replace("0004\n", "0004,-5\n")
         .replace("0003\n", "0003,\n");
     refused(&gap, &["row 6", "ice_c", "\"\"", "a number"])
+}
+
+#[test]
+fn rows_are_counted_as_lines_of_the_file_and_names_are_shown_on_one_line() -> Outcome {
+    let blank = TABLE.replace("Beta 1", "\n\nBeta 1");
+    let word = blank.replace("0.0046", "slow");
+    refused(&word, &["row 7, column mu: found \"slow\""])?;
+    let first = blank.replace("0.0042", "slow");
+    for text in [
+        first.replace('\n', "\r\n"),
+        format!("\u{feff}{first}"),
+        first,
+    ] {
+        refused(&text, &["row 6, column mu: found \"slow\""])?;
+    }
+    let copied = format!("{blank}\nDelta,7.7e6,0.4e6,0.0045,0.0004\n");
+    refused(&copied, &["row 2", "row 12"])?;
+    let broken = TABLE.replace("mu_sd", "\"mu\n\u{1b}[2J_sd\"");
+    refused(&broken, &["mu_sd", r"mu\n\u{1b}[2J_sd"])
+}
+
+#[test]
+fn text_in_another_encoding_is_named_as_such() -> Outcome {
+    for mark in ["", "\u{feff}"] {
+        let wide = format!("{mark}{TABLE}");
+        let wide: Vec<u8> = wide.encode_utf16().flat_map(u16::to_le_bytes).collect();
+        let expected = "experiments.csv: text in UTF-16; expected UTF-8 with commas";
+        refused(wide, &[expected])?;
+    }
+    refused(TABLE.replace(',', ";"), &["separated by semicolons"])
 }
 
 #[test]

@@ -444,6 +444,7 @@ mod tests {
             file: String::new(),
             header: Vec::new(),
             rows: Vec::new(),
+            lines: Vec::new(),
         };
         let mut setting = Setting {
             candidates: Vec::new(),

@@ -91,8 +91,7 @@ pub fn read(table: &Table, drag_area: f64) -> Result<(Vec<Row>, Untestable), Err
                 format!("unknown:{name}"),
                 format!(
                     "needs a number in every row; row {} has {:?}",
-                    row + 2,
-                    texts[row]
+                    table.lines[row], texts[row]
                 ),
             )),
             Some(_) => {}
@@ -171,7 +170,7 @@ pub fn set_films(rows: &mut [Row], table: &Table, boundary_shear: f64) -> Result
         let film = at
             .patch
             .friction(at.fz, at.v, at.conditions.ice_c, boundary_shear);
-        let reason = |error| format!("row {}: the melt film: {error}", i + 2);
+        let reason = |error| format!("row {}: the melt film: {error}", table.lines[i]);
         row.film = film.map_err(|error| Error::file(table.file.as_ref(), reason(error)))?;
         Ok(())
     })
@@ -186,8 +185,8 @@ fn refuse_copies(table: &Table) -> Result<(), Error> {
         if let Some(first) = known.insert(measured, i) {
             return Err(Error::Duplicate {
                 file: table.file.clone(),
-                first: format!("row {}", first + 2),
-                second: format!("row {}", i + 2),
+                first: format!("row {}", table.lines[first]),
+                second: format!("row {}", table.lines[i]),
             });
         }
     }

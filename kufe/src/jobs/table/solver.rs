@@ -459,7 +459,7 @@ fn case_at(loaded: &LoadedCase, point: &Point) -> Result<LoadedCase, Failure> {
     Ok(loaded)
 }
 
-/// Checks that the case is one at every end and value of the axes.
+/// Checks that the case is one at every end and value of the axes, and has a runner there.
 fn check_axes(spec: &TableSpec, loaded: &LoadedCase) -> Result<(), Failure> {
     let own = Point {
         fz: loaded.case.load.fz_n,
@@ -468,9 +468,13 @@ fn check_axes(spec: &TableSpec, loaded: &LoadedCase) -> Result<(), Failure> {
     };
     for kind in AxisKind::ALL {
         for value in spec.plan.get(kind).iter().flat_map(|axis| axis.ends()) {
-            let found = case_at(loaded, &own.with(kind, value));
-            let named = |failure: Failure| failure.within(format_args!("axes.{}", kind.key()));
-            found.map_err(|failure| named(failure).within(spec.path.display()))?;
+            let case = case_at(loaded, &own.with(kind, value));
+            let found = case.and_then(|case| match kind {
+                AxisKind::RockerRadius => case.valid(case.case.problem(&case.base)).map(|_| ()),
+                _ => Ok(()),
+            });
+            let place = format_args!("axes.{} = {value}", kind.key());
+            found.map_err(|failure| failure.within(place).within(spec.path.display()))?;
         }
     }
     Ok(())

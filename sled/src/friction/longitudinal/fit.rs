@@ -152,6 +152,10 @@ impl MuFit {
     }
 
     /// The fitted coefficient at `p_pa` [Pa] with its confidence interval, before any cap.
+    ///
+    /// The interval is that of the mean response of a least-squares fit, symmetric and not cut at 0
+    /// (as `get_prediction().conf_int()` of statsmodels): an end below 0 shows that the data do not
+    /// determine mu there.
     pub fn band(&self, p_pa: f64) -> Estimate {
         let p = p_pa * 1e-6;
         let gradient = Vector3::new(p * p, -p, 1.0);

@@ -12,7 +12,7 @@ use crate::columns::read_columns;
 use crate::error::Error;
 use crate::fault::Fault;
 use crate::record::check::judge::judge;
-use crate::record::check::profile::{OddKind, OddStretch, Profile};
+use crate::record::check::profile::{Odd, OddKind, OddStretch, Profile, odd_words};
 use crate::record::check::relations::{Slow, delay};
 use crate::record::files::{copies, read_run};
 use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps};
@@ -158,19 +158,21 @@ fn examine_run(run: &Run, faults: Vec<Fault>) -> Examination {
             ..profile
         };
         // A low pass overshoots next to an end stop.
-        let stills = odd.iter().filter(|(kind, _)| *kind == OddKind::Still);
-        let still = stills.max_by_key(|(_, still)| still.len());
-        let value = still.map_or(0.0, |(_, still)| column[still.start].abs());
+        let stills = odd.iter().filter(|one| one.kind == OddKind::Still);
+        let still = stills.max_by_key(|still| still.at.len());
+        let value = still.map_or(0.0, |still| column[still.at.start].abs());
         let largest = column.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         let at_end = value > 0.0 && value >= 0.97 * largest;
-        notes.extend(channel_notes(run, name, &profile, at_end, length_s));
+        let words = odd_words(run, column, &odd);
+        notes.extend(channel_notes(run, name, &profile, words, at_end, length_s));
         let stop = profile.saturation.iter();
         let stop = stop.map(|stop| (OddKind::Saturated, stop.begins..stop.begins + stop.longest));
-        let is_long = |still: &Range<usize>| still.len() as f64 * run.dt_s > STILL_S;
-        let listed = |(kind, of): &(_, _)| *kind != OddKind::Still || is_long(of);
-        let odd = stop
-            .chain(odd.into_iter().filter(listed))
-            .take(MOST_STRETCHES);
+        let is_long = |one: &Odd| one.at.len() as f64 * run.dt_s > STILL_S;
+        let listed = odd
+            .into_iter()
+            .filter(|one| one.is_evident() || is_long(one));
+        let odd = stop.chain(listed.map(|one| (one.kind, one.at)));
+        let odd = odd.take(MOST_STRETCHES);
         stretches.extend(odd.map(|(kind, of)| stretch(name, kind, of)));
         channels.insert(name.to_owned(), profile);
     }
@@ -267,12 +269,13 @@ fn run_notes(run: &Run, length_s: f64, used_s: f64) -> Vec<Note> {
     notes
 }
 
-/// Notes on a channel; `at_end` where its longest stretch of one value is at its largest magnitude,
-/// give or take 3 %.
+/// Notes on a channel; `words` on where it is odd; `at_end` where its longest stretch of one value is
+/// at its largest magnitude, give or take 3 %.
 fn channel_notes(
     run: &Run,
     name: &str,
     profile: &Profile,
+    words: Vec<(OddKind, String)>,
     at_end: bool,
     length_s: f64,
 ) -> Vec<Note> {
@@ -282,6 +285,7 @@ fn channel_notes(
     };
     let still = profile.longest_still_s;
     let share = still / length_s;
+    let is_frozen = words.iter().any(|(kind, _)| *kind == OddKind::Still);
     if let Some(rows) = profile.rows_held {
         let rate = run.rate_hz() / rows as f64;
         let what = format!("each value is repeated over {rows} rows: {rate:.1} Hz");
@@ -291,7 +295,7 @@ fn channel_notes(
     } else if still >= STILL_S && at_end {
         let what = format!("one value for {still:.2} s, at the end of its range: saturated?");
         note(share.max(0.05), LARGER_RANGE, what);
-    } else if still >= STILL_S {
+    } else if still >= STILL_S && !is_frozen {
         note(share, LEAVE_OUT, format!("one value for {still:.2} s"));
     } else if let Some(quantum) = profile.quantum {
         let what = format!("steps of {quantum:.2e}, larger than its noise");
@@ -308,15 +312,12 @@ fn channel_notes(
         let share = found.samples as f64 / run.len() as f64;
         note(share.max(0.05), LARGER_RANGE, what);
     }
-    if profile.dropouts > 0 {
-        let count = profile.dropouts;
-        let what = format!("{count} times one value for a moment, off all around it: it drops out");
-        note(0.1, EMPTY_CELLS, what);
-    }
-    if profile.leaps > 0 {
-        let count = profile.leaps;
-        let what = format!("{count} single values leap off their neighbours' line");
-        note(0.1, EMPTY_CELLS, what);
+    // One value at the end of the range is noted above.
+    for (_, what) in words
+        .into_iter()
+        .filter(|(kind, _)| !at_end || *kind != OddKind::Still)
+    {
+        note(share.max(0.1), EMPTY_CELLS, what);
     }
     if let Some([delay, error]) = profile.delay_s
         && delay.abs() > LATE_S.max(5.0 * error)

@@ -4,10 +4,11 @@ use std::borrow::Borrow;
 
 use rayon::prelude::*;
 
-use crate::column::Sensor;
+use crate::column::{COLUMNS, Sensor};
 use crate::error::Error;
 use crate::fault::{Fault, FaultKind};
 use crate::record::check::corrections::{Correction, DISTANCES, G, OTHER_SIGN};
+use crate::record::check::profile::{Odd, OddKind, Profile, odd_words};
 use crate::record::check::relations::{Agreement, Slow, required_change};
 use crate::record::check::response::response_faults;
 use crate::record::check::rotation::BoxRotation;
@@ -113,8 +114,10 @@ pub fn check_relations(runs: &mut [Run]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Remarks on suspected faults: one line on the first run concerned.
+/// Remarks on where channels leap or have one value for long, and on suspected faults: these in one
+/// line on the first run concerned.
 pub(crate) fn remark(runs: &mut [Run], suspected: &[Fault]) {
+    runs.par_iter_mut().for_each(remark_on_odd_stretches);
     let of = |run: &Run| suspected.iter().find(|fault| fault.run == run.entry.run);
     let count = runs.iter().filter(|run| of(run).is_some()).count();
     let mut concerned = runs.iter_mut().filter_map(|run| Some((of(run)?, run)));
@@ -132,6 +135,25 @@ pub(crate) fn remark(runs: &mut [Run], suspected: &[Fault]) {
         fault.columns.join(", "),
         fault.looks_like,
     ));
+}
+
+fn remark_on_odd_stretches(run: &mut Run) {
+    let mut remarks = Vec::new();
+    for name in COLUMNS {
+        let Some(column) = run.columns.get(name) else {
+            continue;
+        };
+        let (_, odd) = Profile::of(column, &run.gaps.pieces, run.rate_hz());
+        // A stretch at an end stop has its own remark.
+        let stop = run.saturated.get(name).map(|stop| stop.at);
+        let is_stop = |one: &Odd| one.kind == OddKind::Still && Some(column[one.at.start]) == stop;
+        let odd: Vec<Odd> = odd.into_iter().filter(|one| !is_stop(one)).collect();
+        let words = odd_words(run, column, &odd);
+        let file = run.entry.file.display();
+        let remark = |(_, what): &(_, String)| format!("{file}: column {name}: {what}");
+        remarks.extend(words.iter().map(remark));
+    }
+    run.remarks.extend(remarks);
 }
 
 /// Corrections that are tried together, and how well the channels then agree.

@@ -397,6 +397,12 @@ fn infinite_numbers_and_files_of_other_forms_are_refused_and_blank_lines_are_non
         let error = read(&wide).unwrap_err();
         has(&error, &["bad.csv", "UTF-", "kufe runs import"]);
     }
+    let named = std::fs::read_to_string(&index).unwrap();
+    std::fs::write(&index, wide(&named)).unwrap();
+    let error = read(text.as_bytes()).unwrap_err();
+    let expected = "text in UTF-16; expected UTF-8 with commas between cells";
+    has(&error, &["runs.csv: ", expected]);
+    std::fs::write(&index, named).unwrap();
     let end = text.match_indices('\n').nth(50).unwrap().0;
     let with = |line: &str| format!("{}\n{line}{}", &text[..end], &text[end..]);
     assert_eq!(read(with("").as_bytes()), Ok(200));

@@ -177,6 +177,59 @@ fn a_channel_that_stands_still_is_told_for_a_while_and_wrong_throughout() {
 }
 
 #[test]
+fn a_speed_that_leaps_for_a_while_or_is_frozen_is_told_with_place_and_evidence() {
+    let clean = clean();
+    let s_m = clean.columns["v_mps"].iter().take(2000).sum::<f64>() * clean.dt_s;
+    let doubled = |i: usize, x: f64| {
+        if (2000..2010).contains(&i) {
+            2.0 * x
+        } else {
+            x
+        }
+    };
+    let found = changed("v_mps", doubled);
+    assert_eq!(found.channels["v_mps"].leaps, 1);
+    let t_s = clean.t0_s + 2000.0 * clean.dt_s;
+    let leap = format!("leaps off from t = {t_s:.3} s (s = {s_m:.1} m) on for 0.100 s");
+    assert!(
+        notes(&found, "v_mps").contains(&leap),
+        "{}",
+        notes(&found, "v_mps")
+    );
+    let value = clean.columns["v_mps"][1000];
+    let frozen = |i: usize, x: f64| if (1000..1800).contains(&i) { value } else { x };
+    let found = changed("v_mps", frozen);
+    let told = notes(&found, "v_mps");
+    let still = format!("one value for 7.99 s, {value:.9}");
+    assert!(
+        told.contains(still.trim_end_matches('0')) && told.contains("frozen?"),
+        "{told}"
+    );
+    // What reads runs for a computation says the same.
+    for (change, word) in [
+        (&doubled as &dyn Fn(usize, f64) -> f64, "leaps off"),
+        (&frozen, "frozen?"),
+    ] {
+        let mut run = clean.clone();
+        let values = run.columns.get_mut("v_mps").unwrap();
+        values
+            .iter_mut()
+            .enumerate()
+            .for_each(|(i, x)| *x = change(i, *x));
+        let mut runs = [run];
+        check_relations(&mut runs).unwrap();
+        let remarks = runs[0].remarks.join("; ");
+        assert!(
+            remarks.contains("column v_mps") && remarks.contains(word),
+            "{remarks}"
+        );
+    }
+    let mut runs = [clean];
+    check_relations(&mut runs).unwrap();
+    assert_eq!(runs[0].remarks, [""; 0]);
+}
+
+#[test]
 fn an_end_stop_beside_which_a_low_pass_overshot_is_told_as_one() {
     let most = clean().columns["az_mps2"]
         .iter()

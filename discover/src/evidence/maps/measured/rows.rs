@@ -103,7 +103,7 @@ impl Measured {
             if radius[i] == 0.0 {
                 return Err(Error::Cell {
                     file: table.file.clone(),
-                    row: i as u64 + 2,
+                    row: table.lines[i],
                     column: "radius_m".to_owned(),
                     found: "0".to_owned(),
                     expected: "a radius, or inf for a straight".to_owned(),
@@ -117,7 +117,7 @@ impl Measured {
             if map.as_ref().is_some_and(is_blank) {
                 return Err(Error::Cell {
                     file: table.file.clone(),
-                    row: i as u64 + 2,
+                    row: table.lines[i],
                     column: "map".to_owned(),
                     found: maps[i].clone(),
                     expected:
@@ -131,8 +131,8 @@ impl Measured {
             if let Some(copy) = (0..i).find(is_copy) {
                 return Err(Error::Duplicate {
                     file: table.file.clone(),
-                    first: format!("row {}", copy + 2),
-                    second: format!("row {}", i + 2),
+                    first: format!("row {}", table.lines[copy]),
+                    second: format!("row {}", table.lines[i]),
                 });
             }
             let track = match radius[i].is_finite() {
@@ -141,7 +141,7 @@ impl Measured {
             };
             let noise = map.as_ref().map(|map| deviations(map, p_max[i], rules));
             rows.push(Row {
-                name: format!("row {} ({:.0} N, {track})", i + 2, fz[i]),
+                name: format!("row {} ({:.0} N, {track})", table.lines[i], fz[i]),
                 problem,
                 p_max: p_max[i],
                 p_max_sd: p_max_sd[i].max(0.015 * p_max[i]),
