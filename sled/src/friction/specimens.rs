@@ -78,9 +78,10 @@ const TRACE: TableColumns = TableColumns {
     further_names: "",
 };
 
-/// By how much a measured way and the integral of the speed may be apart: twice what a wheel or a
-/// radar is off by at worst, and far from knots (1.9), mph (2.2) and km/h (3.6).
-const MOST_APART: f64 = 1.25;
+/// Largest ratio of the integral of the speed to the measured distance, and of its inverse: twice
+/// the worst error of a wheel or a radar, and far below the factors of knots (1.9), mph (2.2) and
+/// km/h (3.6).
+const MAX_DISTANCE_RATIO: f64 = 1.25;
 
 /// Reads the index `glides.csv`; `file` is the name that errors carry.
 ///
@@ -95,10 +96,10 @@ pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>
         if entries.iter().any(|entry| entry.run == run) {
             return Err(table.bad(row, "run", &run, "a name that no run before has"));
         }
-        let own = table.name(row, "file")?;
-        if let Some(before) = entries.iter().find(|entry| entry.file == own) {
+        let path = table.name(row, "file")?;
+        if let Some(before) = entries.iter().find(|entry| entry.file == path) {
             let expected = format!("a file of its own: run {} has this one", before.run);
-            return Err(table.bad(row, "file", &own, &expected));
+            return Err(table.bad(row, "file", &path, &expected));
         }
         let direction = table.name(row, "direction")?;
         let before = entries.iter().map(|entry| entry.direction.as_str());
@@ -108,7 +109,7 @@ pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>
         }
         entries.push(GlideEntry {
             run,
-            file: own,
+            file: path,
             specimen: table.name(row, "specimen")?,
             direction,
             conditions: table.conditions(row)?,
@@ -130,16 +131,16 @@ pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>
 ///
 /// # Errors
 /// [`Error::MissingColumn`]; [`Error::Cell`] for cells that are no numbers, time that does not
-/// increase, a gap of more than ten usual steps, speeds above 60 m/s or whose integral is not
-/// `s_m`; [`Error::TooFew`] below thirty samples.
+/// increase, a gap of more than ten median steps, speeds above 60 m/s, or an integral of the speed
+/// that is not `s_m`; [`Error::TooFew`] below thirty samples.
 pub fn read_glide(file: &str, reader: impl Read) -> Result<GlideTrace, Error> {
-    const FEWEST: usize = 30;
+    const MIN_SAMPLES: usize = 30;
     let table = Table::read(file, reader, &TRACE)?;
-    if table.rows() < FEWEST {
+    if table.rows() < MIN_SAMPLES {
         return Err(Error::too_few(
             format!("{file}: samples"),
             table.rows(),
-            FEWEST,
+            MIN_SAMPLES,
         ));
     }
     let column = |name: &'static str, range: (f64, f64), expected: &'static str| {
@@ -155,10 +156,10 @@ pub fn read_glide(file: &str, reader: impl Read) -> Result<GlideTrace, Error> {
         let before = format!("a time after {} s", t[at]);
         return Err(table.bad(at + 1, "t_s", &t[at + 1].to_string(), &before));
     }
-    let usual = median(steps.iter().copied()).unwrap_or(0.0);
-    if let Some(at) = steps.iter().position(|step| *step > 10.0 * usual) {
+    let median_step = median(steps.iter().copied()).unwrap_or(0.0);
+    if let Some(at) = steps.iter().position(|step| *step > 10.0 * median_step) {
         let expected = format!(
-            "no gap: steps are usually {usual:.4} s, this is {:.4} s",
+            "no gap: steps are usually {median_step:.4} s, this is {:.4} s",
             steps[at]
         );
         return Err(table.bad(at + 1, "t_s", &t[at + 1].to_string(), &expected));
@@ -171,7 +172,7 @@ pub fn read_glide(file: &str, reader: impl Read) -> Result<GlideTrace, Error> {
             return Err(table.bad(at + 1, "s_m", &s[at + 1].to_string(), &expected));
         }
         let (way, of_speed) = (s[s.len() - 1] - s[0], integrate(&t, &v)[t.len() - 1]);
-        if !(1.0 / MOST_APART..=MOST_APART).contains(&(of_speed / way)) {
+        if !(1.0 / MAX_DISTANCE_RATIO..=MAX_DISTANCE_RATIO).contains(&(of_speed / way)) {
             let expected = format!(
                 "speeds in m/s whose integral is the way: it is {of_speed:.1} m, s_m grows by {way:.1} m, {:.2} times less (3.6: km/h)",
                 of_speed / way
