@@ -1,4 +1,4 @@
-//! An effect as a value: a plain description with plain functions.
+//! An effect: its description and the functions of its laws.
 
 use serde::Deserialize;
 
@@ -24,7 +24,7 @@ pub type SlopeLaw = fn(&[f64], f64) -> f64;
 ///
 /// At default parameters it changes nothing. A law that an effect does not have is `None`.
 pub struct Effect {
-    /// Name, formula, parameters, what it needs and how it is judged.
+    /// Name, formula, parameters, required columns and the test that decides on it.
     pub info: Info,
     /// The friction coefficient with the effect.
     ///
@@ -34,8 +34,7 @@ pub struct Effect {
     pub on_forces: Option<ForceLaw>,
     /// Faults of sensors.
     pub on_sensors: &'static [Fault],
-    /// The parameter that is a distance after which forces follow the slip
-    /// ([`Relaxed`](crate::effects::Relaxed)).
+    /// Index of the parameter that is a relaxation length ([`Relaxed`](crate::effects::Relaxed)).
     pub relaxes: Option<usize>,
     /// Changes the stated constants of the sled to the true ones.
     pub on_sled: Option<SledLaw>,
@@ -44,11 +43,12 @@ pub struct Effect {
 }
 
 impl Effect {
-    /// The effect of an entry, with its laws by its name in the tables of the catalogue.
+    /// The effect of an entry. Its laws are looked up by its name in the tables of the catalogue; a
+    /// fault of several sensors and a relaxation length are recognised here by name.
     pub(crate) fn new(info: Info) -> Effect {
         fn law<T: Copy>(laws: &[(&str, T)], name: &str) -> Option<T> {
-            let own = laws.iter().find(|(known, _)| *known == name);
-            own.map(|(_, law)| *law)
+            let entry = laws.iter().find(|(known, _)| *known == name);
+            entry.map(|(_, law)| *law)
         }
         Effect {
             info,
@@ -64,13 +64,12 @@ impl Effect {
         }
     }
 
-    /// What is known of it.
+    /// Its description.
     pub fn info(&'static self) -> &'static Info {
         &self.info
     }
 
-    /// The coefficient with the effect, from the coefficient without it; the same where it does not
-    /// act on it.
+    /// The friction coefficient with the effect, from the coefficient `mu` without it.
     pub fn coefficient(&self, parameters: &[f64], mu: f64, at: &OperatingPoint) -> f64 {
         self.on_friction.map_or(mu, |law| law(parameters, mu, at))
     }
@@ -140,7 +139,7 @@ impl std::fmt::Debug for Effect {
     }
 }
 
-/// How a reading departs from the truth by a size k.
+/// Law of a reading with a fault of size k.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Reading {
@@ -148,19 +147,19 @@ pub enum Reading {
     Biased,
     /// `read = (1 + k) true`.
     Scaled,
-    /// `read(t) = true(t - k)`: late by k [s]. Of one instant, whose rate alone is known, to first
-    /// order: `true - k dtrue/dt`.
+    /// `read(t) = true(t - k)`: late by k [s]. At a single instant to first order: `true - k
+    /// dtrue/dt`.
     Late,
-    /// `read = true + factor k other`: the sensor picks up another one.
+    /// `read = true + factor k other`: the sensor picks up another quantity.
     PicksUp {
-        /// The other sensor.
+        /// Sensor of the other quantity.
         other: Sensor,
         /// Sign and size at k = 1.
         factor: f64,
     },
 }
 
-/// A fault of one sensor with one parameter of an effect as its size.
+/// A fault of one sensor. Its size is a parameter of an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fault {
@@ -168,7 +167,7 @@ pub struct Fault {
     pub of: Sensor,
     /// Its law.
     pub reading: Reading,
-    /// Place of the size among the effect's parameters.
+    /// Index of the size among the parameters of the effect.
     #[serde(default)]
     pub parameter: usize,
 }
@@ -183,9 +182,9 @@ impl Fault {
         }
     }
 
-    /// The inertial unit turned by a small angle about x (left side up), y (nose down) and z (to
-    /// the left): both of its sensors read their own axes. To second order the angle about each
-    /// axis is a rotation.
+    /// The inertial unit turned by a small angle about x (left side up), y (nose down) or z (to the
+    /// left): accelerometer and gyroscope read their own turned axes. The readings are those of a
+    /// rotation up to the second order in the angle.
     pub fn misaligned(axis: usize) -> [Self; 4] {
         let (a, b, sign) = [(1, 2, 1.0), (0, 2, -1.0), (0, 1, 1.0)][axis];
         let [force, rate] = [Sensor::ACCELEROMETER, Sensor::GYROSCOPE];
