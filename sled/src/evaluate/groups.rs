@@ -11,11 +11,11 @@ use crate::series::distinct;
 /// Scores of a group of runs, each with its interval over runs.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Group {
-    /// What the runs share: `driver`, `class` or `track`.
+    /// Criterion of the group: `driver`, `class` or `track`.
     pub by: String,
-    /// Its name.
+    /// Name of the driver, class or track.
     pub name: String,
-    /// The track, where only its runs count.
+    /// The track to which the group is limited; `None` for all tracks.
     pub track: Option<String>,
     /// Number of runs.
     pub runs: usize,
@@ -37,8 +37,8 @@ pub struct Group {
     pub slip_rear_above_2deg: Summary,
 }
 
-/// Groups by driver and by class, on each track and over all, and by track; in the order of first
-/// appearance.
+/// Groups by driver and by class, over all tracks and on each, and groups by track; in the order of
+/// first appearance.
 pub fn groups(runs: &[RunEvaluation], seed: u64) -> Vec<Group> {
     let tracks = distinct(runs.iter().map(|run| run.track.as_str()));
     let mut places: Vec<Option<&str>> = vec![None];
@@ -66,7 +66,7 @@ pub fn groups(runs: &[RunEvaluation], seed: u64) -> Vec<Group> {
     groups
 }
 
-/// What runs are grouped by.
+/// The key of a group.
 type Key = fn(&RunEvaluation) -> &String;
 
 fn group(
@@ -106,20 +106,20 @@ pub struct Summary {
     pub mean: f64,
     /// Median.
     pub median: f64,
-    /// Lower end of the mean's interval; absent for a single value.
+    /// Lower end of the mean's interval; `None` for a single value.
     pub low: Option<f64>,
-    /// Upper end of the mean's interval; absent for a single value.
+    /// Upper end of the mean's interval; `None` for a single value.
     pub high: Option<f64>,
 }
 
-/// Resamples that an interval rests on.
+/// Number of bootstrap resamples.
 const RESAMPLES: usize = 4000;
 
-/// Summarises values, one a run, with a percentile bootstrap over runs.
+/// Summarises values, one per run, with a percentile bootstrap over runs.
 ///
-/// Resampled means scatter with `(n-1)/n` of the mean's variance; their spread is widened by
-/// `sqrt(n/(n-1))` for that. With fewer than about eight runs the interval is still somewhat too
-/// narrow. The same seed gives the same interval.
+/// Resampled means have `(n-1)/n` of the variance of the mean; their spread is therefore multiplied
+/// by `sqrt(n/(n-1))`. With fewer than about eight runs the interval is still too narrow. The same
+/// seed gives the same interval.
 ///
 /// # Panics
 /// Where there are no values.
@@ -152,7 +152,7 @@ fn summarise(values: &[f64], seed: u64) -> Summary {
     summary
 }
 
-/// Quantile of sorted values, linear between order statistics.
+/// Quantile of sorted values at the probability `share`, linear between order statistics.
 ///
 /// # Panics
 /// Where there are no values.
