@@ -5,10 +5,10 @@
 //!
 //! - The bilinear mode is linear along every axis.
 //! - The smooth mode interpolates each surface by bicubic Hermite patches over the logarithm of the
-//! force and the curvature ([`crate::monotone`]), and between layers uses cubic Hermite splines
-//! with three-point slopes, over the logarithm of the speed and the temperature. These are exact
-//! for parabolas and linear in the values of the layers, so that the interpolant is C1 in force and
-//! curvature too.
+//!   force and the curvature ([`crate::monotone`]), and between layers uses cubic Hermite splines
+//!   with three-point slopes, over the logarithm of the speed and the temperature. These are exact
+//!   for parabolas and linear in the values of the layers, so that the interpolant is C1 in force
+//!   and curvature too.
 
 use serde::{Deserialize, Serialize};
 

@@ -5,7 +5,7 @@
 //! table. This crate defines such a table, evaluates it, places its points and writes it in the
 //! formats of simulators. The solver is given as a closure.
 //!
-//! | item | what it is |
+//! | item | purpose |
 //! |---|---|
 //! | [`Table`] | nodes, checks between them, and the origin of both; reads and writes `.lut` files |
 //! | [`Axes`], [`CurvatureScaling`] | the breakpoints; curvatures relative to the curvature at which the runner lies flush |

@@ -1,11 +1,11 @@
 //! Slopes of a C1 surface that keeps monotone data monotone.
 //!
 //! On each cell the surface is the bicubic Hermite patch of the values, slopes and twist at its
-//! four corners, so it is C1 for any choice of them. Its Bezier net along the lower edge is `f0, f0
-//! + h d0/3, f1 - h d1/3, f1`, with the slopes `d`; the other three rows follow from the values,
-//! slopes and twists carried by a third of the cell across. If all differences of the net along one
-//! direction have one sign, the slope of the patch has this sign (Carlson and Fritsch, SIAM J.
-//! Numer. Anal. 22, 386, 1985, state this criterion for the derivatives).
+//! four corners, so it is C1 for any choice of them. Its Bezier net along the lower edge is
+//! `f0, f0 + h d0/3, f1 - h d1/3, f1`, with the slopes `d`; the other three rows follow from the
+//! values, slopes and twists carried by a third of the cell across. If all differences of the net
+//! along one direction have one sign, the slope of the patch has this sign (Carlson and Fritsch,
+//! SIAM J. Numer. Anal. 22, 386, 1985, state this criterion for the derivatives).
 
 /// Value, slopes and twist at a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

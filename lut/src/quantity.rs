@@ -219,7 +219,7 @@ impl Figures {
         (!value.is_nan()).then_some(value)
     }
 
-    /// The estimated error of a quantity; `None` if it is not known.
+    /// The estimated error of a quantity; `None` if unknown.
     pub fn error(&self, quantity: Quantity) -> Option<f64> {
         let error = self.errors[quantity as usize];
         (!error.is_nan()).then_some(error)

@@ -112,7 +112,7 @@ impl CurvatureScaling {
 
     /// The curvature [1/m] of a force [N] and a reduced curvature.
     pub fn curvature(&self, fz: f64, reduced: f64) -> f64 {
-        // The ends come out as they went in.
+        // The ends are reproduced exactly.
         if reduced == 0.0 {
             return self.from;
         }

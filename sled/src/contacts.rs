@@ -211,11 +211,11 @@ pub fn stretch_of(effect: &Active) -> [f64; 2] {
 ///
 /// Force and stretch come from the balance of side forces ([`push_within`]).
 pub fn with_own_contacts(run: &Prepared, vehicle: &Vehicle) -> Vehicle {
-    let mut own = vehicle.on_run(&run.entry.track, &run.entry.conditions);
-    if !own.effects.active.iter().any(Active::varies) {
-        return own;
+    let mut adapted = vehicle.on_run(&run.entry.track, &run.entry.conditions);
+    if !adapted.effects.active.iter().any(Active::varies) {
+        return adapted;
     }
-    let mut without = own.clone();
+    let mut without = adapted.clone();
     without.effects.active.retain(|effect| !effect.varies());
     let remainder = |(state, motion): (&State, &Motion)| {
         let at = Balance::new(&without.sled, state, motion);
@@ -225,14 +225,14 @@ pub fn with_own_contacts(run: &Prepared, vehicle: &Vehicle) -> Vehicle {
     let instants = run.states.iter().zip(&run.motions);
     let (s_m, side_n): (Vec<f64>, Vec<f64>) = instants.map(remainder).unzip();
     let scatter_n = scatter(&side_n);
-    for effect in own.effects.active.iter_mut().filter(|e| e.varies()) {
+    for effect in adapted.effects.active.iter_mut().filter(|e| e.varies()) {
         let (_, hit_n) = hits_of(effect);
-        let found = push_within(&s_m, &side_n, stretch_of(effect), hit_n, scatter_n);
-        let hit = found.filter(|push| push.is_hit);
+        let push = push_within(&s_m, &side_n, stretch_of(effect), hit_n, scatter_n);
+        let hit = push.filter(|push| push.is_hit);
         let expected = hit.map(|push| as_expected(push.contact, push.error_n, hit_n));
         *effect = as_of_run(effect, expected.as_ref());
     }
-    own
+    adapted
 }
 
 /// Samples with a force from other than ice and air: one flag per sample, run by run.
@@ -358,7 +358,7 @@ mod tests {
             force_n: 700.0,
             x_m: 0.0,
         };
-        // With the variance of what is known of hits, halfway.
+        // With equal variances of estimate and prior, halfway.
         let error_n = 200.0 / FITTED_PARAMETERS.sqrt();
         assert!((as_expected(found, error_n, 400.0).force_n - 550.0).abs() < 1e-9);
         assert_eq!(as_expected(found, error_n, 0.0).force_n, 700.0);

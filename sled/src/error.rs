@@ -7,7 +7,7 @@ use crate::fault::Fault;
 /// Errors of the sled's readers, models and fits.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A file could not be opened, read or written, or contradicts itself or what is needed of it.
+    /// A file could not be opened, read or written, or has invalid or unsuitable content.
     #[error("{file}: {reason}")]
     File {
         /// The file.
@@ -15,7 +15,7 @@ pub enum Error {
         /// The error of the system or a reader, or what is wrong and what was expected.
         reason: String,
     },
-    /// A key of the model holds a number that no sled has.
+    /// A number of the model is out of its range.
     #[error("{file}: {key} = {value}: expected {expected}")]
     KeyRange {
         /// The file.
@@ -75,10 +75,10 @@ pub enum Error {
         /// What is wrong, and what was expected.
         reason: String,
     },
-    /// A channel is provably not what its name states.
+    /// A channel provably contradicts its name.
     #[error("{fault}{}", more_faults(*.more))]
     Wrong {
-        /// What is wrong, and what mends it.
+        /// The fault, with its correction.
         fault: Box<Fault>,
         /// Further faults in these runs.
         more: usize,
@@ -104,17 +104,17 @@ pub enum Error {
     /// The simulated sled came to rest or went out of the range of the model.
     #[error("simulation stopped at s = {s_m:.1} m, t = {t_s:.2} s: {what}")]
     Stopped {
-        /// Where [m].
+        /// Distance [m].
         s_m: f64,
-        /// When [s].
+        /// Time [s].
         t_s: f64,
-        /// Why.
+        /// Reason.
         what: String,
     },
     /// A number is outside its range.
     #[error("{name} = {value}: expected {expected}")]
     OutOfRange {
-        /// What the number is.
+        /// Name of the number.
         name: &'static str,
         /// Its value.
         value: f64,

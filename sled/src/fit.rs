@@ -94,7 +94,7 @@ impl FitResult {
     }
 }
 
-const IDENTIFIABILITY: &str = "mu_y and zeta_y act only as their product mu_zeta. At the slips driven, mu_zeta and c act almost only as mu_zeta_c: judge that product and k_n_per_rad; mu_zeta and c apart rest on c where c_held is true. e was predefined.";
+const IDENTIFIABILITY: &str = "mu_y and zeta_y act only as their product mu_zeta. At the slips driven, mu_zeta and c act almost only as mu_zeta_c: use this product and k_n_per_rad. If c_held is true, mu_zeta depends on the fixed c. e was predefined.";
 
 /// The lateral friction of both runners as written to `fit.json`.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -115,7 +115,7 @@ pub struct FitResult {
     pub excluded_contacts: usize,
     /// Root mean square residuals of the balances with the fitted laws.
     pub balances_left_rms: BalanceResidual,
-    /// What the data can determine, in words.
+    /// Text on the parameters that the data can determine.
     pub identifiability: String,
 }
 

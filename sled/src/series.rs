@@ -212,14 +212,14 @@ pub fn integral(values: &[f64], dt: f64) -> Vec<f64> {
 /// y'_i = ( 22 (y_{i-3} - y_{i+3}) - 67 (y_{i-2} - y_{i+2}) - 58 (y_{i-1} - y_{i+1}) ) / (252 dt)
 /// ```
 ///
-/// Exact for polynomials up to degree 4; white noise of deviation sd comes out with 0.51 sd / dt.
-/// The three samples at each end take the slope of the first or last window's quartic. Unit: that
-/// of `values` per second.
+/// Exact for polynomials up to degree 4; white noise of standard deviation sd gives a standard
+/// deviation of 0.51 sd / dt. The three samples at each end take the slope of the first or last
+/// window's quartic. Unit: that of `values` per second.
 ///
 /// Source: A. Savitzky, M. Golay, Anal. Chem. 36 (1964) 1627, table of quartic first derivatives.
 ///
 /// # Panics
-/// Where there are fewer than seven samples.
+/// Panics with fewer than seven samples.
 pub fn derivative(values: &[f64], dt_s: f64) -> Vec<f64> {
     assert!(
         values.len() >= WIDTH,

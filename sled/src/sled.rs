@@ -106,7 +106,7 @@ pub struct Tolerances {
     pub misalignment_rad: f64,
     /// Sensitivity of each gyroscope axis to the vertical acceleration [rad s/m].
     pub gyro_g_sensitivity_radps_per_mps2: f64,
-    /// Offset of sensors that are mounted anew for each session: slip and steering [rad].
+    /// Offset of sensors that are remounted for each session: slip and steering [rad].
     pub session_offset_rad: f64,
     /// Deviation of the lateral forces from the form of their law: relative to the peak force, and
     /// relative per factor e of the load.

@@ -82,9 +82,9 @@ fn one(tolerance: f64) -> Result<(), Box<dyn std::error::Error>> {
 fn plane() -> Result<(), Box<dyn std::error::Error>> {
     let problem = problem(30.0, 1000.0)?;
     let begun = Instant::now();
-    let found = boundary_elements(&problem)?;
+    let solution = boundary_elements(&problem)?;
     let seconds = begun.elapsed().as_secs_f64();
-    let error = (found.p_max / exact(30.0, 1000.0) - 1.0).abs();
+    let error = (solution.p_max / exact(30.0, 1000.0) - 1.0).abs();
     println!("{error} {seconds}");
     Ok(())
 }

@@ -100,16 +100,16 @@ impl Table {
             }
         };
         let declared = symbols.declared();
-        let given = match symbols.arguments.len() {
+        let passed = match symbols.arguments.len() {
             2 => "fz, curvature, 0.0, 0.0",
             _ => "fz, curvature, v, ice_c",
         };
         for &quantity in self.quantities() {
-            let own = format!("{name}_{}", quantity.name());
+            let symbol = format!("{name}_{}", quantity.name());
             let smooth = Interpolator::new(self, quantity, Mode::Smooth, rocker_radius)?;
             text += &format!("/* {} [{}] */\n", quantity.key(), quantity.unit());
-            array(&mut text, &format!("{own}_values"), &smooth.values);
-            array(&mut text, &format!("{own}_jets"), &smooth.flat_jets());
+            array(&mut text, &format!("{symbol}_values"), &smooth.values);
+            array(&mut text, &format!("{symbol}_jets"), &smooth.flat_jets());
             let mut errors = vec![self.solver_error_of(quantity)];
             for mode in [Mode::Smooth, Mode::Bilinear] {
                 let measured = self.interpolation_error(quantity, mode)?;
@@ -120,20 +120,20 @@ impl Table {
             let errors = errors.map(|error| error.map_or("(double)NAN".into(), number));
             let errors: Vec<String> = errors.collect();
             text += &format!(
-                "static KUFE_LUT_UNUSED const kufe_lut_errors {own}_errors = {{ {} }};\n\
-                 static KUFE_LUT_UNUSED const kufe_lut_table {own} = {{ &{name}_fz, &{name}_curvature, &{name}_v, \
-                 &{name}_ice_c, {flush}, {own}_values, {own}_jets, {} }};\n",
+                "static KUFE_LUT_UNUSED const kufe_lut_errors {symbol}_errors = {{ {} }};\n\
+                 static KUFE_LUT_UNUSED const kufe_lut_table {symbol} = {{ &{name}_fz, &{name}_curvature, &{name}_v, \
+                 &{name}_ice_c, {flush}, {symbol}_values, {symbol}_jets, {} }};\n",
                 errors.join(", "),
                 u8::from(smooth.logarithmic)
             );
             for mode in Mode::ALL {
-                let function = format!("{own}_{}", mode.name());
+                let function = format!("{symbol}_{}", mode.name());
                 let smooth = u8::from(mode == Mode::Smooth);
                 text += &format!(
                     "KUFE_LUT_API kufe_lut_interpolated {function}({declared}) {{\n  \
-                     return kufe_lut_at(&{own}, {given}, {smooth});\n}}\n\
+                     return kufe_lut_at(&{symbol}, {passed}, {smooth});\n}}\n\
                      KUFE_LUT_API kufe_lut_derivatives {function}{DERIVATIVES}({declared}) {{\n  \
-                     return kufe_lut_derivatives_at(&{own}, {given}, {smooth});\n}}\n"
+                     return kufe_lut_derivatives_at(&{symbol}, {passed}, {smooth});\n}}\n"
                 );
             }
             text.push('\n');

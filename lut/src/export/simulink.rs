@@ -47,13 +47,13 @@ impl Table {
         rocker_on_axis(self, rocker_radius)?;
         let name = identifier(name);
         let (inputs, outputs) = self.ports();
-        let given = (0..inputs.len()).map(|k| format!("*ssGetInputPortRealSignal(S, {k})"));
-        let given: Vec<String> = given.collect();
+        let arguments = (0..inputs.len()).map(|k| format!("*ssGetInputPortRealSignal(S, {k})"));
+        let arguments: Vec<String> = arguments.collect();
         let mut outputs_text = String::new();
         for (k, quantity) in self.quantities().iter().enumerate() {
-            let own = format!("{name}_{}", quantity.name());
+            let symbol = format!("{name}_{}", quantity.name());
             let [smooth, bilinear] = [Mode::Smooth, Mode::Bilinear]
-                .map(|mode| format!("{own}_{}({})", mode.name(), given.join(", ")));
+                .map(|mode| format!("{symbol}_{}({})", mode.name(), arguments.join(", ")));
             outputs_text += &format!(
                 "  found = smooth ? {smooth} : {bilinear};\n  *ssGetOutputPortRealSignal(S, {k}) = found.value;\n  \
                  outside |= found.out_of_range;\n  refused |= found.out_of_range == 2;\n"
@@ -113,11 +113,11 @@ impl Table {
         if self.axes().is_sliding() {
             inputs.extend([("v_mps", "m/s"), ("ice_c", "degC")]);
         }
-        let of = |quantity: &Quantity| match quantity.unit() {
+        let port = |quantity: &Quantity| match quantity.unit() {
             "m2" => (quantity.key(), "m^2"),
             unit => (quantity.key(), unit),
         };
-        let mut outputs: Vec<Port> = self.quantities().iter().map(of).collect();
+        let mut outputs: Vec<Port> = self.quantities().iter().map(port).collect();
         outputs.push(("out_of_range", "1"));
         (inputs, outputs)
     }

@@ -152,7 +152,7 @@ impl Grid {
         places
     }
 
-    /// The interval of an axis that holds a value.
+    /// The interval of an axis that contains a value.
     pub fn interval(&self, axis: usize, value: f64) -> usize {
         let values = &self.values[axis];
         let after = values.partition_point(|&v| v <= value);

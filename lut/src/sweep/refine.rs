@@ -167,8 +167,9 @@ fn measure(
     Ok(errors)
 }
 
-const NOISE: &str = "where the interpolation misses, the solver's own error is as large: request more of the solver (accuracy.p_max)";
-const TOO_SMALL: &str = "where the interpolation misses, the intervals are as small as they may be";
+const NOISE: &str = "where the interpolation error is too large, the solver's own error is as large: request a more accurate solver (accuracy.p_max)";
+const TOO_SMALL: &str =
+    "where the interpolation error is too large, the intervals are as small as allowed";
 
 /// Halves the interval around every check with an error above `limit`, along the axis with the
 /// largest error at the midpoint of its interval. Returns whether any was halved.

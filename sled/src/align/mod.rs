@@ -27,7 +27,7 @@ const MIN_AMBIGUITY_RATIO: f64 = 1.5;
 /// two.
 const ROUNDS: usize = 3;
 
-/// Where a run lies along its track.
+/// Alignment of a run to its track.
 #[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct AlignedRun {
     /// Name of the run.
@@ -117,7 +117,7 @@ fn place(
 ) -> Result<AlignedRun, Error> {
     let unplaced = |misfit: f64, elsewhere: f64| {
         let reason = format!(
-            "matches no place of track {}, or two: {misfit:.2} of its curvature and bank is unexplained at the best place and {elsewhere:.2} at another, expected below 0.5 and half as much again elsewhere",
+            "its place on track {} is not determined: {misfit:.2} of the variance of curvature and bank is unexplained at the best place and {elsewhere:.2} at another, expected below 0.5 and at least 1.5 times as much elsewhere",
             run.entry.track
         );
         Error::file(run.entry.file.display(), reason)

@@ -4,7 +4,7 @@
 //! [effects.my-drag]
 //! expression = "v_mps^2 * abs(delta_rad)"   # times `value`
 //! channel = "longitudinal"                  # or "lateral" (force on the body [N]), "yaw" (moment [N m]), "friction" (added to mu),
-//!                                           # "grip" (times the side forces), "sensor:COLUMN" (added to what it reads)
+//!                                           # "grip" (times the side forces), "sensor:COLUMN" (added to its reading)
 //! unit = "N s2/(m2 rad)"
 //! value = 0.0                               # 0 or absent: a candidate, not yet switched on
 //! low = -10.0
@@ -20,7 +20,7 @@ use crate::effects::{EffectError, Forces, OperatingPoint, Signals, State};
 /// A user-defined effect: amplitude times expression.
 #[derive(Clone, Debug)]
 pub struct Custom {
-    /// What it acts on.
+    /// Quantity that it acts on.
     pub channel: Channel,
     /// The formula as written.
     pub text: String,
@@ -67,26 +67,26 @@ impl Custom {
             source,
         })?;
         let of_sensor = matches!(channel, Channel::Sensor(_));
-        let known = if of_sensor {
+        let allowed = if of_sensor {
             columns_of_sensors()
         } else {
             columns_of_forces()
         };
-        let place = |column: &String| {
+        let source = |column: &String| {
             let of_sled = || Source::of_sled(column, carried);
-            let place = if of_sensor {
+            let source = if of_sensor {
                 Source::of_sensor(column)
             } else {
                 of_sled()
             };
-            place.ok_or_else(|| EffectError::Value {
+            source.ok_or_else(|| EffectError::Value {
                 name: effect.to_owned(),
                 key: "expression".to_owned(),
                 found: format!("the column {column}"),
-                expected: known.join(", "),
+                expected: allowed.join(", "),
             })
         };
-        let sources = expression.names().iter().map(place);
+        let sources = expression.names().iter().map(source);
         Ok(Self {
             channel,
             text: text.to_owned(),
@@ -188,16 +188,16 @@ impl Custom {
         let Some(sensor) = self.sensor(amplitude) else {
             return;
         };
-        let is_own = |place: &Source| matches!(place, Source::Sensor(other) if *other == sensor);
+        let is_own = |source: &Source| matches!(source, Source::Sensor(other) if *other == sensor);
         if !self.sources.iter().any(is_own) {
             return self.disturb(-amplitude, at, signals);
         }
-        let place = sensor as usize;
-        let read = signals.value[place];
+        let index = sensor as usize;
+        let read = signals.value[index];
         let mut slope = 1.0;
         for _ in 0..30 {
-            let x = signals.value[place];
-            let [value, derivative] = self.derivative(at, signals, |place| match place {
+            let x = signals.value[index];
+            let [value, derivative] = self.derivative(at, signals, |source| match source {
                 Source::Sensor(other) if other == sensor => 1.0,
                 _ => 0.0,
             });
@@ -208,15 +208,15 @@ impl Custom {
             if converged || !slope.is_finite() || slope == 0.0 {
                 break;
             }
-            signals.value[place] = x - residual / slope;
+            signals.value[index] = x - residual / slope;
         }
         // The rate of the reading is the rate of the true value plus that of the expression, which
         // is linear in it.
         let rates = signals.rate;
         let mut other_rates = rates;
-        other_rates[place] = 0.0;
+        other_rates[index] = 0.0;
         let [_, added] = self.in_time(at, signals, other_rates);
-        signals.rate[place] = (rates[place] - amplitude * added) / slope;
+        signals.rate[index] = (rates[index] - amplitude * added) / slope;
     }
 
     fn sensor(&self, amplitude: f64) -> Option<Sensor> {
@@ -238,7 +238,7 @@ impl Custom {
             s: at.s + signals[Sensor::Speed],
             ..*at
         };
-        self.derivative(at, signals, |place| match place {
+        self.derivative(at, signals, |source| match source {
             // Time and distance grow steadily.
             Source::Point(value) => value(&later) - value(at),
             Source::Sensor(sensor) => rates[sensor as usize],
@@ -254,13 +254,13 @@ impl Custom {
         rate: impl Fn(Source) -> f64,
     ) -> [f64; 2] {
         self.expression.derivative(|name| {
-            let place = self.sources[name];
-            let value = match place {
+            let source = self.sources[name];
+            let value = match source {
                 Source::Point(value) => value(at),
                 Source::Sensor(sensor) => signals[sensor],
                 Source::Sled(_) | Source::Carried => f64::NAN,
             };
-            [value, rate(place)]
+            [value, rate(source)]
         })
     }
 }

@@ -58,7 +58,7 @@ pub struct Info {
     pub formula: &'static str,
     /// Its signature in data.
     pub signature: &'static str,
-    /// What it acts on.
+    /// Quantities that it acts on.
     #[serde(deserialize_with = "leaked")]
     pub acts_on: &'static [ActsOn],
     /// Parameters in the order in which they are passed.
@@ -81,7 +81,7 @@ pub struct Info {
     pub looks_like: &'static [&'static str],
     /// Measurement that would distinguish it from the effects of `looks_like`.
     pub decides: &'static str,
-    /// Where the formula is from.
+    /// Source of the formula.
     pub source: &'static str,
     /// Parameters, known quantities and the expected result, by the names in files: `0.5, 1000: mu
     /// 0.004, fz_n 2250 -> mu 0.006`. Everything else is 0.

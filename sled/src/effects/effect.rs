@@ -7,8 +7,8 @@ use crate::effects::catalogue::{ON_FORCES, ON_FRICTION, ON_SLED, ON_SLOPE};
 use crate::effects::{Forces, Info, OperatingPoint, Signals, State};
 use crate::sled::Sled;
 
-/// The friction coefficient from an effect's parameters, the coefficient without it, and the
-/// operating point.
+/// The friction coefficient with an effect, from the effect's parameters, the coefficient without
+/// it, and the operating point.
 pub type FrictionLaw = fn(&[f64], f64, &OperatingPoint) -> f64;
 
 /// A law for the forces, from parameters and state.
@@ -17,7 +17,7 @@ pub type ForceLaw = fn(&[f64], &State, &mut Forces);
 /// Changes the constants of the sled, from parameters.
 pub type SledLaw = fn(&[f64], &mut Sled);
 
-/// What is added to the track's slope [rad], from parameters and distance [m].
+/// Addition to the track's slope [rad], from parameters and distance [m].
 pub type SlopeLaw = fn(&[f64], f64) -> f64;
 
 /// A switchable part of the model; parameters come in the order of [`Info::parameters`].
@@ -38,7 +38,7 @@ pub struct Effect {
     pub relaxes: Option<usize>,
     /// Changes the stated constants of the sled to the true ones.
     pub on_sled: Option<SledLaw>,
-    /// What is added to the track's slope at a distance [m], downhill positive [rad].
+    /// Addition to the track's slope at a distance [m], downhill positive [rad].
     pub on_slope: Option<SlopeLaw>,
 }
 
@@ -127,7 +127,7 @@ impl Effect {
         }
     }
 
-    /// What is added to the track's slope at `s` [m], downhill positive [rad].
+    /// Addition to the track's slope at `s` [m], downhill positive [rad].
     pub fn slope(&self, parameters: &[f64], s: f64) -> f64 {
         self.on_slope.map_or(0.0, |law| law(parameters, s))
     }
@@ -230,8 +230,8 @@ impl Fault {
 mod tests {
     use super::*;
 
-    /// Length and angle of the accelerations are those of a turned unit but for the square of the
-    /// angle, and what is corrected is what was true.
+    /// Length and angle of the accelerations are those of a turned unit up to the square of the
+    /// angle, and corrected readings are the true values.
     #[test]
     fn a_misaligned_unit_reads_rotated_axes_and_is_corrected_exactly() {
         let angle = 0.01;

@@ -259,9 +259,9 @@ impl Parser<'_> {
     /// Skips the byte `wanted` if it is next, and returns whether it was.
     fn take(&mut self, wanted: u8) -> bool {
         self.skip_space();
-        let there = self.bytes.get(self.at) == Some(&wanted);
-        self.at += usize::from(there);
-        there
+        let is_next = self.bytes.get(self.at) == Some(&wanted);
+        self.at += usize::from(is_next);
+        is_next
     }
 
     fn expression(&mut self) -> Result<(), ExpressionError> {
@@ -284,8 +284,8 @@ impl Parser<'_> {
 
     /// Skips the byte `wanted`, which must be next.
     fn close(&mut self, wanted: u8, expected: &'static str) -> Result<(), ExpressionError> {
-        let there = self.take(wanted);
-        there.then_some(()).ok_or_else(|| self.error(expected))
+        let is_next = self.take(wanted);
+        is_next.then_some(()).ok_or_else(|| self.error(expected))
     }
 
     fn factor(&mut self) -> Result<(), ExpressionError> {

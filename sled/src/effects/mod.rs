@@ -9,7 +9,7 @@
 //! Effects on pressures change a contact problem. They are in the crate `kufe`, with the same
 //! [`Info`].
 //!
-//! | type | what it is |
+//! | type | purpose |
 //! |---|---|
 //! | [`Effect`], [`Info`], [`CATALOGUE`] | one effect, its description, all of them |
 //! | [`OperatingPoint`], [`State`], [`Signals`] | input of an effect: of a runner, of a sled, of the sensors |

@@ -152,7 +152,7 @@ impl Effects {
         }
     }
 
-    /// What is added to the track's slope at `s` [m], downhill positive [rad]; as [`Effects::act`].
+    /// Addition to the track's slope at `s` [m], downhill positive [rad]; as [`Effects::act`].
     pub fn slope(&self, s: f64) -> f64 {
         self.everywhere().map(|effect| effect.slope(s)).sum()
     }
@@ -315,7 +315,7 @@ impl Active {
         }
     }
 
-    /// What is added to the track's slope at `s` [m], downhill positive [rad].
+    /// Addition to the track's slope at `s` [m], downhill positive [rad].
     pub fn slope(&self, s: f64) -> f64 {
         let effect = self.catalogue();
         effect.map_or(0.0, |effect| effect.slope(&self.values, s))

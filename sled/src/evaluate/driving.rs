@@ -1,4 +1,4 @@
-//! A driver's score: energy lost in addition to what a straight glide would lose.
+//! A driver's score: energy lost in addition to the loss of a straight glide.
 
 use std::ops::Range;
 
@@ -155,9 +155,9 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
     let (mut energies, mut losses) = ([0.0; 4], Stretches::new());
     for i in run.pieces.iter().flat_map(|p| p.start + 1..p.end) {
         let [before, power] = [powers[i - 1], powers[i]];
-        let taken: [f64; 4] = std::array::from_fn(|k| 0.5 * run.dt_s * (before[k] + power[k]));
-        energies = std::array::from_fn(|k| energies[k] + taken[k]);
-        let lost = [-taken[1], -taken[2], -taken[3]];
+        let work: [f64; 4] = std::array::from_fn(|k| 0.5 * run.dt_s * (before[k] + power[k]));
+        energies = std::array::from_fn(|k| energies[k] + work[k]);
+        let lost = [-work[1], -work[2], -work[3]];
         let s_m = 0.5 * (run.states[i - 1].s_m + run.states[i].s_m);
         add_loss(&mut losses, s_m, lost, 0.5 * (delay[i - 1] + delay[i]));
     }

@@ -54,14 +54,14 @@ pub fn groups(runs: &[RunEvaluation], seed: u64) -> Vec<Group> {
         let is_here = |run: &&RunEvaluation| place.is_none_or(|track| run.track == track);
         for (by, key) in keys {
             for name in distinct(runs.iter().map(key)) {
-                let of = runs.iter().filter(is_here).filter(|run| key(run) == name);
-                groups.extend(group(by, name, place, of.collect(), seed));
+                let members = runs.iter().filter(is_here).filter(|run| key(run) == name);
+                groups.extend(group(by, name, place, members.collect(), seed));
             }
         }
     }
     for track in tracks {
-        let of = runs.iter().filter(|run| run.track == track);
-        groups.extend(group("track", track, None, of.collect(), seed));
+        let members = runs.iter().filter(|run| run.track == track);
+        groups.extend(group("track", track, None, members.collect(), seed));
     }
     groups
 }
@@ -79,7 +79,7 @@ fn group(
     if runs.is_empty() {
         return None;
     }
-    let of = |pick: fn(&RunEvaluation) -> f64| {
+    let summary = |pick: fn(&RunEvaluation) -> f64| {
         let values: Vec<f64> = runs.iter().map(|run| pick(run)).collect();
         summarise(&values, seed)
     };
@@ -88,14 +88,14 @@ fn group(
         name: name.to_string(),
         track: track.map(str::to_string),
         runs: runs.len(),
-        increase_front: of(|run| run.increase_front),
-        increase_rear: of(|run| run.increase_rear),
-        increase_aero: of(|run| run.increase_aero),
-        increase_total: of(|run| run.increase_total),
-        steering_above_2deg: of(|run| run.steering.share_above_2deg),
-        steering_above_4deg: of(|run| run.steering.share_above_4deg),
-        slip_front_above_2deg: of(|run| run.slip_front.share_above_2deg),
-        slip_rear_above_2deg: of(|run| run.slip_rear.share_above_2deg),
+        increase_front: summary(|run| run.increase_front),
+        increase_rear: summary(|run| run.increase_rear),
+        increase_aero: summary(|run| run.increase_aero),
+        increase_total: summary(|run| run.increase_total),
+        steering_above_2deg: summary(|run| run.steering.share_above_2deg),
+        steering_above_4deg: summary(|run| run.steering.share_above_4deg),
+        slip_front_above_2deg: summary(|run| run.slip_front.share_above_2deg),
+        slip_rear_above_2deg: summary(|run| run.slip_rear.share_above_2deg),
     })
 }
 
@@ -122,7 +122,7 @@ const RESAMPLES: usize = 4000;
 /// seed gives the same interval.
 ///
 /// # Panics
-/// Where there are no values.
+/// Panics without values.
 fn summarise(values: &[f64], seed: u64) -> Summary {
     assert!(!values.is_empty(), "no values to summarise");
     let n = values.len();
@@ -155,7 +155,7 @@ fn summarise(values: &[f64], seed: u64) -> Summary {
 /// Quantile of sorted values at the probability `share`, linear between order statistics.
 ///
 /// # Panics
-/// Where there are no values.
+/// Panics without values.
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     let position = share.clamp(0.0, 1.0) * (sorted.len() - 1) as f64;
     let low = position as usize;

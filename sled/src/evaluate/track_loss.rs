@@ -16,9 +16,9 @@ const STRETCH_M: f64 = 25.0;
 /// Losses on a stretch of the track relative to a straight glide.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TrackLoss {
-    /// Where it begins [m].
+    /// Start of the stretch [m].
     pub from_m: f64,
-    /// Where it ends [m].
+    /// End of the stretch [m].
     pub to_m: f64,
     /// Energy lost at the front runner [J].
     pub front_j: f64,
@@ -107,8 +107,8 @@ pub fn losses_by_driver(runs: &[RunEvaluation]) -> Vec<DriverLosses> {
             .into_iter()
             .filter(|pair| pair.0 == track)
         {
-            let own = runs.iter().filter(|run| (&run.track, &run.driver) == pair);
-            all.push(mean(pair.1, track, &own.collect::<Vec<_>>()));
+            let members = runs.iter().filter(|run| (&run.track, &run.driver) == pair);
+            all.push(mean(pair.1, track, &members.collect::<Vec<_>>()));
         }
     }
     all

@@ -32,7 +32,7 @@ pub struct RunValidation {
     pub rmse_braghin_n: f64,
     /// Root mean square residuals of all balances.
     pub left_rms: BalanceResidual,
-    /// Where model and measurement differ most, worst first.
+    /// Stretches with the largest differences between model and measurement, largest first.
     pub largest: Vec<Disagreement>,
     /// The lateral force over time; not part of the report.
     #[serde(skip)]

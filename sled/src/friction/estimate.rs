@@ -68,7 +68,7 @@ impl Response {
     /// Points at which the response is to be evaluated; the first parameter varies fastest.
     ///
     /// # Panics
-    /// Unless there are one or two spans.
+    /// Panics unless there are one or two spans.
     pub fn places(spans: &[Span]) -> Vec<Vec<f64>> {
         let chebyshev = |n: usize| {
             let at = |k: usize| -(std::f64::consts::PI * k as f64 / (n - 1) as f64).cos();

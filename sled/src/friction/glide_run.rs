@@ -112,7 +112,7 @@ pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun
     let force = kinetic_line.slope;
     let slows = force <= MIN_PUSH_N.max(6.0 * kinetic_line.slope_se);
     let expected =
-        "a glide that slows down, a negative one: this one gets faster through its middle section";
+        "a negative force, of a glide that slows down: this one accelerates in its middle section";
     in_range("force along the glide [N]", force, slows, expected)?;
     Ok(GlideRun {
         entry: entry.clone(),

@@ -98,7 +98,10 @@ pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>
         }
         let path = table.name(row, "file")?;
         if let Some(before) = entries.iter().find(|entry| entry.file == path) {
-            let expected = format!("a file of its own: run {} has this one", before.run);
+            let expected = format!(
+                "a different file for each run: run {} has this one",
+                before.run
+            );
             return Err(table.bad(row, "file", &path, &expected));
         }
         let direction = table.name(row, "direction")?;
@@ -174,7 +177,7 @@ pub fn read_glide(file: &str, reader: impl Read) -> Result<GlideTrace, Error> {
         let (way, of_speed) = (s[s.len() - 1] - s[0], integrate(&t, &v)[t.len() - 1]);
         if !(1.0 / MAX_DISTANCE_RATIO..=MAX_DISTANCE_RATIO).contains(&(of_speed / way)) {
             let expected = format!(
-                "speeds in m/s whose integral is the way: it is {of_speed:.1} m, s_m grows by {way:.1} m, {:.2} times less (3.6: km/h)",
+                "speeds in m/s: their integral is {of_speed:.1} m, s_m grows by {way:.1} m, ratio {:.2} (3.6 for km/h)",
                 of_speed / way
             );
             return Err(table.bad(0, "v_mps", &v[0].to_string(), &expected));
@@ -228,11 +231,11 @@ pub struct SpecimenFriction {
     pub specimen: String,
     /// Coefficient of friction, mean over the pairs, with its 95 % interval.
     pub mu: Estimate,
-    /// Standard error of the mean: the larger of the lines' and that of the scatter between pairs.
+    /// Standard error of the mean: the larger of `mu_se_lines` and `mu_se_scatter`.
     pub mu_se: f64,
     /// Standard error from the lines alone.
     pub mu_se_lines: f64,
-    /// Standard error from the scatter between pairs; none with one pair.
+    /// Standard error from the scatter between pairs; `None` with one pair.
     pub mu_se_scatter: Option<f64>,
     /// Number of pairs.
     pub pairs: usize,
@@ -284,12 +287,12 @@ pub fn evaluate_ice_house(runs: Vec<GlideRun>) -> Result<IceHouse, Error> {
     let names = distinct(runs.iter().map(|run| run.entry.specimen.clone()));
     let (mut pairs, mut specimens, mut unpaired) = (Vec::new(), Vec::new(), Vec::new());
     for name in &names {
-        let of = |direction: &String| -> Vec<&GlideRun> {
+        let runs_in = |direction: &String| -> Vec<&GlideRun> {
             runs.iter()
                 .filter(|r| r.entry.specimen == *name && r.entry.direction == *direction)
                 .collect()
         };
-        let (up, down) = (of(&directions[0]), of(&directions[1]));
+        let (up, down) = (runs_in(&directions[0]), runs_in(&directions[1]));
         let count = up.len().min(down.len());
         for run in up[count..].iter().chain(&down[count..]) {
             unpaired.push(run.entry.run.clone());
@@ -297,10 +300,11 @@ pub fn evaluate_ice_house(runs: Vec<GlideRun>) -> Result<IceHouse, Error> {
         if count == 0 {
             continue;
         }
-        let own: Vec<GlidePair> = up.iter().zip(&down).map(|(u, d)| pair(u, d)).collect();
+        let specimen_pairs: Vec<GlidePair> =
+            up.iter().zip(&down).map(|(u, d)| pair(u, d)).collect();
         let used = || up[..count].iter().chain(&down[..count]);
-        specimens.push(specimen(name, &own, used().copied()));
-        pairs.extend(own);
+        specimens.push(specimen(name, &specimen_pairs, used().copied()));
+        pairs.extend(specimen_pairs);
     }
     if pairs.is_empty() {
         let what = "pairs of runs of one specimen in both directions";
@@ -332,8 +336,8 @@ impl IceHouse {
     pub fn experiments(&self) -> Vec<Experiment> {
         let row = |specimen: &SpecimenFriction| {
             let entries = self.runs.iter().map(|run| &run.entry);
-            let own = entries.filter(|entry| entry.specimen == specimen.specimen);
-            let entries: Vec<&GlideEntry> = own.collect();
+            let entries = entries.filter(|entry| entry.specimen == specimen.specimen);
+            let entries: Vec<&GlideEntry> = entries.collect();
             let average = |value: &dyn Fn(&GlideEntry) -> Option<f64>| {
                 let known: Vec<f64> = entries.iter().filter_map(|e| value(e)).collect();
                 (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
@@ -426,10 +430,11 @@ fn specimen<'a>(
     }
 }
 
-/// Mean with 95 % interval, its standard error from the single errors, and that from the scatter.
+/// Mean with 95 % interval, its standard error propagated from `errors`, and its standard error
+/// from the scatter (`None` for one value).
 ///
-/// The interval takes the larger error; with the scatter's, Student's quantile for one less than
-/// the number of values.
+/// The half width is the larger of the normal quantile times the propagated error and Student's
+/// quantile times the error from the scatter.
 fn mean(values: &[f64], errors: &[f64]) -> (Estimate, f64, Option<f64>) {
     const NORMAL: f64 = 1.959_963_984_540_054;
     let n = values.len() as f64;

@@ -19,7 +19,7 @@ pub struct Model {
     pub sled: Sled,
     /// Ice friction of both runners.
     pub friction: Friction,
-    /// How well the track is known.
+    /// Accuracy of the track survey.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub survey: Option<Survey>,
     /// Conditions that effects need, used if neither a run's file nor `runs.csv` states them.

@@ -39,10 +39,10 @@ impl Vehicle {
         let keys = &model.friction.longitudinal;
         let factor = keys.tabled()?;
         let stated = factor.is_none().then(|| keys.model()).transpose()?;
-        let open = |key: &str, path: &Option<String>, quantity| -> Result<_, Error> {
+        let open_table = |key: &str, path: &Option<String>, quantity| -> Result<_, Error> {
             let path = path.as_ref().ok_or_else(|| {
                 let reason = format!(
-                    "[friction.longitudinal] {key} is missing: friction over pressure or of tables needs the runner's table"
+                    "[friction.longitudinal] {key} is missing: a friction law of the pressure, or friction from tables, needs the runner's table"
                 );
                 Error::file(model.name(), reason)
             })?;
@@ -52,14 +52,16 @@ impl Vehicle {
             let mut film = None;
             let longitudinal = match stated {
                 Some(Longitudinal::Fixed(mu)) => {
-                    let table = path.as_ref().map(|_| open(key, path, Quantity::Mu));
+                    let table = path.as_ref().map(|_| open_table(key, path, Quantity::Mu));
                     film = table.transpose()?;
                     RunnerLaw::Fixed(mu)
                 }
                 Some(Longitudinal::Pressure(law)) => {
-                    RunnerLaw::Pressure(law, open(key, path, Quantity::PMax)?)
+                    RunnerLaw::Pressure(law, open_table(key, path, Quantity::PMax)?)
                 }
-                None => RunnerLaw::Tabled(factor.unwrap_or(1.0), open(key, path, Quantity::Mu)?),
+                None => {
+                    RunnerLaw::Tabled(factor.unwrap_or(1.0), open_table(key, path, Quantity::Mu)?)
+                }
             };
             Ok::<_, Error>(RunnerFriction {
                 longitudinal,
@@ -158,7 +160,7 @@ impl Vehicle {
         }
         let line = |(only, names): (&str, Vec<String>)| {
             format!(
-                "{} track = {only:?}: there is no such track here and the effect does nothing; expected one of {}",
+                "{} track = {only:?}: no run is on this track, so that the effect does nothing; expected one of {}",
                 names.join(", "),
                 tracks.join(", ")
             )
@@ -219,7 +221,7 @@ pub fn refuse_effects(effects: &Effects, absent: &[&str], file: &str) -> Result<
 /// Longitudinal friction of one runner.
 #[derive(Clone, Debug)]
 pub enum RunnerLaw {
-    /// The same coefficient everywhere.
+    /// A constant coefficient.
     Fixed(f64),
     /// A quadratic in the peak pressure, which is read from the table.
     Pressure(PressureLaw, Arc<RunnerTable>),
@@ -249,7 +251,7 @@ impl RunnerTable {
         let refuses = |kind: &AxisKind| table.axes().outside(*kind) == Outside::Error;
         if let Some(kind) = AxisKind::ALL.into_iter().find(refuses) {
             let reason = format!(
-                "axis {}, outside = \"error\": expected \"hold\" or \"linear\", since a simulation tries states outside",
+                "axis {}, outside = \"error\": expected \"hold\" or \"linear\", since a simulation evaluates states outside",
                 kind.key()
             );
             return Err(Error::file(&file, reason));

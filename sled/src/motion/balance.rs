@@ -6,7 +6,7 @@
 //! side:   m a_y - (F_y,f0 + F_y,r + F_air,y + F_y,body)          [N]
 //! yaw:    J_zz dyaw/dt - (l_f F_y,f0 - l_r F_y,r + M_z,body)     [N m]
 //! track:  d(v cos(alpha))/dt - g sin(slope) - a_x - r v_y        [m/s2]   slope positive downhill; free of friction
-//!     or  dv/dt - g sin(slope) - a_x cos(beta) - a_y sin(beta)   [m/s2]   where the slope holds along the sled's way
+//!     or  dv/dt - g sin(slope) - a_x cos(beta) - a_y sin(beta)   [m/s2]   where the slope is that of the sled's path
 //! ```
 //!
 //! v and alpha are those of the slip sensor at x_s, v_y = -v sin(alpha) - x_s r and beta =

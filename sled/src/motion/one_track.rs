@@ -118,13 +118,13 @@ pub fn share_of_laws(vehicle: &Vehicle, state: &State, measured: &AxleForces) ->
     let mut across = measured_across;
     for _ in 0..6 {
         let step: [f64; 2] = across.map(|force| 1.0 + 1e-4 * force.abs());
-        let here = forces_with_effects(vehicle, &at, measured, Some(across)).across;
-        let moved = [across[0] + step[0], across[1] + step[1]];
-        let there = forces_with_effects(vehicle, &at, measured, Some(moved)).across;
+        let base = forces_with_effects(vehicle, &at, measured, Some(across)).across;
+        let perturbed = [across[0] + step[0], across[1] + step[1]];
+        let shifted = forces_with_effects(vehicle, &at, measured, Some(perturbed)).across;
         for i in 0..2 {
-            let slope = (there[i] - here[i]) / step[i];
+            let slope = (shifted[i] - base[i]) / step[i];
             across[i] += if slope > 1e-3 {
-                (measured_across[i] - here[i]) / slope
+                (measured_across[i] - base[i]) / slope
             } else {
                 f64::NAN
             };

@@ -139,7 +139,7 @@ pub struct Section {
     pub lost_s: f64,
 }
 
-/// Length of a window [m]: about three sleds, and long enough to distinguish a force from noise of
+/// Length of a window [m]: about six sleds, and long enough to distinguish a force from noise of
 /// the speed.
 const WINDOW_M: usize = 20;
 /// Length omitted from a reported window at each end [m]: a short event lies near the middles of
@@ -227,7 +227,7 @@ struct Window {
     v_mps: f64,
 }
 
-/// Windows of column `k` a metre apart along one stretch without a gap.
+/// Windows of column `k` at every metre of one stretch without a gap.
 fn windows_of(compared: &[Compared], k: usize, mass_kg: f64) -> Vec<Window> {
     let (Some(first), Some(last)) = (compared.first(), compared.last()) else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! The model driven with a run's own start and steering.
+//! Simulation of a measured run from its start and steering.
 
 use std::ops::Range;
 
@@ -73,8 +73,8 @@ const BEFORE_M: f64 = 1.5;
 /// [`crate::simulate()`].
 ///
 /// # Errors
-/// [`Error::File`] for a run that begins off the track, [`Error::TooFew`], those of options and
-/// effects.
+/// [`Error::File`] for a run that begins outside the track, [`Error::TooFew`], errors of options
+/// and effects.
 pub fn replay(
     inputs: &Inputs,
     vehicle: &Vehicle,

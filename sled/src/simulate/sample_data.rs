@@ -34,7 +34,7 @@ pub struct SampleDriver {
     /// Relative variation of wander and noise from run to run.
     #[serde(rename = "varies")]
     variation: f64,
-    /// Places where this driver touches the wall, besides those of the track [m].
+    /// Places where this driver touches the wall, in addition to the places of the track [m].
     #[serde(default)]
     walls_m: Vec<f64>,
 }
@@ -81,8 +81,8 @@ fn track_of(name: &str) -> &'static SampleTrack {
 /// A sample track (`east` for an unknown name): banked curves on a slope, with curvatures that suit
 /// the speed of a sled.
 pub fn sample_track(name: &str) -> Track {
-    let own = track_of(name);
-    let length = own.length_m;
+    let sample = track_of(name);
+    let length = sample.length_m;
     let rows = length as usize + 1;
     let s_m: Vec<f64> = (0..rows).map(|i| i as f64).collect();
     let wave = |s: f64, period: f64| (std::f64::consts::TAU * s / period).sin();
@@ -98,7 +98,7 @@ pub fn sample_track(name: &str) -> Track {
             let fall = smooth_step((start + extent - s) / ramp);
             crown * rise * fall
         };
-        own.curves.iter().map(of_curve).sum()
+        sample.curves.iter().map(of_curve).sum()
     };
     let mut speed_square: f64 = 100.0;
     let mut curvature_1pm = Vec::with_capacity(rows);
@@ -114,7 +114,7 @@ pub fn sample_track(name: &str) -> Track {
     }
     Track {
         ice: IceAlong::default(),
-        name: own.name.clone(),
+        name: sample.name.clone(),
         slope_rad: s_m.iter().map(|s| slope(*s)).collect(),
         bank_rad: s_m.iter().map(|s| bank(*s)).collect(),
         curvature_1pm,
@@ -173,8 +173,8 @@ pub struct Planned {
 pub fn sample_plan(seed: u64) -> Vec<Planned> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut plan = Vec::new();
-    for own in sample_drivers() {
-        let (driver, class, runs) = (&own.name, &own.class, own.runs);
+    for sample in sample_drivers() {
+        let (driver, class, runs) = (&sample.name, &sample.class, sample.runs);
         let away = if driver == "C1" { 0 } else { 2 };
         for i in 0..runs {
             let west = i + away >= runs;
@@ -218,10 +218,10 @@ pub fn drive_sample(plan: &[Planned], model: &Model) -> Result<Vec<Run>, Error> 
     let tracks = ["east", "west"].map(sample_track);
     let shapes = [0, 1].map(|i| TrackShape::new(&tracks[i]));
     let drive = |planned: &Planned| {
-        let (own, options) = (sample_driver(planned.driver), &planned.options);
-        let mut driver = own.driving;
+        let (sample, options) = (sample_driver(planned.driver), &planned.options);
+        let mut driver = sample.driving;
         let mut random = ChaCha8Rng::seed_from_u64(options.seed ^ 0xd41e);
-        let factor = 1.0 + random.random_range(-own.variation..own.variation);
+        let factor = 1.0 + random.random_range(-sample.variation..sample.variation);
         driver.wander_m *= factor;
         driver.noise_rad *= factor;
         let i = usize::from(planned.track == "west");

@@ -19,7 +19,7 @@ impl Spline {
     /// Its second derivative is 0 at both ends.
     ///
     /// # Panics
-    /// Where the lengths differ or there are fewer than two knots.
+    /// Panics if the lengths differ or there are fewer than two knots.
     pub fn natural(knots: &[f64], values: &[f64]) -> Spline {
         let n = knots.len();
         assert!(

@@ -71,20 +71,23 @@ impl Track {
         ];
         let mut columns = read_csv(reader, &required, file)?;
         columns.retain(|name, _| !ERRORS.contains(&name.as_str()));
-        let odd = |column: &str, what: &str| {
+        let column_error = |column: &str, what: &str| {
             let columns = COLUMNS.join(", ");
             let expected = format!("{columns} (or radius_m for curvature_1pm) and perhaps ice_c");
             Error::column(file, column, what, &expected)
         };
         let unknown = |name: &&String| !required.contains(&name.as_str());
         if let Some(unknown) = columns.keys().find(unknown) {
-            return Err(odd(unknown, "unknown"));
+            return Err(column_error(unknown, "unknown"));
         }
         if let Some(radius) = columns.remove("radius_m") {
             let curvature = radius.iter().map(|r| 1.0 / r).collect();
             let before = columns.insert("curvature_1pm".to_string(), curvature);
             if before.is_some() {
-                return Err(odd("radius_m", "given together with curvature_1pm"));
+                return Err(column_error(
+                    "radius_m",
+                    "given together with curvature_1pm",
+                ));
             }
         }
         let ice = columns.remove("ice_c").unwrap_or_default();

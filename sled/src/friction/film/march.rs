@@ -129,8 +129,8 @@ impl Step {
         let h = step(before, self.length, &rates)?;
         let mut added = FilmTotals::default();
         for (i, weight) in weights().into_iter().enumerate() {
-            let here = track.totals_rate(self.segment, at[i], h[i]);
-            added = added.combined(&here, |sum, value| sum + weight * self.length * value);
+            let rate = track.totals_rate(self.segment, at[i], h[i]);
+            added = added.combined(&rate, |sum, value| sum + weight * self.length * value);
         }
         Some((h[2], added))
     }
@@ -152,8 +152,8 @@ impl Step {
 /// Selects steps such that halving any one changes neither the thickness nor any total by more than
 /// `tolerance`, relative to the totals so far. Returns the steps, and the film on the halved steps.
 ///
-/// All totals are controlled, since two kinds of singularity do not affect thickness and drag: heat
-/// into the ice has a square-root singularity behind each station where the slope of the pressure
+/// All totals are controlled, since some singularities do not show in thickness and drag: heat into
+/// the ice has a square-root singularity behind each station where the slope of the pressure
 /// changes, and melting and freezing have a kink where one turns into the other.
 fn select_steps(track: &Track<'_>, tolerance: f64) -> Result<(Vec<Step>, Sweep), Error> {
     let last = track.segment(track.segments() - 1)[1];
@@ -405,7 +405,7 @@ struct Rate {
     gamma: f64,
     /// Heat of boundary friction.
     delta: f64,
-    /// Where steel and ice touch.
+    /// Asperities that touch through the film.
     boundary: BoundaryContact,
 }
 
@@ -543,9 +543,9 @@ pub struct FilmTotals {
     pub boundary_share: f64,
     /// Power of friction: both drags times speed [W].
     pub dissipated: f64,
-    /// Power that goes into the ice [W].
+    /// Heat flow into the ice [W].
     pub into_ice: f64,
-    /// Power that goes into the steel [W].
+    /// Heat flow into the steel [W].
     pub into_steel: f64,
     /// Rate of melting, summed where ice melts [kg/s].
     pub melted: f64,

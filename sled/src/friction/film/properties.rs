@@ -266,13 +266,13 @@ impl Strip {
         for (what, have, holds, needed) in [
             ("stations of a strip", n, n >= 2, 2),
             (
-                "widths of a strip, one a station",
+                "widths of a strip, one per station",
                 width.len(),
                 width.len() == n,
                 n,
             ),
             (
-                "pressures of a strip, one a station",
+                "pressures of a strip, one per station",
                 pressure.len(),
                 pressure.len() == n,
                 n,

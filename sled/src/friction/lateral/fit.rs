@@ -129,7 +129,7 @@ pub fn fit_lateral(
     let product_determined = both
         .as_ref()
         .is_ok_and(|(.., covariance)| is_determined(covariance));
-    // Where the best product is infinite the curve is a straight line, and K is fitted alone.
+    // If the best product is infinite, the curve is a straight line, and only K is fitted.
     let (theta, model, covariance) = match both {
         Ok(both) => both,
         Err(Error::Undetermined { .. } | Error::NotConverged { .. }) => {
@@ -216,7 +216,7 @@ fn cut_single_cluster(samples: &mut [LateralSample]) {
 }
 
 /// Starting values: K from a straight line through the origin, mu_zeta C from the 90 % quantile of
-/// \|F_y / F_z\|.
+/// `|F_y / F_z|`.
 fn first_guess(
     samples: &[LateralSample],
     options: &LateralFitOptions,
@@ -558,7 +558,7 @@ fn corrected_root(
         let total = scores.fold(Score::default(), Score::add);
         let Some(move_by) = step(&total.slope, &total.score, free) else {
             return Err(Error::Undetermined {
-                what: "K with mu_zeta*c (slip too small against its noise, or no saturation)",
+                what: "K with mu_zeta*c (slip too small relative to its noise, or no saturation)",
                 ratio: 0.0,
             });
         };

@@ -57,12 +57,12 @@ pub fn fit_mu(
         let quantile = student_quantile(confidence, freedom);
         return Ok(points.result(&plain, weighting, confidence, quantile));
     }
-    let found = points.orthogonal(plain.coefficients)?;
+    let weighted = points.orthogonal(plain.coefficients)?;
     let quantile = Normal::standard().inverse_cdf(0.5 + 0.5 * confidence);
     let distribution = ChiSquared::new(freedom as f64).ok();
     Ok(MuFit {
-        p_value: distribution.map(|d| d.sf(found.chi2)),
-        ..points.result(&found, weighting, confidence, quantile)
+        p_value: distribution.map(|d| d.sf(weighted.chi2)),
+        ..points.result(&weighted, weighting, confidence, quantile)
     })
 }
 
@@ -279,8 +279,9 @@ impl Points {
         let method = LevenbergMarquardt::new();
         let (u, report) = minimize(method, unknowns, residuals, jacobian);
         let chi2 = 2.0 * report.objective_function;
-        let found = report.termination.was_successful().then(|| jacobian(&u));
-        let inverse = found.and_then(|jacobian| (jacobian.transpose() * &jacobian).try_inverse());
+        let jacobian = report.termination.was_successful().then(|| jacobian(&u));
+        let inverse =
+            jacobian.and_then(|jacobian| (jacobian.transpose() * &jacobian).try_inverse());
         let inverse = inverse.ok_or(Error::NotConverged {
             what: "mu(p) fit",
             iterations: report.number_of_evaluations,

@@ -82,7 +82,7 @@ impl PressureLaw {
         1e-3 * on_mu * ((self.b * p - self.c) * p + self.d)
     }
 
-    /// Slope dmu/dp [1/Pa], 0 where the cap or the floor at zero holds.
+    /// Slope dmu/dp [1/Pa]; 0 where the coefficient is capped or limited to 0.
     pub fn slope(&self, p_pa: f64) -> f64 {
         let mu = self.uncapped(p_pa);
         if mu > self.mu_cap || mu < 0.0 {
@@ -118,7 +118,7 @@ impl PressureLaw {
 /// Longitudinal friction of one runner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Longitudinal {
-    /// The same coefficient everywhere, dimensionless.
+    /// A constant coefficient, dimensionless.
     Fixed(f64),
     /// A quadratic in the peak pressure.
     Pressure(PressureLaw),
@@ -202,7 +202,7 @@ impl LongitudinalKeys {
         Ok(zeta)
     }
 
-    /// Keys that are stated, of those that a law other than the film may have.
+    /// Stated keys, except `film`.
     fn stated(&self) -> impl Iterator<Item = &'static str> {
         let keys = [
             ("mu", self.mu.is_some()),
