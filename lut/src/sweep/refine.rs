@@ -171,18 +171,8 @@ const NOISE: &str = "where the interpolation error is too large, the solver's ow
 const TOO_SMALL: &str =
     "where the interpolation error is too large, the intervals are as small as allowed";
 
-/// Halves the interval around every check with an error above `limit`, along the axis with the
-/// largest error at the midpoint of its interval. Returns whether any was halved.
-///
-/// # Errors
-/// The reason why no interval can be halved.
-fn halve(
-    grid: &mut Grid,
-    errors: &[CheckError],
-    limit: f64,
-    plan: &Plan,
-) -> Result<bool, &'static str> {
-    // Largest error at the midpoint of each interval of each axis.
+/// Largest error at the midpoint of each interval of each axis.
+fn errors_at_middles(grid: &Grid, errors: &[CheckError]) -> [Vec<f64>; KINDS] {
     let mut at_middle: [Vec<f64>; KINDS] =
         std::array::from_fn(|axis| vec![0.0; grid.values[axis].len().saturating_sub(1)]);
     for check in errors {
@@ -194,6 +184,21 @@ fn halve(
             }
         }
     }
+    at_middle
+}
+
+/// Halves the interval around every check with an error above `limit`, along the axis with the
+/// largest error at the midpoint of its interval. Returns whether any was halved.
+///
+/// # Errors
+/// The reason why no interval can be halved.
+fn halve(
+    grid: &mut Grid,
+    errors: &[CheckError],
+    limit: f64,
+    plan: &Plan,
+) -> Result<bool, &'static str> {
+    let at_middle = errors_at_middles(grid, errors);
     let mut marked: [BTreeSet<usize>; KINDS] = Default::default();
     let (mut too_small, mut too_noisy) = (false, false);
     for check in errors {

@@ -285,8 +285,8 @@ fn prior(shift: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
 }
 
 /// Normal matrix D and right-hand side r of the shifts from the differences between run and
-/// reference, with the shifts by the driven line eliminated: both multiplied by `inv(1 + LINE_M^2
-/// D)`. The derivative of the warp is near 1 and neglected in the slopes.
+/// reference, with the shifts by the driven line eliminated: both multiplied by
+/// `inv(1 + LINE_M^2 D)`. The derivative of the warp is near 1 and neglected in the slopes.
 fn normal_equations(
     measured: &TrackSignature,
     reference: &ReferenceProfile,

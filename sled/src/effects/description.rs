@@ -83,8 +83,8 @@ pub struct Info {
     pub decides: &'static str,
     /// Source of the formula.
     pub source: &'static str,
-    /// Parameters, known quantities and the expected result, by the names in files: `0.5, 1000: mu
-    /// 0.004, fz_n 2250 -> mu 0.006`. Everything else is 0.
+    /// Parameters, known quantities and the expected result, by the names in files:
+    /// `0.5, 1000: mu 0.004, fz_n 2250 -> mu 0.006`. Everything else is 0.
     #[serde(default)]
     pub example: &'static str,
     /// Faults of sensors.

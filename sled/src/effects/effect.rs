@@ -147,8 +147,8 @@ pub enum Reading {
     Biased,
     /// `read = (1 + k) true`.
     Scaled,
-    /// `read(t) = true(t - k)`: late by k [s]. At a single instant to first order: `true - k
-    /// dtrue/dt`.
+    /// `read(t) = true(t - k)`: late by k [s]. At a single instant to first order:
+    /// `true - k dtrue/dt`.
     Late,
     /// `read = true + factor k other`: the sensor picks up another quantity.
     PicksUp {

@@ -1,9 +1,9 @@
 //! A formula of named columns, for user-defined effects.
 //!
 //! Grammar: numbers, names (in brackets if they are not plain words, with closing brackets inside a
-//! name doubled), `+ - * / ^`, parentheses, unary minus, and the functions `abs sqrt exp log sin
-//! cos tan atan sign step min max`. `^` binds to the right and tighter than unary minus: `-x^2` is
-//! `-(x^2)`.
+//! name doubled), `+ - * / ^`, parentheses, unary minus, and the functions
+//! `abs sqrt exp log sin cos tan atan sign step min max`. `^` binds to the right and tighter than
+//! unary minus: `-x^2` is `-(x^2)`.
 
 /// A parsed formula.
 #[derive(Clone, Debug)]

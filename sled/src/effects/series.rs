@@ -1,7 +1,7 @@
 //! Delays in time and in distance: a series shifted in time, and forces that lag behind the slip.
 
-/// A series shifted by `samples`, not necessarily a whole number: `result[i] = series[i +
-/// samples]`. Constant outside the ends.
+/// A series shifted by `samples`, not necessarily a whole number:
+/// `result[i] = series[i + samples]`. Constant outside the ends.
 ///
 /// Interpolates by the polynomial of degree 5 through the six nearest samples. The error of a sine
 /// with a period of twelve samples is 1e-4 of its amplitude, of six samples 5e-3.

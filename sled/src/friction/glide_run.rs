@@ -45,8 +45,8 @@ pub struct GlideRun {
 }
 
 impl GlideRun {
-    /// Ratio of ice friction plus the downhill component of the weight to the weight: `mu
-    /// cos(kappa) +- sin(kappa)`.
+    /// Ratio of ice friction plus the downhill component of the weight to the weight:
+    /// `mu cos(kappa) +- sin(kappa)`.
     pub fn resistance(&self) -> f64 {
         -self.line.slope / (self.entry.conditions.mass_kg * GRAVITY)
     }

@@ -14,8 +14,8 @@ pub fn drag_area(sled: &Sled, beta: f64) -> f64 {
 
 /// Drag [N] against the driving direction: `F = -1/2 rho (c_d A)(beta) v^2`, never positive.
 ///
-/// Speed in m/s, density in kg/m3, `beta` in rad. Without a drag area the density may be NaN. `beta
-/// = 0` is the paper's ideal case.
+/// Speed in m/s, density in kg/m3, `beta` in rad. Without a drag area the density may be NaN.
+/// `beta = 0` is the paper's ideal case.
 #[inline]
 pub fn drag(sled: &Sled, speed: f64, density: f64, beta: f64) -> f64 {
     match drag_area(sled, beta) {

@@ -188,8 +188,8 @@ pub fn to_centre_of_gravity(
     [sensor[0] - d[0], sensor[1] - d[1], sensor[2] - d[2]]
 }
 
-/// Acceleration of a point at `r` [m] relative to the centre of gravity [m/s2]: `dw/dt x r + w x (w
-/// x r)`.
+/// Acceleration of a point at `r` [m] relative to the centre of gravity [m/s2]:
+/// `dw/dt x r + w x (w x r)`.
 #[inline]
 pub fn lever_acceleration(rates: [f64; 3], accelerations: [f64; 3], r: [f64; 3]) -> [f64; 3] {
     let [w, dw, r] = [rates, accelerations, r].map(Vector3::from);

@@ -55,8 +55,8 @@ pub struct Replay {
 /// these are 0.003 and 0.003 m/s, with twice the duration 0.0013 and 0.013 m/s.
 const START_S: f64 = 0.5;
 
-/// Largest distance of a run's start before the first place of its track [m]: tracks of `runs
-/// align` have their first place in the middle of a cell of 2 m, and runs begin at 0 within
+/// Largest distance of a run's start before the first place of its track [m]: tracks of
+/// `runs align` have their first place in the middle of a cell of 2 m, and runs begin at 0 within
 /// rounding.
 const BEFORE_M: f64 = 1.5;
 
@@ -108,7 +108,7 @@ pub fn replay(
         contacts: &[],
         cross_curvature: options.cross_curvature_1pm,
     };
-    let [speed, alpha, yaw, _] = first.values;
+    let [_, alpha, yaw, _] = first.values;
     let from = |speed: f64| -> Unknowns {
         let vx = speed * alpha.cos();
         let vy = -speed * alpha.sin() - vehicle.sled.slip_x_m * yaw;
@@ -120,18 +120,7 @@ pub fn replay(
         start
     };
     let finish_m = last.s_m.min(track.finish_m);
-    let early = |reading: &&Reading| reading.t_s <= first.t_s + START_S;
-    let first_piece = inputs.readings[inputs.pieces[0].clone()].iter();
-    let early = first_piece.take_while(early);
-    let early_m = early.last().map_or(first.s_m, |reading| reading.s_m);
-    let (start_run, _) = integrate(&world, from(speed), early_m.min(finish_m), options)?;
-    let (start_pairs, _) = compare(inputs, &start_run);
-    let squares = start_pairs.iter().map(|at| at.values[0].map(|v| v.powi(2)));
-    let gap = squares
-        .map(|[measured, model]| measured - model)
-        .sum::<f64>();
-    let gap = gap / start_pairs.len().max(1) as f64;
-    let speed = (speed * speed + gap).max(0.0).sqrt();
+    let speed = start_speed(&world, inputs, from, finish_m, options)?;
     let (simulated, trouble) = integrate(&world, from(speed), finish_m, options)?;
     let (compared, pieces) = compare(inputs, &simulated);
     let (Some(begin), Some(end)) = (compared.first(), compared.last()) else {
@@ -155,6 +144,32 @@ pub fn replay(
         pieces,
         simulated,
     })
+}
+
+/// The initial speed [m/s] with which the model, started by `from`, has the run's mean kinetic energy
+/// over [`START_S`].
+fn start_speed(
+    world: &World,
+    inputs: &Inputs,
+    from: impl Fn(f64) -> Unknowns,
+    finish_m: f64,
+    options: &SimulateOptions,
+) -> Result<f64, Error> {
+    let first = inputs.readings[0];
+    let speed = first.values[0];
+    let early = |reading: &&Reading| reading.t_s <= first.t_s + START_S;
+    let early = inputs.readings[inputs.pieces[0].clone()]
+        .iter()
+        .take_while(early);
+    let early_m = early.last().map_or(first.s_m, |reading| reading.s_m);
+    let (start, _) = integrate(world, from(speed), early_m.min(finish_m), options)?;
+    let (compared, _) = compare(inputs, &start);
+    let squares = compared.iter().map(|at| at.values[0].map(|v| v.powi(2)));
+    let gap = squares
+        .map(|[measured, model]| measured - model)
+        .sum::<f64>();
+    let gap = gap / compared.len().max(1) as f64;
+    Ok((speed * speed + gap).max(0.0).sqrt())
 }
 
 /// A value of a reading.

@@ -162,19 +162,7 @@ pub(crate) fn integrate(
         if (substep == 0 || finished)
             && let Some(what) = world.trouble(&y)
         {
-            let last = instants.last().filter(|_| !y[0].is_finite());
-            trouble = Some(match last {
-                Some(Instant { state, .. }) => Error::Stopped {
-                    s_m: state.s_m,
-                    t_s: state.t_s,
-                    what: what + &world.not_finite(state),
-                },
-                None => Error::Stopped {
-                    s_m: y[0],
-                    t_s,
-                    what,
-                },
-            });
+            trouble = Some(stopped(world, &y, t_s, instants.last(), what));
             break false;
         }
         if substep == 0 {
@@ -230,6 +218,16 @@ pub(crate) fn integrate(
         steps,
     };
     Ok((simulated, trouble))
+}
+
+/// The error of a simulation that cannot continue: at the `last` instant if the motion is no longer
+/// finite.
+fn stopped(world: &World, y: &Unknowns, t_s: f64, last: Option<&Instant>, what: String) -> Error {
+    let (s_m, t_s, what) = match last.filter(|_| !y[0].is_finite()) {
+        Some(Instant { state, .. }) => (state.s_m, state.t_s, what + &world.not_finite(state)),
+        None => (y[0], t_s, what),
+    };
+    Error::Stopped { s_m, t_s, what }
 }
 
 /// Adams-Bashforth step of order 4, with one evaluation of the forces per step.

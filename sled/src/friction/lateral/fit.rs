@@ -108,6 +108,7 @@ pub fn fit_lateral(
     let fixed = [true, true, false];
     let mut start_fit = least_squares(&used, start, fixed)?;
     if options.slip_sd > 0.0 {
+        // Below this load the imaginary part of the scaled slip exceeds its limit.
         let min_load = 3f64.sqrt() * options.slip_sd * start_fit.k_n_per_rad
             / (start_fit.mu_zeta_c() * MAX_SHIFT);
         let loaded: Vec<LateralSample> = used.iter().copied().filter(|s| s.fz > min_load).collect();
