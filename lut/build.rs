@@ -1,19 +1,19 @@
-//! Compiles the FMU's library with the system's C compiler, and for Windows with MinGW-w64's where
-//! it is installed, so that an installed `kufe` carries them.
+//! Compiles the library of the FMUs with the system's C compiler, and for Windows with MinGW-w64 if
+//! it is installed. An installed `kufe` contains both.
 //!
-//! Without a usable compiler the crate still builds; only writing an FMU is refused then, with the
-//! reason.
+//! Without a usable compiler the crate still builds. Writing an FMU is then an error that states
+//! the reason.
 
 use std::path::Path;
 use std::process::Command;
 
-/// A platform that a library is compiled for: its names in FMI 2.0 and 3.0, and the ending of its
+/// A platform of the compiled library: its names in FMI 2.0 and 3.0, and the file extension of its
 /// libraries.
 type Platform = (&'static str, &'static str, &'static str);
 
 const WINDOWS: Platform = ("win64", "x86_64-windows", "dll");
 
-/// The cross-compiler for Windows, as Debian, Fedora, Arch and Homebrew name it.
+/// Name of the cross-compiler for Windows on Debian, Fedora, Arch and Homebrew.
 const MINGW: &str = "x86_64-w64-mingw32-gcc";
 
 fn main() {
@@ -61,14 +61,13 @@ fn main() {
     );
 }
 
-/// Architecture and system of a target triple; the C library it is linked with does not matter to
-/// an FMU.
+/// Architecture and system of a target triple; the C library is irrelevant for an FMU.
 fn machine(triple: &str) -> (Option<&str>, Option<&str>) {
     let mut parts = triple.split('-');
     (parts.next(), parts.nth(1))
 }
 
-/// Compiles the library of a platform; its entry of the list of libraries.
+/// Compiles the library of a platform; returns its entry in the list of libraries.
 fn compile(
     compiler: &str,
     flags: &[&str],

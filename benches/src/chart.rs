@@ -5,13 +5,13 @@ use kufe::plot::{Axis, Figure, Layer, PALETTE, Panel, Ticks};
 /// One line: x and y by point.
 #[derive(Clone, Debug)]
 pub struct Line {
-    /// What the legend calls it.
+    /// Name in the legend.
     pub name: String,
     /// Positive x and y.
     pub points: Vec<[f64; 2]>,
 }
 
-/// Lines over the size of what was measured, both axes logarithmic; `label` is what y is, with its
+/// Lines as functions of the size, on logarithmic axes; `label` is the label of the y axis with its
 /// unit.
 pub fn growth_panel(title: &str, label: &str, lines: Vec<Line>) -> Panel {
     let layers = lines.into_iter().zip(PALETTE).flat_map(|(line, colour)| {

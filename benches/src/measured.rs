@@ -1,4 +1,4 @@
-//! Measuring a piece of work in a process of its own, so that peak memory is its own too.
+//! Measurement of a piece of work in a separate process, so that its peak memory is separate too.
 
 use std::process::Command;
 use std::time::Instant;
@@ -15,8 +15,8 @@ pub struct Cost {
 /// Runs this program again with `arguments` and returns the words of its last line of output.
 ///
 /// # Panics
-/// Where the program cannot be run or fails: a benchmark has no one to report to.
-pub fn again(arguments: &[&str]) -> Vec<String> {
+/// Panics if the program cannot be run or fails.
+pub fn run_again(arguments: &[&str]) -> Vec<String> {
     let program = std::env::current_exe().unwrap_or_else(|error| panic!("own path: {error}"));
     let output = Command::new(program)
         .args(arguments)
@@ -36,6 +36,17 @@ pub fn again(arguments: &[&str]) -> Vec<String> {
         .collect()
 }
 
+/// As [`run_again`], with the `N` words as numbers.
+///
+/// # Panics
+/// Also panics if the words are not `N` numbers.
+pub fn measure_again<const N: usize>(arguments: &[&str]) -> [f64; N] {
+    let words = run_again(arguments);
+    let numbers: Vec<f64> = words.iter().filter_map(|word| word.parse().ok()).collect();
+    let expected = |_| panic!("{arguments:?}: {words:?}, expected {N} numbers");
+    numbers.try_into().unwrap_or_else(expected)
+}
+
 /// Best wall time of `rounds` repetitions [s], and the last result.
 pub fn best_of<T>(rounds: usize, mut work: impl FnMut() -> T) -> (f64, T) {
     let mut best = f64::INFINITY;
@@ -51,18 +62,18 @@ pub fn best_of<T>(rounds: usize, mut work: impl FnMut() -> T) -> (f64, T) {
     }
 }
 
-/// Processor time of this process so far, all threads together, to a hundredth of a second [s]; 0
-/// where the system does not tell.
+/// Processor time of this process so far, of all threads, to a hundredth of a second [s]; 0 if the
+/// system does not state it.
 pub fn cpu_seconds() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    // Behind the name in brackets, which may hold spaces: user and system time are fields 14 and 15
-    // of them all.
+    // Fields are counted after the name in brackets, which may contain spaces. User and system time
+    // are fields 14 and 15.
     let fields = stat.rsplit(')').next().unwrap_or_default();
     let ticks = fields.split_whitespace().skip(11).take(2);
     ticks.filter_map(|t| t.parse::<f64>().ok()).sum::<f64>() / 100.0
 }
 
-/// Largest resident memory of this process so far [bytes]; 0 where the system does not tell.
+/// Largest resident memory of this process so far [bytes]; 0 if the system does not state it.
 pub fn peak_bytes() -> u64 {
     std::fs::read_to_string("/proc/self/status")
         .ok()

@@ -1,5 +1,5 @@
-//! The equations of ice under a needle-shaped patch, as a runner of 30 m rocker and 5 mm section
-//! leaves it.
+//! Equations of elasticity of ice under a needle-shaped contact patch, that of a runner of 30 m
+//! rocker and 5 mm section.
 
 use kufe_fem::{End, Material, PlanewiseDiagonal, TensorOperator};
 use kufe_mesh::TensorGrid;
@@ -20,8 +20,8 @@ pub struct NeedleBlock {
     pub preconditioner: PlanewiseDiagonal,
 }
 
-/// A block of `cells` cells along each axis: even to the patch's half width, then in geometric
-/// progression to 0.3 m.
+/// A block of `cells` cells along each axis: uniform over the patch, then in geometric progression
+/// to 0.3 m.
 pub fn needle_block(cells: usize) -> NeedleBlock {
     let patch = [0.0251, 0.000137];
     let axis = |half: f64| -> Vec<f64> {
@@ -50,7 +50,7 @@ pub fn needle_block(cells: usize) -> NeedleBlock {
 }
 
 impl NeedleBlock {
-    /// Hertz' pressure on the patch as forces on the nodes [N], by component.
+    /// Nodal forces of Hertz' pressure on the patch [N], by component.
     pub fn load(&self) -> Vec<f64> {
         let grid = &self.grid;
         let [nx, ny, nz] = grid.shape();

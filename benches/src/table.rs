@@ -1,11 +1,11 @@
-//! A table of pressures and places to ask it at.
+//! A table of pressures, and points at which it is evaluated.
 
 use kufe_lut::{Axes, Figures, Quantity, Table};
 
 const QUERIES: usize = 1 << 20;
 
-/// A table of `size` x `size` nodes: unevenly spaced breakpoints, pressures that follow the load's
-/// power law.
+/// A table of `size` x `size` nodes: non-uniform breakpoints, pressures that follow a power
+/// law of the load.
 pub fn pressure_table(size: usize) -> Result<Table, kufe_lut::Error> {
     let t = |i: usize| i as f64 / (size - 1) as f64;
     let fz = (0..size).map(|i| 200.0 * 40f64.powf(t(i))).collect();
@@ -15,7 +15,7 @@ pub fn pressure_table(size: usize) -> Result<Table, kufe_lut::Error> {
     })
 }
 
-/// A table over loads [N] and curvatures [1/m] whose peak pressure [Pa] a formula tells.
+/// A table over loads [N] and curvatures [1/m] with the peak pressure [Pa] of a formula.
 pub fn table_of(
     fz: Vec<f64>,
     curvature: Vec<f64>,
@@ -31,7 +31,7 @@ pub fn table_of(
     Table::new(axes, &nodes, Vec::new())
 }
 
-/// The same million loads [N] and curvatures [1/m] each time.
+/// A million pseudo-random loads [N] and curvatures [1/m], equal in every call.
 pub fn random_queries() -> Vec<(f64, f64)> {
     let mut state = 1u64;
     let mut random = || {

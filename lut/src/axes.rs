@@ -21,9 +21,9 @@ pub enum AxisKind {
     Curvature,
     /// Rocker radius of the runner [m].
     RockerRadius,
-    /// Speed of a runner that slides [m/s].
+    /// Speed of a sliding runner [m/s].
     Speed,
-    /// Temperature of the ice under a runner that slides [C].
+    /// Temperature of the ice under a sliding runner [C].
     IceTemperature,
 }
 
@@ -47,12 +47,12 @@ impl AxisKind {
         ["N", "1/m", "m", "m/s", "C"][self as usize]
     }
 
-    /// Whether its values are positive, and divided and interpolated by their logarithms.
+    /// Whether its values are positive, and subdivided and interpolated on a logarithmic scale.
     pub(crate) fn is_logarithmic(self) -> bool {
         !matches!(self, AxisKind::Curvature | AxisKind::IceTemperature)
     }
 
-    /// A value as it is interpolated smoothly: its logarithm, or itself.
+    /// The coordinate of the smooth interpolation: the logarithm of the value, or the value.
     #[inline]
     pub(crate) fn scaled(self, value: f64) -> f64 {
         if self.is_logarithmic() {
@@ -62,22 +62,22 @@ impl AxisKind {
         }
     }
 
-    /// Whether only a runner that slides has it.
+    /// Whether only a sliding runner has it.
     pub(crate) fn is_sliding(self) -> bool {
         matches!(self, AxisKind::Speed | AxisKind::IceTemperature)
     }
 }
 
-/// What becomes of an input outside an axis.
+/// Rule for an input outside an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Outside {
-    /// The end of the axis takes its place.
+    /// The nearest end of the axis replaces the input.
     #[default]
     Hold,
-    /// The interpolant continues straight, in the coordinates in which its mode interpolates.
+    /// Linear extrapolation, in the coordinates of the interpolation mode.
     Linear,
-    /// There is no value: NaN.
+    /// The value is NaN.
     Error,
 }
 
@@ -96,18 +96,18 @@ impl Outside {
     }
 }
 
-/// Where a contact is solved, or a table evaluated.
+/// Coordinates at which a contact is solved or a table evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Point {
     /// Normal force [N].
     pub fz: f64,
     /// Track curvature in the vertical plane, positive in a valley [1/m].
     pub curvature: f64,
-    /// Rocker radius of the runner where the table has that axis [m].
+    /// Rocker radius of the runner, for a table with this axis [m].
     pub rocker_radius: Option<f64>,
-    /// Speed where the table has that axis [m/s].
+    /// Speed, for a table with this axis [m/s].
     pub speed: Option<f64>,
-    /// Temperature of the ice where the table has that axis [C].
+    /// Temperature of the ice, for a table with this axis [C].
     pub ice_c: Option<f64>,
 }
 
@@ -132,7 +132,7 @@ impl Point {
         }
     }
 
-    /// The coordinate along an axis, where the point has it.
+    /// The coordinate along an axis; `None` if the point does not have it.
     #[inline]
     pub fn get(&self, kind: AxisKind) -> Option<f64> {
         match kind {
@@ -144,7 +144,7 @@ impl Point {
         }
     }
 
-    /// With this coordinate along an axis.
+    /// Sets the coordinate along an axis.
     #[must_use]
     pub fn with(mut self, kind: AxisKind, value: f64) -> Self {
         match kind {
@@ -191,9 +191,9 @@ impl std::fmt::Display for Point {
 pub struct Axes {
     /// Breakpoints by kind.
     values: [Option<Vec<f64>>; KINDS],
-    /// What becomes of inputs outside, by kind.
+    /// Rules for inputs outside, by kind.
     outside: [Outside; KINDS],
-    /// The parameters of the reduced curvatures that the second axis holds, where it does.
+    /// Parameters of the reduced curvatures, if the second axis has them.
     flush: Option<CurvatureScaling>,
 }
 
@@ -221,7 +221,7 @@ impl Axes {
         axes.with_reduced(reduced, flush)
     }
 
-    /// With reduced curvatures as the second axis.
+    /// Sets reduced curvatures as the second axis.
     pub(crate) fn with_reduced(
         self,
         reduced: Vec<f64>,
@@ -236,13 +236,12 @@ impl Axes {
         Ok(axes)
     }
 
-    /// With breakpoints along an axis.
+    /// Sets the breakpoints along an axis.
     ///
     /// # Errors
-    /// [`Error::Axis`] where the axis is empty or too long, or where a value is not finite, not
-    /// above the one before, or not positive along any axis but curvature and temperature;
-    /// [`Error::Invalid`] where there are more than [`MAX_NODES`] nodes, and with reduced
-    /// curvatures.
+    /// [`Error::Axis`] if the axis is empty or too long, or if a value is not finite, not above the
+    /// one before, or not positive on an axis other than curvature and temperature;
+    /// [`Error::Invalid`] for more than [`MAX_NODES`] nodes, and with reduced curvatures.
     pub fn with(mut self, kind: AxisKind, values: Vec<f64>) -> Result<Self, Error> {
         if self.flush.is_some() {
             return Err(Error::flush_plan());
@@ -258,19 +257,19 @@ impl Axes {
         Ok(self)
     }
 
-    /// With this rule for inputs outside an axis. A rocker radius outside is refused in any case.
+    /// Sets the rule for inputs outside an axis. A rocker radius outside is always an error.
     #[must_use]
     pub fn with_outside(mut self, kind: AxisKind, rule: Outside) -> Self {
         self.outside[kind as usize] = rule;
         self
     }
 
-    /// What becomes of inputs outside an axis.
+    /// Rule for inputs outside an axis.
     pub fn outside(&self, kind: AxisKind) -> Outside {
         self.outside[kind as usize]
     }
 
-    /// Breakpoints along an axis, where the table has it.
+    /// Breakpoints along an axis; `None` if the table does not have it.
     pub fn get(&self, kind: AxisKind) -> Option<&[f64]> {
         self.values[kind as usize].as_deref()
     }
@@ -280,18 +279,18 @@ impl Axes {
         self.get(AxisKind::Fz).unwrap_or_default()
     }
 
-    /// Track curvatures, positive in a valley [1/m]; reduced ones, from 0 to 1, where
-    /// [`Axes::flush`] is given.
+    /// Track curvatures, positive in a valley [1/m], or reduced curvatures from 0 to 1 if
+    /// [`Axes::flush`] is `Some`.
     pub fn curvature(&self) -> &[f64] {
         self.get(AxisKind::Curvature).unwrap_or_default()
     }
 
-    /// Parameters of the reduced curvatures, where the second axis holds such.
+    /// Parameters of the reduced curvatures, if the second axis has them.
     pub fn flush(&self) -> Option<&CurvatureScaling> {
         self.flush.as_ref()
     }
 
-    /// The track curvature [1/m] at a force [N] and a place on the second axis.
+    /// The track curvature [1/m] at a force [N] and a coordinate of the second axis.
     pub fn curvature_at(&self, fz: f64, place: f64) -> f64 {
         self.flush.map_or(place, |flush| flush.curvature(fz, place))
     }
@@ -312,22 +311,22 @@ impl Axes {
         self.get(AxisKind::RockerRadius)
     }
 
-    /// Speeds where the table has that axis [m/s].
+    /// Speeds [m/s]; `None` if the table does not have this axis.
     pub fn speed(&self) -> Option<&[f64]> {
         self.get(AxisKind::Speed)
     }
 
-    /// Temperatures of the ice where the table has that axis [C].
+    /// Temperatures of the ice [C]; `None` if the table does not have this axis.
     pub fn ice_c(&self) -> Option<&[f64]> {
         self.get(AxisKind::IceTemperature)
     }
 
-    /// Whether there is an axis that only a runner that slides has.
+    /// Whether there is an axis that only a sliding runner has.
     pub fn is_sliding(&self) -> bool {
         self.present().any(|(kind, _)| kind.is_sliding())
     }
 
-    /// The axes that there are, in the order of the nodes.
+    /// The axes of the table, in the order of the nodes.
     pub(crate) fn present(&self) -> impl DoubleEndedIterator<Item = (AxisKind, &[f64])> {
         let kinds = AxisKind::ALL.into_iter();
         kinds.filter_map(|kind| Some((kind, self.get(kind)?)))
@@ -357,8 +356,8 @@ impl Axes {
         self.shape()[2..].iter().product()
     }
 
-    /// Number of the node at breakpoints `i` (force), `j` (curvature) and at `k` among those of one
-    /// force and curvature.
+    /// Index of the node at breakpoints `i` (force) and `j` (curvature), and at `k` among the nodes
+    /// of one force and curvature.
     pub fn node(&self, i: usize, j: usize, k: usize) -> usize {
         (i * self.curvature().len() + j) * self.layers() + k
     }
@@ -380,7 +379,7 @@ impl Axes {
         nodes.map(|node| self.point(node)).collect()
     }
 
-    /// The corners of the cell that holds a point; a corner may occur more than once.
+    /// The corners of the cell that contains a point; a corner may occur more than once.
     pub(crate) fn around(&self, point: &Point) -> Vec<usize> {
         let mut corners = vec![0];
         for (kind, values) in self.present() {

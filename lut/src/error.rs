@@ -2,7 +2,7 @@
 
 use crate::axes::Point;
 
-/// What can go wrong with a table.
+/// Errors of tables.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The values of an axis are too few, too many or out of range.
@@ -13,8 +13,7 @@ pub enum Error {
         /// What is wrong with it, behind its name.
         problem: String,
     },
-    /// A plan, its results, a table or a request that is not usable; with the value and what was
-    /// expected.
+    /// An invalid plan, result, table or request; with the value and the expected one.
     #[error("{0}")]
     Invalid(String),
     /// The table has a rocker axis and no rocker radius was given.
@@ -49,14 +48,14 @@ pub enum Error {
         /// The limit that stopped it.
         reason: &'static str,
     },
-    /// A value in a table file is not what it must be.
+    /// An invalid value in a table file.
     #[error("{key}: found {found}, expected {expected}")]
     Format {
         /// Key or position within the file.
         key: String,
-        /// What is there.
+        /// The value found.
         found: String,
-        /// What must be there.
+        /// The value expected.
         expected: String,
     },
     /// A table file is not the JSON of a table; serde's message has line, column and expectation.
@@ -74,7 +73,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// An axis whose value at `index`, from 0, is not what it must be.
+    /// An invalid value of an axis at `index`, from 0.
     pub(crate) fn axis_value(axis: &'static str, index: usize, value: f64, expected: &str) -> Self {
         Error::Axis {
             axis,
@@ -109,7 +108,7 @@ impl Error {
         Error::Invalid(format!("more than {limit} bytes: expected a smaller file"))
     }
 
-    /// A value that is not what it must be, shortened to 120 characters.
+    /// An invalid value, shortened to 120 characters.
     pub(crate) fn format(key: &str, found: &str, expected: impl Into<String>) -> Self {
         let mut shown: String = found.chars().take(120).collect();
         if shown.len() < found.len() {

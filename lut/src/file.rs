@@ -1,6 +1,6 @@
-//! `.lut` files (docs/tables.md): written, and read with every number checked.
+//! Writing of `.lut` files (docs/tables.md), and reading with checks of every number.
 //!
-//! A file is parsed as it is read into lists whose lengths are bounded, so that no file takes more
+//! A file is parsed while it is read, into lists of bounded length, so that no file takes more
 //! memory than the largest table.
 
 use std::collections::BTreeMap;
@@ -22,10 +22,10 @@ use crate::reduced::CurvatureScaling;
 use crate::solve::Solve;
 use crate::table::{InterpolationError, Origin, Table};
 
-/// Most bytes that a reader of tables takes in.
+/// Largest size of a table file [bytes].
 pub const MAX_FILE_BYTES: u64 = 384 << 20;
 
-/// Most checks of a table.
+/// Largest number of checks of a table.
 const MAX_CHECKS: usize = 1 << 19;
 
 /// The value of the key `format`.
@@ -33,7 +33,7 @@ const FORMAT: &str = "kufe-lut";
 /// The value of the key `format_version`.
 const FORMAT_VERSION: u64 = 1;
 
-/// A table file, key by key.
+/// The keys of a table file.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 struct TableFile {
@@ -52,11 +52,11 @@ struct TableFile {
     checks: Vec<Solve>,
 }
 
-/// How accurate the table is; but for the request it follows from the rest of the file.
+/// Accuracy of the table. All but the request follows from the rest of the file.
 #[derive(Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Accuracy {
-    /// The quantity that the request and the solver's error are of.
+    /// The quantity of the request and of the solver's error.
     quantity: Quantity,
     interpolation_requested: Option<f64>,
     solver: Option<f64>,
@@ -70,13 +70,14 @@ struct AxisFile {
     name: String,
     unit: String,
     values: Nested<f64>,
-    /// What becomes of inputs outside.
+    /// Rule for inputs outside.
     #[serde(default, skip_serializing_if = "Outside::is_hold")]
     outside: Outside,
     /// Parameters of a reduced curvature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     flush: Option<CurvatureScaling>,
-    /// With `flush`: the curvature of every node, for readers that need only that.
+    /// With `flush`: the curvature of every node, for readers that do not need the reduced
+    /// curvature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     curvature_1pm: Option<Nested<f64>>,
 }
@@ -111,11 +112,11 @@ impl Table {
         }
     }
 
-    /// Writes the table as JSON; the same table gives the same bytes.
+    /// Writes the table as JSON; equal tables give equal bytes.
     ///
     /// # Errors
-    /// [`Error::Stream`] where the writer fails, [`Error::Invalid`] where a check lies off
-    /// the rocker axis, [`Error::Json`] where the case is no JSON.
+    /// [`Error::Stream`] if the writer fails, [`Error::Invalid`] if a check is not on the rocker
+    /// axis, [`Error::Json`] if the case is not JSON.
     pub fn write(&self, writer: &mut dyn Write) -> Result<(), Error> {
         let case: &RawValue = serde_json::from_str(&self.case)?;
         let entries = [
@@ -194,7 +195,7 @@ fn json<T: Serialize + ?Sized>(value: &T) -> Result<String, Error> {
     Ok(serde_json::to_string(value)?)
 }
 
-/// Writes a list or an object, an entry a line.
+/// Writes a list or an object, one entry per line.
 fn write_lines(
     writer: &mut dyn Write,
     key: &str,
@@ -322,7 +323,8 @@ fn from_axes(files: Vec<AxisFile>) -> Result<Axes, Error> {
     Ok(axes)
 }
 
-/// The numbers of a list of this shape, each without an expectation that it does not meet.
+/// The numbers of a list of this shape; `expectation` returns the expectation that a number
+/// violates.
 fn numbers(
     key: &str,
     list: Nested<f64>,
@@ -339,7 +341,7 @@ fn numbers(
     Ok(numbers)
 }
 
-/// A check has a coordinate along each further axis, within it, and along no other.
+/// Checks that a point has a coordinate within each further axis, and no other coordinates.
 fn check_place(key: &str, point: &Point, axes: &Axes) -> Result<(), Error> {
     for kind in AxisKind::ALL.into_iter().skip(2) {
         let given = point.get(kind);
@@ -362,35 +364,35 @@ fn check_place(key: &str, point: &Point, axes: &Axes) -> Result<(), Error> {
     Ok(())
 }
 
-/// A list of at most `MOST` entries.
-fn bounded<'de, D, T, const MOST: usize>(deserializer: D) -> Result<Vec<T>, D::Error>
+/// Reads a list of at most `MAX` entries.
+fn bounded<'de, D, T, const MAX: usize>(deserializer: D) -> Result<Vec<T>, D::Error>
 where
     D: Deserializer<'de>,
     T: Deserialize<'de>,
 {
-    struct Bounded<T, const MOST: usize>(PhantomData<T>);
-    impl<'de, T: Deserialize<'de>, const MOST: usize> Visitor<'de> for Bounded<T, MOST> {
+    struct Bounded<T, const MAX: usize>(PhantomData<T>);
+    impl<'de, T: Deserialize<'de>, const MAX: usize> Visitor<'de> for Bounded<T, MAX> {
         type Value = Vec<T>;
 
         fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            write!(f, "a list of at most {MOST} entries")
+            write!(f, "a list of at most {MAX} entries")
         }
 
         fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Vec<T>, A::Error> {
             let mut list = Vec::new();
             while let Some(entry) = seq.next_element()? {
-                if list.len() == MOST {
-                    return Err(A::Error::invalid_length(MOST + 1, &self));
+                if list.len() == MAX {
+                    return Err(A::Error::invalid_length(MAX + 1, &self));
                 }
                 list.push(entry);
             }
             Ok(list)
         }
     }
-    deserializer.deserialize_seq(Bounded::<T, MOST>(PhantomData))
+    deserializer.deserialize_seq(Bounded::<T, MAX>(PhantomData))
 }
 
-/// Lists within lists along the axes, as `numpy.array` takes them: at most [`MAX_NODES`] entries.
+/// Nested lists along the axes, as for `numpy.array`, of at most [`MAX_NODES`] entries.
 struct Nested<T> {
     shape: Vec<usize>,
     flat: Vec<T>,
@@ -402,7 +404,7 @@ impl<T> Nested<T> {
         Nested { shape, flat }
     }
 
-    /// The entries, where they have this shape.
+    /// The entries, if they have this shape.
     fn of_shape(self, key: &str, shape: &[usize]) -> Result<Vec<T>, Error> {
         if self.shape == shape {
             return Ok(self.flat);
@@ -418,7 +420,7 @@ impl<T: Serialize> Serialize for Nested<T> {
     }
 }
 
-/// Entries of a shape, the last axis fastest.
+/// Shape and entries, the last axis fastest.
 struct Rows<'a, T>(&'a [usize], &'a [T]);
 
 impl<T: Serialize> Serialize for Rows<'_, T> {
@@ -451,13 +453,13 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for Nested<T> {
     }
 }
 
-/// What is read of lists within lists.
+/// State of the reading of nested lists.
 struct Lists<T> {
-    /// How many lists are open.
+    /// Number of open lists.
     depth: usize,
     /// Lengths of the lists by depth.
     lengths: [Option<usize>; KINDS],
-    /// The depth of the entries.
+    /// Depth of the entries.
     leaves: Option<usize>,
     flat: Vec<T>,
 }

@@ -1,14 +1,14 @@
 //! Evaluation of a table between its nodes.
 //!
-//! The first two axes, force and curvature, span a surface; every further axis stacks such surfaces
-//! as layers.
+//! The first two axes, force and curvature, span a surface. Further axes stack such surfaces as
+//! layers.
 //!
 //! - The bilinear mode is linear along every axis.
 //! - The smooth mode interpolates each surface by bicubic Hermite patches over the logarithm of the
-//!   force and the curvature ([`crate::monotone`]), and goes from layer to layer by cubic Hermite
-//!   splines with three-point slopes, over the logarithm of the speed and the plain temperature.
-//!   These are exact for parabolas and linear in the values of the layers, so that the whole stays
-//!   C1 in force and curvature too.
+//!   force and the curvature ([`crate::monotone`]), and between layers uses cubic Hermite splines
+//!   with three-point slopes, over the logarithm of the speed and the temperature. These are exact
+//!   for parabolas and linear in the values of the layers, so that the interpolant is C1 in force
+//!   and curvature too.
 
 use serde::{Deserialize, Serialize};
 
@@ -19,7 +19,7 @@ use crate::quantity::Quantity;
 use crate::reduced::CurvatureScaling;
 use crate::table::Table;
 
-/// How values between the nodes are found.
+/// Interpolation mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Mode {
@@ -27,8 +27,8 @@ pub enum Mode {
     /// it with "linear point-slope", "clip" and "use last table value" (MathWorks guideline
     /// jc_0626).
     Bilinear,
-    /// C1 and monotone where the data are: bicubic Hermite patches of the logarithm of the quantity
-    /// over the logarithm of the force and the (reduced) curvature.
+    /// C1, and monotone where the data are: bicubic Hermite patches of the logarithm of the
+    /// quantity over the logarithm of the force and the (reduced) curvature.
     Smooth,
 }
 
@@ -45,8 +45,8 @@ impl Mode {
 /// An interpolated value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interpolated {
-    /// The value, in the quantity's unit; NaN where an input was NaN, or outside an axis whose rule
-    /// is [`Outside::Error`].
+    /// The value, in the quantity's unit; NaN if an input was NaN, or outside an axis with the rule
+    /// [`Outside::Error`].
     pub value: f64,
     /// Whether an input was outside the table or NaN.
     pub out_of_range: bool,
@@ -63,9 +63,9 @@ impl Interpolated {
 /// One quantity of a table, ready for evaluation.
 ///
 /// A contact between a smooth hull and ice follows power laws in the load (pressure as `Fz^(1/3)`,
-/// area as `Fz^(2/3)`), which are straight lines in logarithms: there the smooth mode interpolates,
-/// so that few nodes suffice. A quantity with a value that is not positive is interpolated as it
-/// is.
+/// area as `Fz^(2/3)`), which are straight lines on logarithmic axes. The smooth mode interpolates
+/// logarithms, so that few nodes suffice. A quantity with a value that is not positive is
+/// interpolated without the logarithm.
 ///
 /// ```
 /// use kufe_lut::{Axes, Figures, Interpolator, Mode, Point, Quantity, Table};
@@ -86,11 +86,11 @@ pub struct Interpolator {
     mode: Mode,
     fz: Breakpoints,
     curvature: Breakpoints,
-    /// Parameters of the reduced curvatures on the second axis, where it holds such.
+    /// Parameters of the reduced curvatures, if the second axis has them.
     flush: Option<CurvatureScaling>,
-    /// The further axes, along which layers lie, the last one fastest.
+    /// The further axes, which stack the layers, the last one fastest.
     stack: Vec<Breakpoints>,
-    /// Plain values: layer by layer, rows of constant force.
+    /// Values without the logarithm: layer by layer, rows of constant force.
     pub(crate) values: Vec<f64>,
     /// Smooth mode only: jets of the scaled values over the scaled axes.
     jets: Vec<Jet>,
@@ -98,20 +98,20 @@ pub struct Interpolator {
     pub(crate) logarithmic: bool,
 }
 
-/// Largest number of axes along which layers lie.
+/// Largest number of axes that stack layers.
 const MAX_STACK: usize = 2;
 
 impl Interpolator {
-    /// One quantity of a table, at one rocker radius [m] where the table has that axis.
+    /// One quantity of a table, at one rocker radius [m] if the table has that axis.
     ///
-    /// A runner's rocker radius is fixed while it slides, so it is interpolated here, once:
-    /// linearly in the plain values (bilinear mode, which equals Simulink's lookup with one
-    /// dimension more) or in the logarithms of radius and quantity (smooth mode). Both keep the
-    /// order of the data along the other axes.
+    /// A runner's rocker radius is constant, so that it is interpolated only here: linearly
+    /// (bilinear mode, equal to Simulink's lookup with one more dimension) or linearly in the
+    /// logarithms of radius and quantity (smooth mode). Both keep the data monotone along the other
+    /// axes.
     ///
     /// # Errors
-    /// [`Error::RockerNeeded`] where the table has a rocker axis and no radius is given,
-    /// [`Error::Invalid`] where the radius is not on it or there is no such axis,
+    /// [`Error::RockerNeeded`] if the table has a rocker axis and no radius is given,
+    /// [`Error::Invalid`] if the radius is outside the axis or there is no such axis,
     /// [`Error::NoQuantity`] for a quantity of sliding contacts in a table at rest.
     pub fn new(
         table: &Table,
@@ -154,19 +154,19 @@ impl Interpolator {
         })
     }
 
-    /// The quantity at a point; coordinates along axes that the table does not have are ignored, and
-    /// so is the rocker radius, which is that of [`new`](Self::new).
+    /// The quantity at a point. Coordinates along axes that the table does not have are ignored.
+    /// The rocker radius is also ignored; it is the one of [`new`](Self::new).
     ///
-    /// Inputs outside the table are flagged, and replaced by the rules of their axes
-    /// ([`Outside`]); NaN and a missing coordinate give NaN and the flag. Needs no allocation and
-    /// at most `log2` of the axes' lengths in comparisons.
+    /// Inputs outside the table set the flag and are treated by the rules of their axes
+    /// ([`Outside`]). NaN or a missing coordinate gives NaN and sets the flag. An evaluation does
+    /// not allocate and needs at most `log2` of the axes' lengths in comparisons.
     #[inline]
     pub fn at(&self, point: Point) -> Interpolated {
         let missing = |axis: &Breakpoints| point.get(axis.kind).is_none_or(f64::is_nan);
         if point.fz.is_nan() || point.curvature.is_nan() || self.stack.iter().any(missing) {
             return Interpolated::NONE;
         }
-        // A runner that has lifted off has no smaller pressure than at a force of 0.
+        // A lifted runner has the pressure of a force of 0.
         let x = self.fz.place(point.fz.max(0.0));
         let y = self.curvature.place(match &self.flush {
             None => point.curvature,
@@ -174,12 +174,14 @@ impl Interpolator {
         });
         if self.stack.is_empty() {
             let outside = x.outside || y.outside;
-            if outside && self.refuses(&[x, y]) {
+            if outside && self.is_refused(&[x, y]) {
                 return Interpolated::NONE;
             }
             let value = match self.mode {
                 Mode::Bilinear => self.bilinear(0, &x, &y),
-                Mode::Smooth => self.risen(self.corner(0, &x, &y), self.rise(0, &x, &y)),
+                Mode::Smooth => {
+                    self.add_scaled(self.corner(0, &x, &y), self.patch_difference(0, &x, &y))
+                }
             };
             return Interpolated {
                 value,
@@ -191,24 +193,24 @@ impl Interpolator {
             *place = axis.place(point.get(axis.kind).unwrap_or(f64::NAN));
         }
         let outside = places.iter().any(|place| place.outside);
-        if outside && self.refuses(&places) {
+        if outside && self.is_refused(&places) {
             return Interpolated::NONE;
         }
         Interpolated {
-            value: self.stacked(&places[2..], &x, &y),
+            value: self.between_layers(&places[2..], &x, &y),
             out_of_range: outside,
         }
     }
 
     /// Whether an input is outside an axis whose rule is an error.
     #[cold]
-    fn refuses(&self, places: &[Place]) -> bool {
+    fn is_refused(&self, places: &[Place]) -> bool {
         let mut pairs = self.axes().zip(places);
         pairs.any(|(axis, place)| place.outside && axis.outside == Outside::Error)
     }
 
     /// The value between layers.
-    fn stacked(&self, places: &[Place], x: &Place, y: &Place) -> f64 {
+    fn between_layers(&self, places: &[Place], x: &Place, y: &Place) -> f64 {
         let mut weights = [Weights::default(); MAX_STACK];
         let mut nearest = 0;
         for ((weights, axis), place) in weights.iter_mut().zip(&self.stack).zip(places) {
@@ -219,25 +221,26 @@ impl Interpolator {
         match self.mode {
             Mode::Bilinear => weighted_sum(weights, 0, &|layer| self.bilinear(layer, x, y)),
             Mode::Smooth => {
-                // Differences to one node, so that nodes are reproduced exactly.
+                // Sums differences from one node, so that nodes are reproduced exactly.
                 let near = self.corner(nearest, x, y);
                 let base = self.jets[near].f;
-                let rise = weighted_sum(weights, 0, &|layer| {
-                    (self.jets[self.corner(layer, x, y)].f - base) + self.rise(layer, x, y)
+                let difference = weighted_sum(weights, 0, &|layer| {
+                    (self.jets[self.corner(layer, x, y)].f - base)
+                        + self.patch_difference(layer, x, y)
                 });
-                self.risen(near, rise)
+                self.add_scaled(near, difference)
             }
         }
     }
 
     /// The value at a node plus a difference of scaled values.
     #[inline]
-    fn risen(&self, node: usize, rise: f64) -> f64 {
+    fn add_scaled(&self, node: usize, difference: f64) -> f64 {
         let start = self.values[node];
         if self.logarithmic {
-            start * rise.exp()
+            start * difference.exp()
         } else {
-            start + rise
+            start + difference
         }
     }
 
@@ -248,7 +251,7 @@ impl Interpolator {
         (layer * self.fz.plain.len() + x.low) * columns + y.low
     }
 
-    /// Bilinear between the values of a cell.
+    /// Bilinear interpolation between the corners of a cell.
     #[inline]
     fn bilinear(&self, layer: usize, x: &Place, y: &Place) -> f64 {
         let columns = self.curvature.plain.len();
@@ -263,9 +266,9 @@ impl Interpolator {
         left + (right - left) * ty
     }
 
-    /// Hermite patch of the difference to the lower corner, so that nodes are reproduced exactly.
+    /// Hermite patch minus its value at the lower corner, so that nodes are reproduced exactly.
     #[inline]
-    fn rise(&self, layer: usize, x: &Place, y: &Place) -> f64 {
+    fn patch_difference(&self, layer: usize, x: &Place, y: &Place) -> f64 {
         let columns = self.curvature.plain.len();
         let jets = &self.jets[layer * self.fz.plain.len() * columns..];
         let corner = |i: usize, j: usize| &jets[i * columns + j];
@@ -291,12 +294,12 @@ impl Interpolator {
         [&self.fz, &self.curvature].into_iter().chain(&self.stack)
     }
 
-    /// The axis of a kind, where the quantity depends on it.
+    /// The axis of a kind; `None` if the quantity does not depend on it.
     pub(crate) fn axis(&self, kind: AxisKind) -> Option<&Breakpoints> {
         self.axes().find(|axis| axis.kind == kind)
     }
 
-    /// Jets of all layers, four numbers a node.
+    /// Jets of all layers, four numbers per node.
     pub(crate) fn flat_jets(&self) -> Vec<f64> {
         let jets = self.jets.iter();
         jets.flat_map(|jet| [jet.f, jet.slopes[0], jet.slopes[1], jet.twist])
@@ -304,7 +307,7 @@ impl Interpolator {
     }
 }
 
-/// The values at one rocker radius, of all values at the nodes.
+/// Selects or interpolates the values at one rocker radius from the values at all nodes.
 fn at_rocker(
     table: &Table,
     all: Vec<f64>,
@@ -361,18 +364,19 @@ pub(crate) struct Breakpoints {
     pub outside: Outside,
     /// The breakpoints.
     pub plain: Vec<f64>,
-    /// The breakpoints over which the smooth mode interpolates: their logarithms, or themselves.
+    /// Coordinates of the smooth mode: the logarithms of the breakpoints, or the breakpoints.
     pub scaled: Vec<f64>,
-    /// Along layers, of every cell: weights of the layers of its window in the slopes at both ends.
+    /// For an axis of layers, per cell: weights of the layers of its window in the slopes at both
+    /// ends.
     pub slopes: Vec<[[f64; WINDOW]; 2]>,
 }
 
-/// Where an input lies on an axis: the breakpoint at or below it and the next one.
+/// Cell of an input on an axis: the breakpoint at or below it and the next one.
 #[derive(Clone, Copy, Default)]
 struct Place {
     low: usize,
     high: usize,
-    /// The input, or the end of the axis in its place.
+    /// The input, or the end of the axis that replaces it.
     at: f64,
     outside: bool,
 }
@@ -395,7 +399,7 @@ impl Breakpoints {
         }
     }
 
-    /// The input, or the end of the axis that it is past.
+    /// The input, limited to the range of the axis.
     #[inline]
     fn clamped(&self, value: f64) -> f64 {
         value.clamp(self.plain[0], self.plain[self.plain.len() - 1])
@@ -424,7 +428,7 @@ impl Breakpoints {
                 outside,
             };
         }
-        // Halving without branches: random inputs would mispredict every other one.
+        // Bisection without branches, since random inputs would mispredict every second one.
         let (mut low, mut rest) = (0, last);
         while rest > 1 {
             let half = rest / 2;
@@ -440,22 +444,23 @@ impl Breakpoints {
         }
     }
 
-    /// Hermite weights of the far value and of both slopes at a place.
+    /// Hermite weights of the upper value and of both slopes at a place.
     #[inline]
     fn hermite(&self, place: &Place) -> [f64; 3] {
         if place.outside {
-            return self.straight(place);
+            return self.extrapolated(place);
         }
         let [low, high] = [place.low, place.high].map(|k| self.scaled[k]);
         let (h, at) = (high - low, self.kind.scaled(place.at));
-        // An axis of one breakpoint has no way along it.
+        // An axis of one breakpoint has a length of 0.
         let t = if h > 0.0 { (at - low) / h } else { 0.0 };
         hermite(t, h)
     }
 
-    /// The same outside the axis, straight; logarithms continue below it along the tangent.
+    /// As [`Self::hermite`] outside the axis: linear extrapolation, below a logarithmic axis along
+    /// the tangent.
     #[cold]
-    fn straight(&self, place: &Place) -> [f64; 3] {
+    fn extrapolated(&self, place: &Place) -> [f64; 3] {
         let (first, at) = (self.plain[0], place.at);
         let scaled = if at < first && self.kind.is_logarithmic() {
             self.scaled[0] + (at - first) / first
@@ -472,7 +477,7 @@ impl Breakpoints {
     }
 }
 
-/// Part of the way from one breakpoint to the next, 0 where they are one.
+/// Position between two breakpoints from 0 to 1; 0 if they are the same.
 #[inline]
 fn fraction(axis: &[f64], place: &Place, value: f64) -> f64 {
     if place.low == place.high {
@@ -481,7 +486,7 @@ fn fraction(axis: &[f64], place: &Place, value: f64) -> f64 {
     (value - axis[place.low]) / (axis[place.high] - axis[place.low])
 }
 
-/// Hermite weights of the far value and of both slopes.
+/// Hermite weights of the upper value and of both slopes.
 #[inline]
 fn hermite(t: f64, h: f64) -> [f64; 3] {
     let s = 1.0 - t;
@@ -498,23 +503,23 @@ impl Breakpoints {
         let mut weights = Weights {
             layers,
             first: place.low,
-            of: [1.0, 0.0, 0.0, 0.0],
+            values: [1.0, 0.0, 0.0, 0.0],
         };
         if place.low == place.high {
             return weights;
         }
         if mode == Mode::Bilinear {
             let t = fraction(&self.plain, place, place.at);
-            weights.of = [1.0 - t, t, 0.0, 0.0];
+            weights.values = [1.0 - t, t, 0.0, 0.0];
             return weights;
         }
         let [x0, x1, x2] = self.hermite(place);
         let window = window(place.low, layers);
         let [at_low, at_high] = &self.slopes[place.low];
         weights.first = window.start;
-        weights.of = std::array::from_fn(|n| at_low[n] * x1 + at_high[n] * x2);
-        weights.of[place.low - window.start] += 1.0 - x0;
-        weights.of[place.high - window.start] += x0;
+        weights.values = std::array::from_fn(|n| at_low[n] * x1 + at_high[n] * x2);
+        weights.values[place.low - window.start] += 1.0 - x0;
+        weights.values[place.high - window.start] += x0;
         weights
     }
 }
@@ -548,24 +553,25 @@ fn slope(x: &[f64], node: usize, start: usize) -> [f64; WINDOW] {
 /// Weights of the layers along one axis.
 #[derive(Clone, Copy, Default)]
 struct Weights {
-    /// Layers along the axis.
+    /// Number of layers along the axis.
     layers: usize,
     first: usize,
-    /// 0 behind the last layer.
-    of: [f64; WINDOW],
+    /// Weights from layer `first` on; 0 after the last layer.
+    values: [f64; WINDOW],
 }
 
-/// Sum over all combinations of layers, from layer `from` of the axes before.
+/// Weighted sum of `value` over all combinations of layers, `from` being the index of the layer of
+/// the previous axes.
 fn weighted_sum(weights: &[Weights], from: usize, value: &impl Fn(usize) -> f64) -> f64 {
-    let Some((own, inner)) = weights.split_first() else {
+    let Some((axis, inner)) = weights.split_first() else {
         return value(from);
     };
-    // An infinite input has weights that are no numbers also behind the last layer.
-    let layers = own.layers - own.first;
-    let terms = own.of.iter().take(layers).enumerate();
-    // A layer of no weight need not be evaluated.
+    // For an infinite input the weights after the last layer are NaN.
+    let layers = axis.layers - axis.first;
+    let terms = axis.values.iter().take(layers).enumerate();
+    // A layer of weight 0 need not be evaluated.
     let counted = terms.filter(|(_, weight)| **weight != 0.0);
-    let from = from * own.layers + own.first;
+    let from = from * axis.layers + axis.first;
     counted
         .map(|(n, weight)| weight * weighted_sum(inner, from + n, value))
         .sum()

@@ -1,17 +1,17 @@
-//! Lookup tables of contact figures over normal force and track curvature, of a sliding runner also
-//! over speed and ice temperature.
+//! Lookup tables of contact figures as functions of normal force and track curvature, and for a
+//! sliding runner of speed and ice temperature.
 //!
-//! A simulator cannot solve a contact at every step: it interpolates the pressure in a table. This
-//! crate defines such a table, evaluates it, places its points and writes it in the forms that
-//! simulators read. It never solves a contact itself: the solver is given as a closure.
+//! A simulator cannot solve a contact at every step, so that it interpolates the pressure in a
+//! table. This crate defines such a table, evaluates it, places its points and writes it in the
+//! formats of simulators. The solver is given as a closure.
 //!
-//! | item | what it is |
+//! | item | purpose |
 //! |---|---|
-//! | [`Table`] | nodes, checks between them, and their origin; reads and writes `.lut` files |
-//! | [`Axes`], [`CurvatureScaling`] | the breakpoints; curvatures relative to that at which the runner lies flush |
+//! | [`Table`] | nodes, checks between them, and the origin of both; reads and writes `.lut` files |
+//! | [`Axes`], [`CurvatureScaling`] | the breakpoints; curvatures relative to the curvature at which the runner lies flush |
 //! | [`Interpolator`] | one quantity, ready for evaluation in a [`Mode`] |
-//! | [`sweep`] | fills a [`Plan`] from a solver's answers |
-//! | [`curvature_from_pitch`] | the input that a sled measures |
+//! | [`sweep`] | makes the table of a [`Plan`] with a solver |
+//! | [`curvature_from_pitch`] | track curvature from measured speed and pitch rate |
 
 mod axes;
 mod error;

@@ -3,9 +3,9 @@
 //! On each cell the surface is the bicubic Hermite patch of the values, slopes and twist at its
 //! four corners, so it is C1 for any choice of them. Its Bezier net along the lower edge is
 //! `f0, f0 + h d0/3, f1 - h d1/3, f1`, with the slopes `d`; the other three rows follow from the
-//! values, slopes and twists carried by a third of the cell across. Where all differences of the
-//! net along one direction have one sign, so has the slope of the patch (Carlson and Fritsch, SIAM
-//! J. Numer. Anal. 22, 386, 1985, state the same idea on the derivatives).
+//! values, slopes and twists carried by a third of the cell across. If all differences of the net
+//! along one direction have one sign, the slope of the patch has this sign (Carlson and Fritsch,
+//! SIAM J. Numer. Anal. 22, 386, 1985, state this criterion for the derivatives).
 
 /// Value, slopes and twist at a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,10 +21,10 @@ pub(crate) struct Jet {
 /// Jets of `f` (rows of `y.len()`) on the grid `x`, `y`: three-point slopes, reduced where the
 /// surface would overshoot.
 ///
-/// What holds afterwards: along every grid line the surface rises (falls) between two nodes where
-/// the data do; and in a cell whose two edges along a direction both rise (fall), it rises (falls)
-/// throughout the cell in that direction. So data that are monotone along an axis give a surface
-/// that is.
+/// Properties of the surface: along every grid line it rises (falls) between two nodes where the
+/// data do; in a cell whose two edges along a direction both rise (fall), it rises (falls) in that
+/// direction throughout the cell. Data that are monotone along an axis therefore give a surface
+/// monotone along it.
 pub(crate) fn jets(x: &[f64], y: &[f64], f: &[f64]) -> Vec<Jet> {
     assert_eq!(f.len(), x.len() * y.len(), "values do not fit the grid");
     let level = |&f: &f64| Jet {
@@ -98,13 +98,13 @@ fn limited_slopes(x: &[f64], f: &[f64]) -> Vec<f64> {
     d
 }
 
-/// The coordinates along x and y.
+/// The breakpoints along x and y.
 struct Grid<'a> {
     axes: [&'a [f64]; 2],
 }
 
-/// A row of a cell's Bezier net along an axis: from node `a` to node `b`, carried across its grid
-/// line.
+/// A row of a cell's Bezier net along an axis, from node `a` to node `b`, at the distance `carried`
+/// across their grid line.
 #[derive(Clone, Copy)]
 struct Row {
     axis: usize,
@@ -116,7 +116,7 @@ struct Row {
 }
 
 impl Grid<'_> {
-    /// The node at these places along an axis and across it.
+    /// Index of the node at these breakpoints along an axis and across it.
     fn node(&self, axis: usize, along: usize, across: usize) -> usize {
         let [i, j] = if axis == 0 {
             [along, across]
@@ -126,10 +126,11 @@ impl Grid<'_> {
         i * self.axes[1].len() + j
     }
 
-    /// Scales slopes and twists down, node by node, until no net difference opposes its data.
+    /// Reduces slopes and twists, node by node, until no difference of the net opposes the data.
     ///
-    /// Every difference is linear in them and has the data's sign when they vanish, so scaling
-    /// always helps; what still fails after [`PASSES`] is set to 0, which ends it.
+    /// Every difference is linear in them and has the sign of the data if they are 0, so that
+    /// scaling always helps. Slopes and twists that still fail after [`PASSES`] are set to 0, which
+    /// ends the iteration.
     fn reduce(&self, jets: &mut [Jet]) {
         const PASSES: usize = 64;
         for pass in 0.. {
@@ -167,7 +168,7 @@ impl Grid<'_> {
         let edge = row(across, 0.0, 1.0);
         let r0 = rise(jets, edge);
         let mut changed = false;
-        // On a level edge the limited slopes are 0 already.
+        // On an edge with equal values the limited slopes are already 0.
         if r0 != 0.0 {
             let sign = r0.signum();
             changed |= Row { sign, ..edge }.enforce(jets, to_zero);
@@ -187,7 +188,8 @@ impl Grid<'_> {
 }
 
 impl Row {
-    /// Makes the three differences have the row's sign.
+    /// Scales slopes and twists so that the three differences have the row's sign; returns whether
+    /// anything changed.
     fn enforce(&self, jets: &mut [Jet], to_zero: bool) -> bool {
         let (axis, carried, sign) = (self.axis, self.carried, self.sign);
         let third = self.h / 3.0;
@@ -196,11 +198,11 @@ impl Row {
             let slopes = sign * third * jets[node].slopes[axis];
             let twists = sign * third * carried * jets[node].twist;
             if slopes + twists < 0.0 {
-                // The limited slopes have the data's sign: the twist is at fault.
+                // The limited slopes have the sign of the data, so that the twist must be reduced.
                 jets[node].twist *= if to_zero {
                     0.0
                 } else {
-                    PAST * slopes / -twists
+                    MARGIN * slopes / -twists
                 };
                 changed = true;
             }
@@ -213,24 +215,24 @@ impl Row {
         if values + slopes + twists >= 0.0 {
             return changed;
         }
-        let (of_slopes, of_twists) = if to_zero {
+        let (slope_factor, twist_factor) = if to_zero {
             (0.0, 0.0)
         } else if values + slopes >= 0.0 {
-            (1.0, PAST * (values + slopes) / -twists)
+            (1.0, MARGIN * (values + slopes) / -twists)
         } else {
-            (PAST * values / -slopes, 0.0)
+            (MARGIN * values / -slopes, 0.0)
         };
         for node in [self.a, self.b] {
             let jet = &mut jets[node];
-            jet.twist *= of_twists;
-            jet.slopes[axis] *= of_slopes;
+            jet.twist *= twist_factor;
+            jet.slopes[axis] *= slope_factor;
             if carried != 0.0 {
-                jet.slopes[1 - axis] *= of_slopes;
+                jet.slopes[1 - axis] *= slope_factor;
             }
         }
         true
     }
 }
 
-/// Rounding may leave a sum a hair below 0 for ever: step past it.
-const PAST: f64 = 1.0 - 1e-9;
+/// Factor on reductions, so that rounding does not leave a sum slightly below 0 in every pass.
+const MARGIN: f64 = 1.0 - 1e-9;

@@ -1,4 +1,4 @@
-//! The track's curvature from what the sled measures.
+//! Track curvature from speed and pitch rate.
 
 /// Speed below which [`curvature_from_pitch`] fades to a straight [m/s].
 pub const MIN_SPEED: f64 = 1.0;
@@ -7,11 +7,11 @@ pub const MIN_SPEED: f64 = 1.0;
 ///
 /// `1/r = -pitch_rate / v`, the inverse of `r = -v / pitch_rate` (von Schleinitz et al., Modeling
 /// ice friction for vehicle dynamics of a bobsled). A pitch rate of 0 gives 0, a straight. Below
-/// [`MIN_SPEED`] the quotient would be noise over nothing: it becomes
-/// `-pitch_rate v / MIN_SPEED^2`, which joins it continuously and is 0 at a standstill.
+/// [`MIN_SPEED`] the quotient would amplify noise. It is replaced by `-pitch_rate v / MIN_SPEED^2`,
+/// which is continuous at that speed and 0 at a standstill.
 ///
-/// Speed [m/s], forward positive; pitch rate [rad/s], nose down positive; result [1/m]. NaN in, NaN
-/// out.
+/// Speed [m/s], forward positive; pitch rate [rad/s], nose down positive; result [1/m]. NaN gives
+/// NaN.
 ///
 /// ```
 /// use kufe_lut::curvature_from_pitch;

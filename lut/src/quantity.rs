@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Defines the quantities: name, ending of its keys, unit and title.
-macro_rules! quantities {
+macro_rules! table_quantities {
     ($($variant:ident, $name:literal, $ending:literal, $unit:literal, $title:literal;)*) => {
         /// A tabulated quantity.
         #[derive(
@@ -34,7 +34,7 @@ macro_rules! quantities {
     };
 }
 
-quantities! {
+table_quantities! {
     PMax, "p_max", "_pa", "Pa", "Peak pressure";
     PMean, "p_mean", "_pa", "Pa", "Mean pressure";
     Area, "area", "_m2", "m2", "Contact area";
@@ -49,11 +49,11 @@ quantities! {
     FilmMean, "film_mean", "_m", "m", "Mean thickness of the film";
 }
 
-/// Number of quantities that a contact at rest has.
+/// Number of quantities of a contact at rest: the first ones of the list.
 const AT_REST: usize = 6;
 
 impl Quantity {
-    /// The quantities of a contact that slides, or of one at rest.
+    /// The quantities of a sliding contact, or of a contact at rest.
     pub fn of(sliding: bool) -> &'static [Quantity] {
         if sliding {
             &Quantity::ALL
@@ -87,7 +87,7 @@ impl Quantity {
         DESCRIPTIONS[self as usize][2]
     }
 
-    /// Unit; `1` for a pure number.
+    /// Unit; `1` for a dimensionless quantity.
     pub fn unit(self) -> &'static str {
         DESCRIPTIONS[self as usize][3]
     }
@@ -104,14 +104,15 @@ impl Quantity {
 
     /// The quantity of a [`key`](Self::key), or of an [`error_key`](Self::error_key) with `true`.
     pub(crate) fn from_key(key: &str) -> Option<(Quantity, bool)> {
-        let found = |q: &Quantity| q.key() == key || q.error_key() == key;
-        let quantity = Quantity::ALL.into_iter().find(found)?;
+        let has_key = |q: &Quantity| q.key() == key || q.error_key() == key;
+        let quantity = Quantity::ALL.into_iter().find(has_key)?;
         Some((quantity, quantity.error_key() == key))
     }
 
-    /// What a value must be, where this one is not: pressures, sizes and friction are positive;
-    /// ploughing and groove are 0 on ice that does not yield, boundary friction where the film
-    /// separates steel and ice. A subnormal number is what an underflow left of another.
+    /// The expectation that a value violates; `None` for a valid value. Pressures, sizes and
+    /// friction must be positive. Ploughing and groove may be 0 (on ice that does not yield), and
+    /// boundary friction too (if the film separates steel and ice). A subnormal number is the
+    /// result of an underflow.
     pub(crate) fn expectation(self, value: f64) -> Option<&'static str> {
         match self {
             _ if value.is_subnormal() => Some("0 or a number of at least 2.3e-308 in size"),
@@ -123,7 +124,7 @@ impl Quantity {
         }
     }
 
-    /// What the estimated error of a value must be, where this one is not.
+    /// The expectation that an estimated error violates; `None` for a valid error.
     pub(crate) fn error_expectation(error: f64) -> Option<&'static str> {
         let wrong = error < 0.0 || error.is_subnormal();
         wrong.then_some("0 or a positive number, at least 2.3e-308")
@@ -159,9 +160,9 @@ impl Method {
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Figures {
-    /// Values in the order of [`Quantity::ALL`]; NaN where there is none.
+    /// Values in the order of [`Quantity::ALL`]; NaN where absent.
     values: [f64; COUNT],
-    /// Estimated discretisation errors; NaN where there is none.
+    /// Estimated discretisation errors; NaN where absent.
     errors: [f64; COUNT],
     /// The method that solved the contact.
     pub method: Method,
@@ -191,34 +192,34 @@ impl Figures {
         })
     }
 
-    /// With this value of a quantity, in its unit.
+    /// Sets the value of a quantity, in its unit.
     #[must_use]
     pub fn with(mut self, quantity: Quantity, value: f64) -> Self {
         self.values[quantity as usize] = value;
         self
     }
 
-    /// With this estimated error of a quantity, in its unit.
+    /// Sets the estimated error of a quantity, in its unit.
     #[must_use]
     pub fn with_error(mut self, quantity: Quantity, error: f64) -> Self {
         self.errors[quantity as usize] = error;
         self
     }
 
-    /// With this method.
+    /// Sets the method.
     #[must_use]
     pub fn by(mut self, method: Method) -> Self {
         self.method = method;
         self
     }
 
-    /// The value of a quantity; `None` where a contact at rest has none.
+    /// The value of a quantity; `None` for a quantity of sliding in a contact at rest.
     pub fn get(&self, quantity: Quantity) -> Option<f64> {
         let value = self.values[quantity as usize];
         (!value.is_nan()).then_some(value)
     }
 
-    /// The estimated error of a quantity; `None` where there is none.
+    /// The estimated error of a quantity; `None` if unknown.
     pub fn error(&self, quantity: Quantity) -> Option<f64> {
         let error = self.errors[quantity as usize];
         (!error.is_nan()).then_some(error)
@@ -235,7 +236,7 @@ impl Figures {
         self.errors[judged].abs() / self.values[judged].abs()
     }
 
-    /// The first figure that is infinite or missing, by its key.
+    /// Key and value of the first figure that is infinite or missing.
     pub(crate) fn not_finite(&self) -> Option<(&'static str, f64)> {
         let sliding = self.is_sliding();
         let judged = Quantity::judged(sliding);

@@ -1,4 +1,5 @@
-//! Reduced curvatures: curvature relative to that at which the runner lies flush on the track.
+//! Reduced curvatures: curvatures relative to the curvature at which the runner lies flush on the
+//! track.
 
 use std::hint::select_unpredictable;
 
@@ -6,19 +7,19 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
 
-/// Where a runner of bounded length fits the track, and how sharply that depends on the load.
+/// Scaling of the curvature by the flush curvature of a runner of finite length, and by the load.
 ///
-/// On a track of the rocker's own curvature the contact runs from end to end. Its peak pressure has
-/// a minimum there that is as sharp as a V, over a width that grows with the load: a rigid runner
-/// of half-length L on a half-space of contact modulus E* depends on the curvature mostly through
-/// `(kappa - flush) E* L^3 / Fz`. A table over the reduced curvature
+/// On a track with the curvature of the rocker the contact extends from end to end. As a function
+/// of the curvature the peak pressure has a V-shaped minimum there, over a width that grows with
+/// the load: a rigid runner of half-length L on a half-space of contact modulus E* depends on the
+/// curvature mostly through `(kappa - flush) E* L^3 / Fz`. A table over the reduced curvature
 ///
 /// ```text
 /// t = (s(kappa) - s(from)) / (s(to) - s(from)),   s(kappa) = asinh((kappa - flush) / (scale Fz))
 /// ```
 ///
-/// has that V at nearly one place for all loads, spreads it out, and reaches from one end of the
-/// curvatures to the other.
+/// has the minimum at nearly the same coordinate for all loads, resolves it, and covers the whole
+/// range of curvatures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "FlushKeys")]
 pub struct CurvatureScaling {
@@ -32,7 +33,7 @@ pub struct CurvatureScaling {
     to: f64,
 }
 
-/// The parameters as a file has them, not yet checked.
+/// The parameters in a file, before checks.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FlushKeys {
@@ -86,14 +87,14 @@ impl CurvatureScaling {
         })
     }
 
-    /// The curvature at which the runner lies flush, the scale, and the curvatures at 0 and 1: the
-    /// four numbers, in the order of [`CurvatureScaling::new`].
+    /// The flush curvature, the scale, and the curvatures at 0 and 1, in the order of
+    /// [`CurvatureScaling::new`].
     pub fn numbers(&self) -> [f64; 4] {
         [self.curvature, self.scale, self.from, self.to]
     }
 
-    /// The reduced curvature of a force [N] and a curvature [1/m]: 0 and 1 at the ends, less and
-    /// more outside.
+    /// The reduced curvature of a force [N] and a curvature [1/m]: 0 and 1 at the ends, below 0 or
+    /// above 1 outside.
     #[inline]
     pub fn reduced(&self, fz: f64, curvature: f64) -> f64 {
         // Differences of asinh as one logarithm each; the arithmetic of kufe_lut_place_on_ in
@@ -111,7 +112,7 @@ impl CurvatureScaling {
 
     /// The curvature [1/m] of a force [N] and a reduced curvature.
     pub fn curvature(&self, fz: f64, reduced: f64) -> f64 {
-        // The ends come out as they went in.
+        // The ends are reproduced exactly.
         if reduced == 0.0 {
             return self.from;
         }

@@ -1,5 +1,5 @@
-//! A point and the figures of the contact solved there: one JSON object with a key a coordinate and
-//! a figure.
+//! A point and the figures of the contact solved there, as a JSON object with one key per
+//! coordinate and figure.
 
 use std::fmt;
 
@@ -22,7 +22,7 @@ impl Serialize for Point {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         for (key, value) in self.named() {
-            // Adding 0 turns -0 into 0: one key for one point.
+            // Adding 0 turns -0 into 0, so that equal points have equal text.
             map.serialize_entry(key, &(value + 0.0))?;
         }
         map.end()
@@ -63,7 +63,7 @@ impl<'de> Deserialize<'de> for Point {
     }
 }
 
-/// Reads a solve, or a point without `figures`.
+/// Reads a solve, or only a point if `figures` is false.
 struct SolveVisitor {
     figures: bool,
 }

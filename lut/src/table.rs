@@ -8,7 +8,7 @@ use crate::interpolator::{Interpolator, Mode};
 use crate::quantity::{Figures, Method, Quantity};
 use crate::solve::Solve;
 
-/// What the results of one table have in common: the program's version and the case.
+/// Origin of the results of a table: the version of the program and the case.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "OriginKeys")]
 pub struct Origin {
@@ -16,7 +16,7 @@ pub struct Origin {
     case_sha256: String,
 }
 
-/// The keys of an origin, not yet checked.
+/// The keys of an origin, before checks.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct OriginKeys {
@@ -33,8 +33,8 @@ impl TryFrom<OriginKeys> for Origin {
 }
 
 impl Origin {
-    /// The `version` of the program that solves, and the SHA-256 of the case, of the content of the
-    /// files that it names and of the solver's tolerance, hexadecimal.
+    /// The `version` of the program that solves, and the hexadecimal SHA-256 over the case, the
+    /// content of its files and the solver's tolerance.
     ///
     /// # Errors
     /// [`Error::Format`] where the version is not 1 to 40 letters, digits, dots, plus or minus
@@ -67,7 +67,7 @@ impl Origin {
 }
 
 impl Default for Origin {
-    /// This version, and a hash of zeros for a table without a case.
+    /// The version of this crate, and a hash of zeros for a table without a case.
     fn default() -> Self {
         Origin {
             version: env!("CARGO_PKG_VERSION").into(),
@@ -76,20 +76,21 @@ impl Default for Origin {
     }
 }
 
-/// Contact figures over normal force, track curvature and further axes, with what is needed to
-/// trust them.
+/// Contact figures as functions of normal force, track curvature and further axes, with their
+/// errors and origin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     axes: Axes,
-    /// Figures in the order of the nodes; a quantity of which some node or check has no error has
-    /// none at any node.
+    /// Figures in the order of the nodes. If a node or check lacks the error of a quantity, all
+    /// nodes lack it.
     nodes: Vec<Figures>,
     checks: Vec<Solve>,
-    /// Relative interpolation error of the judged quantity that was requested, where one was.
+    /// Requested relative interpolation error of the [judged](Self::judged) quantity; `None`
+    /// without a request.
     pub interpolation_requested: Option<f64>,
     /// The case as JSON; its load and track are replaced by the axes.
     pub case: String,
-    /// The program and the case that the figures are from.
+    /// The program and the case of the figures.
     pub origin: Origin,
 }
 
@@ -110,8 +111,8 @@ impl Table {
     /// them.
     ///
     /// # Errors
-    /// [`Error::Invalid`] where `nodes` does not fit `axes`, a figure of a node or a check is not
-    /// finite, or some points slide and others do not.
+    /// [`Error::Invalid`] if `nodes` does not fit `axes`, if a figure of a node or a check is not
+    /// finite, or if some points are sliding and others at rest.
     pub fn new(axes: Axes, nodes: &[Figures], checks: Vec<Solve>) -> Result<Self, Error> {
         if nodes.len() != axes.node_count() {
             return Err(Error::node_count(nodes.len(), axes.node_count()));
@@ -149,25 +150,25 @@ impl Table {
         &self.axes
     }
 
-    /// With this rule for inputs outside an axis.
+    /// Sets the rule for inputs outside an axis.
     #[must_use]
     pub fn with_outside(mut self, kind: AxisKind, rule: Outside) -> Self {
         self.axes = self.axes.with_outside(kind, rule);
         self
     }
 
-    /// Solves between the nodes: what the interpolation is measured against.
+    /// Solves between the nodes, which measure the interpolation error.
     pub fn checks(&self) -> &[Solve] {
         &self.checks
     }
 
-    /// A quantity at the nodes, in the order of [`Axes::points`]; `None` where a table at rest has
-    /// none.
+    /// A quantity at the nodes, in the order of [`Axes::points`]; `None` for a quantity of sliding
+    /// in a table at rest.
     pub fn values(&self, quantity: Quantity) -> Option<Vec<f64>> {
         self.nodes.iter().map(|node| node.get(quantity)).collect()
     }
 
-    /// Estimated solver errors of a quantity at the nodes; `None` where there are none.
+    /// Estimated solver errors of a quantity at the nodes; `None` if unknown.
     pub fn errors(&self, quantity: Quantity) -> Option<Vec<f64>> {
         self.nodes.iter().map(|node| node.error(quantity)).collect()
     }
@@ -185,12 +186,12 @@ impl Table {
         nodes.chain(self.checks.iter().copied())
     }
 
-    /// Whether the contacts are those of a runner that slides.
+    /// Whether the contacts are those of a sliding runner.
     pub fn is_sliding(&self) -> bool {
         self.nodes[0].is_sliding()
     }
 
-    /// The quantities that the table holds, in the order files list them.
+    /// The quantities of the table, in the order of the files.
     pub fn quantities(&self) -> &'static [Quantity] {
         Quantity::of(self.is_sliding())
     }
@@ -208,8 +209,7 @@ impl Table {
         all.filter(|figures| figures.method == method).count()
     }
 
-    /// Largest estimated solver error of a quantity over the nodes, relative; `None` where there
-    /// are none.
+    /// Largest estimated solver error of a quantity over the nodes, relative; `None` if unknown.
     pub fn solver_error_of(&self, quantity: Quantity) -> Option<f64> {
         let errors = self.errors(quantity)?.into_iter();
         let pairs = errors.zip(self.values(quantity)?);
@@ -222,24 +222,24 @@ impl Table {
         self.solver_error_of(self.judged()).unwrap_or(f64::NAN)
     }
 
-    /// Relative interpolation error at every check; `None` where a contact has no such quantity.
+    /// Relative interpolation error at every check; `None` where a contact lacks the quantity.
     ///
     /// # Errors
     /// As [`Interpolator::new`].
     pub fn check_errors(&self, quantity: Quantity, mode: Mode) -> Result<Vec<Option<f64>>, Error> {
-        let mut ready: Option<(Option<f64>, Interpolator)> = None;
+        let mut current: Option<(Option<f64>, Interpolator)> = None;
         let error = |check: &Solve| {
             let radius = check.point.rocker_radius;
-            if ready.as_ref().is_none_or(|(of, _)| *of != radius) {
-                ready = Some((radius, Interpolator::new(self, quantity, mode, radius)?));
+            if current.as_ref().is_none_or(|(at, _)| *at != radius) {
+                current = Some((radius, Interpolator::new(self, quantity, mode, radius)?));
             }
-            let interpolator = ready.as_ref().map(|(_, interpolator)| interpolator);
-            Ok(interpolator.and_then(|own| relative_error(own, check, quantity)))
+            let interpolator = current.as_ref().map(|(_, interpolator)| interpolator);
+            Ok(interpolator.and_then(|at| relative_error(at, check, quantity)))
         };
         self.checks.iter().map(error).collect()
     }
 
-    /// Interpolation error measured at the checks; `None` where there are none.
+    /// Interpolation error measured at the checks; `None` without checks.
     ///
     /// # Errors
     /// As [`Interpolator::new`].
@@ -254,15 +254,16 @@ impl Table {
         let known: Vec<(f64, Point)> = known.collect();
         let square = known.iter().map(|(error, _)| error * error).sum::<f64>();
         let rms = (square / self.checks.len() as f64).sqrt();
-        let larger =
-            |worst: (f64, Point), own: (f64, Point)| if own.0 > worst.0 { own } else { worst };
+        let larger = |worst: (f64, Point), other: (f64, Point)| {
+            if other.0 > worst.0 { other } else { worst }
+        };
         let worst = known.into_iter().reduce(larger);
         Ok(worst.map(|(max, max_at)| InterpolationError { max, rms, max_at }))
     }
 }
 
-/// Error of an interpolated value relative to the solved one; where that is 0, the plain
-/// difference. `None` where the contact has no such quantity.
+/// Error of an interpolated value relative to the solved value, or the absolute error if the solved
+/// value is 0; `None` if the contact lacks the quantity.
 pub(crate) fn relative_error(
     interpolator: &Interpolator,
     check: &Solve,
@@ -277,7 +278,7 @@ pub(crate) fn relative_error(
 /// Checks that the figures of a point are complete and finite.
 ///
 /// # Errors
-/// [`Error::Invalid`] with the first figure that is not.
+/// [`Error::Invalid`] with the first figure that is missing or not finite.
 pub fn check_finite(point: &Point, figures: &Figures) -> Result<(), Error> {
     match figures.not_finite() {
         None => Ok(()),

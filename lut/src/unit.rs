@@ -1,18 +1,18 @@
-//! Units of quantities, from the endings of their keys.
+//! Units of quantities, from the suffixes of their keys.
 
 use std::borrow::Cow;
 
-/// The unit that a column's or a key's name ends in, `k_n_per_rad` and `slope_per_k` among them;
-/// empty for a pure number.
+/// The unit in the suffix of a column's or key's name, also of the form `k_n_per_rad` or
+/// `slope_per_k`; empty for a dimensionless quantity.
 pub fn unit_of(name: &str) -> Cow<'static, str> {
     let Some((above, below)) = name.rsplit_once("_per_") else {
-        return Cow::Borrowed(ending(name));
+        return Cow::Borrowed(suffix_unit(name));
     };
-    let above = match ending(above) {
+    let above = match suffix_unit(above) {
         "" => "1",
         unit => unit,
     };
-    let below = match (below, ending(&format!("_{below}"))) {
+    let below = match (below, suffix_unit(&format!("_{below}"))) {
         // A difference of temperatures.
         ("c", _) => "K",
         (other, "") => other,
@@ -24,8 +24,8 @@ pub fn unit_of(name: &str) -> Cow<'static, str> {
     })
 }
 
-/// The unit that a name ends in; empty where it ends in none.
-fn ending(name: &str) -> &'static str {
+/// The unit in the suffix of a name; empty without one.
+fn suffix_unit(name: &str) -> &'static str {
     const UNITS: [(&str, &str); 28] = [
         ("_1pm", "1/m"),
         ("_pa", "Pa"),
@@ -57,9 +57,9 @@ fn ending(name: &str) -> &'static str {
         ("_deg", "deg"),
     ];
     let name = match name {
-        // A coefficient, whatever its name ends in: mu_zeta_c is no temperature.
+        // A coefficient, whatever its suffix: mu_zeta_c is not a temperature.
         coefficient if coefficient.starts_with("mu_") => return "",
-        // By the temperature of the ice.
+        // Derivative with respect to the temperature of the ice.
         "dlnmu_dice_c" => return "1/K",
         "seconds" => "_seconds",
         "bytes" => "_bytes",

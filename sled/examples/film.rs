@@ -1,13 +1,13 @@
-//! What a bob runner's melt film does over speed and temperature of the ice.
+//! The melt film under a bob runner as a function of speed and temperature of the ice.
 //!
-//! Under a runner the ice is at its melting point. Shear heats the film; what the ice does not
-//! conduct away melts more of it; the load squeezes it out sideways. The film's thickness follows,
-//! and with it the drag.
+//! Under a runner the ice is at its melting point. Shear heats the film. Heat that the ice does not
+//! conduct away melts more ice, and the load squeezes water out sideways. The balance gives the
+//! film's thickness and the drag.
 
 use kufe_sled::friction::film::{FilmConditions, FilmOptions, Properties, Strip, film};
 
 fn main() -> Result<(), kufe_sled::Error> {
-    // A patch 65 mm long: ice that yields at 17.7 MPa under a round section, then springs back.
+    // A patch 65 mm long: ice of hardness 17.7 MPa yields under a round section, then springs back.
     let (front, length, width, hardness) = (48.7e-3, 65.4e-3, 1.06e-3, 17.7e6);
     let stations: Vec<f64> = (0..=60).map(|k| length * k as f64 / 60.0).collect();
     let ellipse = |share: f64| (1.0 - share * share).max(0.0).sqrt();
@@ -38,14 +38,14 @@ fn main() -> Result<(), kufe_sled::Error> {
                 1e6 * totals.mean_thickness,
                 100.0 * totals.into_ice / totals.dissipated,
             );
-            // Friction heat is what melts and what the two walls take.
+            // Heat balance: friction heat melts ice or goes into one of the two walls.
             let melting = Properties::WATER_AND_ICE.latent_heat * (totals.melted - totals.refrozen);
             let balance = totals.dissipated - melting - totals.into_ice - totals.into_steel;
             assert!(balance.abs() < 1e-6 * totals.dissipated);
             table.push(totals.friction);
         }
     }
-    // Faster is dearer on every ice, colder is dearer at every speed.
+    // Friction rises with the speed on every ice, and with colder ice at every speed.
     for row in table.chunks_exact(3) {
         assert!(row.windows(2).all(|pair| pair[1] > pair[0]));
     }

@@ -1,4 +1,4 @@
-//! Quantities that runs record or state, each with its name in files, its unit and its label.
+//! Quantities that runs record or state, with name in files, unit and label.
 
 use serde::Deserialize;
 
@@ -26,7 +26,7 @@ macro_rules! columns {
                 }
             }
 
-            /// Name for readers.
+            /// Label in print.
             pub const fn label(self) -> &'static str {
                 match self {
                     $(Column::$column => $label,)*

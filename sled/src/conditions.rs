@@ -2,7 +2,7 @@
 
 use crate::friction::air_density;
 
-/// Ice, air, runners and crew of a run; NaN where nothing states a quantity.
+/// Ice, air, runners and crew of a run; NaN for a quantity that is not stated.
 #[derive(Clone, Copy, Debug)]
 pub struct Conditions {
     /// Ice temperature [degrees Celsius].
@@ -15,7 +15,7 @@ pub struct Conditions {
     pub humidity_pct: f64,
     /// Distance run on this finish of the runners before the run [m].
     pub distance_m: f64,
-    /// Mass of the sled with its crew, where it is not the model's [kg].
+    /// Mass of the sled with its crew [kg]; NaN for the mass of the model.
     pub mass_kg: f64,
 }
 
@@ -30,7 +30,7 @@ pub const CONDITIONS: [(&str, f64, f64); 6] = [
 ];
 
 impl Conditions {
-    /// Conditions of which nothing is stated.
+    /// Conditions without any stated quantity.
     pub const UNSTATED: Conditions = Conditions::from_values([f64::NAN; 6]);
 
     /// From values in the order of [`CONDITIONS`].
@@ -65,7 +65,7 @@ impl Conditions {
         absent.map(|((name, ..), _)| *name).collect()
     }
 
-    /// Density of the air [kg/m3] by [`air_density`]; NaN where the weather is not stated.
+    /// Density of the air [kg/m3] by [`air_density`]; NaN if the weather is not stated.
     pub fn air_density(&self) -> f64 {
         air_density(self.air_pa, self.air_c)
     }

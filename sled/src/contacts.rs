@@ -1,4 +1,4 @@
-//! The contacts with walls that are a run's own: hit or missed, harder or softer.
+//! Contacts with walls that differ from run to run: hit or missed, with any force.
 
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -12,39 +12,38 @@ use crate::series::median;
 use crate::signals::prepare::Prepared;
 use crate::simulate::dynamics::WallContact;
 
-/// Lengths of contacts that are tried \[m\].
+/// Trial lengths of contacts \[m\].
 const LENGTHS_M: [f64; 9] = [4.0, 6.0, 8.0, 10.0, 13.0, 16.0, 20.0, 25.0, 32.0];
-/// Share of the runs that miss a place and are taken for hits by chance. Chosen.
-const TAKEN_FOR_HITS: f64 = 0.05;
-/// Independent ways a metre, above the shortest half wave, in which a half wave lies within a
-/// stretch: so many give the largest of all on white noise the 95 % quantile that it has on
-/// stretches of 10 m to 80 m, within 0.1 standard errors.
-const WAYS_A_METRE: f64 = 4.0 / 3.0;
-/// Times the force of a hit above which a push is of another kind: hits scatter by a factor of two
-/// or three. Chosen.
+/// False alarm rate: share of the runs that miss a place and are taken for hits by chance. Chosen.
+const FALSE_ALARM_RATE: f64 = 0.05;
+/// Number of independent half waves per metre of a stretch beyond the shortest length. With it the
+/// 95 % quantile of the largest force on white noise is right to 0.1 standard errors on stretches
+/// of 10 m to 80 m.
+const TRIALS_PER_M: f64 = 4.0 / 3.0;
+/// Ratio of a push to the force of a hit above which it is not a hit: hits scatter by a factor of
+/// two or three. Chosen.
 pub const HARDEST: f64 = 5.0;
-/// Ways in which a half wave follows noise: its force, its place and its length.
-const FOLLOWED: f64 = 3.0;
-/// Share of the force of a hit by which hits differ from one another. Chosen: a factor of two
-/// either way is within two of it.
+/// Number of parameters of a half wave that are fitted to noise: force, place and length.
+const FITTED_PARAMETERS: f64 = 3.0;
+/// Relative standard deviation of the force of hits. Chosen: factors of 1/2 and 2 are within two
+/// standard deviations.
 pub const HITS_DIFFER: f64 = 0.5;
-/// Neighbouring samples that noise is shared by: the low pass before the balances leaves so many.
-const CORRELATED: f64 = 2.0;
+/// Number of samples over which the noise is correlated by the low pass before the balances.
+const CORRELATED_SAMPLES: f64 = 2.0;
 
-/// What pushed a run within a stretch.
+/// A force from outside on a run within a stretch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Push {
-    /// The half wave, with its lever 0.
+    /// The half wave of force, with a lever of 0.
     pub contact: WallContact,
     /// Standard error of its force \[N\].
     pub error_n: f64,
-    /// Whether it is a hit of the place, and no push of another kind: more than [`HARDEST`] times
-    /// as hard.
+    /// Whether it is a hit of the place: not more than [`HARDEST`] times as hard as the known hits.
     pub is_hit: bool,
 }
 
-/// A contact as it is expected where the force of hits is known, give or take half of it: with the
-/// variance V of the force that was found, which followed noise in place and length, too,
+/// Posterior mean of a contact from the estimated force F and the prior `hit +- hit/2` of the force
+/// of hits. The variance V of the estimate contains the fit of place and length to noise:
 ///
 /// ```text
 /// (F / V + hit / (hit / 2)^2) / (1 / V + 1 / (hit / 2)^2)        V = 3 error^2
@@ -53,22 +52,26 @@ pub fn as_expected(found: WallContact, error_n: f64, hit_n: f64) -> WallContact 
     if hit_n == 0.0 {
         return found;
     }
-    let (of_push, of_hits) = (FOLLOWED * error_n.powi(2), (HITS_DIFFER * hit_n).powi(2));
+    let (push_variance, hit_variance) = (
+        FITTED_PARAMETERS * error_n.powi(2),
+        (HITS_DIFFER * hit_n).powi(2),
+    );
     WallContact {
-        force_n: (found.force_n * of_hits + hit_n * of_push) / (of_hits + of_push),
+        force_n: (found.force_n * hit_variance + hit_n * push_variance)
+            / (hit_variance + push_variance),
         ..found
     }
 }
 
-/// The half wave that best fits a side balance within a stretch \[m\]; `None` where none exceeds
-/// `scatter_n`, a standard deviation of a sample \[N\]. `hit_n` is the force of a hit, left
-/// positive, and states the side; 0 where that is not known.
+/// The half wave that best fits the residual side force `side_n` within a stretch \[m\]; `None` if
+/// none is significant. `scatter_n` is the standard deviation of a sample \[N\]. `hit_n` is the
+/// force of a hit, positive to the left, and states the side; 0 if it is not known.
 ///
 /// ```text
 /// F = sum w y / sum w^2        w = sin^2(pi (s - s_0) / length)        error = scatter sqrt(2 / sum w^2)
 /// ```
 ///
-/// Place and length are those, on a grid of a metre, with which `F sum w y` is largest.
+/// Place (on a grid of 1 m) and length maximise `F sum w y`.
 pub fn push_within(
     s_m: &[f64],
     side_n: &[f64],
@@ -76,35 +79,37 @@ pub fn push_within(
     hit_n: f64,
     scatter_n: f64,
 ) -> Option<Push> {
-    let near = |s: f64| (stretch_m[0]..=stretch_m[1]).contains(&s);
+    let is_within = |s: f64| (stretch_m[0]..=stretch_m[1]).contains(&s);
     let samples = s_m.iter().copied().zip(side_n.iter().copied());
-    let here: Vec<(f64, f64)> = samples.filter(|(s, y)| near(*s) && y.is_finite()).collect();
+    let samples: Vec<(f64, f64)> = samples
+        .filter(|(s, y)| is_within(*s) && y.is_finite())
+        .collect();
     let mut best: Option<(f64, WallContact, f64)> = None;
     for one in half_waves(stretch_m) {
         let (mut wy, mut ww) = (0.0, 0.0);
-        for (s, y) in &here {
+        for (s, y) in &samples {
             let w = one.force_at(*s);
             (wy, ww) = (wy + w * y, ww + w * w);
         }
-        // Fewer samples than that are no half wave.
+        // Too few samples within the half wave.
         if ww < 1.0 || wy * hit_n < 0.0 {
             continue;
         }
         let (force_n, gain) = (wy / ww, wy * wy / ww);
         if best.as_ref().is_none_or(|(most, ..)| gain > *most) {
-            let error = scatter_n * (CORRELATED / ww).sqrt();
+            let error = scatter_n * (CORRELATED_SAMPLES / ww).sqrt();
             best = Some((gain, WallContact { force_n, ..one }, error));
         }
     }
-    let ways = ways(stretch_m, hit_n != 0.0);
+    let trials = independent_trials(stretch_m, hit_n != 0.0);
     let (_, contact, error_n) = best?;
     let push_n = contact.force_n.abs();
-    // A hit that noise could have made in so many ways must be likelier than all of them: next to
-    // strong hits a weak push is noise.
+    // A hit must be likelier than noise in all independent half waves: next to strong hits a weak
+    // push is noise.
     let variance = error_n * error_n;
     let as_hit = || likelier(contact.force_n, variance, hit_n, HITS_DIFFER * hit_n);
     let significant =
-        push_n > least_significant(ways) * error_n && (hit_n == 0.0 || as_hit() > ways.ln());
+        push_n > critical_force(trials) * error_n && (hit_n == 0.0 || as_hit() > trials.ln());
     significant.then(|| Push {
         contact,
         error_n,
@@ -112,14 +117,14 @@ pub fn push_within(
     })
 }
 
-/// The share of runs that hit a place, and the force of a hit \[N\], by the law of two points that
-/// has a mean m over runs and a spread s:
+/// The share pi of runs that hit a place, and the force F of a hit \[N\], from mean m and standard
+/// deviation s over runs of a two-point distribution (0 and F):
 ///
 /// ```text
 /// pi = m^2 / (m^2 + s^2)        F = m / pi
 /// ```
 ///
-/// With a spread of five times the mean or more no side is known: 0.
+/// Both are 0 if `s >= 5 m`: the side is then unknown.
 pub fn hits_of(effect: &Active) -> (f64, f64) {
     let (mean, spread) = (effect.values[0], effect.values[5]);
     let hits = mean * mean / (mean * mean + spread * spread);
@@ -130,16 +135,16 @@ pub fn hits_of(effect: &Active) -> (f64, f64) {
     }
 }
 
-/// In how many independent ways half waves lie within a stretch, each to one side or to either.
-fn ways(stretch_m: [f64; 2], one_side: bool) -> f64 {
+/// Number of independent half waves within a stretch, to one side or to both.
+fn independent_trials(stretch_m: [f64; 2], one_side: bool) -> f64 {
     let spare_m = stretch_m[1] - stretch_m[0] - LENGTHS_M[0];
-    (WAYS_A_METRE * spare_m).max(1.0) * if one_side { 1.0 } else { 2.0 }
+    (TRIALS_PER_M * spare_m).max(1.0) * if one_side { 1.0 } else { 2.0 }
 }
 
-/// Standard errors that the largest force of a run that misses exceeds by chance in
-/// [`TAKEN_FOR_HITS`] of all runs.
-fn least_significant(ways: f64) -> f64 {
-    let least = Normal::standard().inverse_cdf(1.0 - TAKEN_FOR_HITS / ways);
+/// Number of standard errors that the largest force of a run without a hit exceeds with the
+/// probability [`FALSE_ALARM_RATE`].
+fn critical_force(trials: f64) -> f64 {
+    let least = Normal::standard().inverse_cdf(1.0 - FALSE_ALARM_RATE / trials);
     if least.is_finite() {
         least
     } else {
@@ -147,8 +152,8 @@ fn least_significant(ways: f64) -> f64 {
     }
 }
 
-/// The logarithm of how much likelier a force F with its variance V is as one of about A, give or
-/// take T, than as noise:
+/// Log-likelihood ratio of a force F with the variance V between a normal distribution of mean A
+/// and standard deviation T and noise of mean 0:
 ///
 /// ```text
 /// (F^2 / V - (F - A)^2 / (V + T^2) - ln(1 + T^2 / V)) / 2
@@ -159,8 +164,8 @@ pub fn likelier(force_n: f64, variance: f64, about_n: f64, differ_n: f64) -> f64
     0.5 * (force_n * force_n / variance - away - (spread / variance).ln_1p())
 }
 
-/// Half waves of 1 N within a stretch \[m\], with their lever 0: on a grid of a metre, of lengths
-/// from 4 m to 32 m.
+/// Half waves of 1 N within a stretch \[m\] with a lever of 0, on a grid of 1 m, of lengths from 4
+/// m to 32 m.
 pub fn half_waves(stretch_m: [f64; 2]) -> impl Iterator<Item = WallContact> {
     let [from_m, to_m] = stretch_m;
     let fitting = LENGTHS_M
@@ -177,40 +182,40 @@ pub fn half_waves(stretch_m: [f64; 2]) -> impl Iterator<Item = WallContact> {
     })
 }
 
-/// A robust standard deviation of one sample: 1.4826 times the median magnitude; 0 of nothing.
+/// Robust standard deviation of a sample: 1.4826 times the median magnitude; 0 without finite
+/// values.
 pub fn scatter(values: &[f64]) -> f64 {
     let known = values.iter().filter(|x| x.is_finite());
     median(known.map(|x| x.abs())).map_or(0.0, |median| 1.4826 * median)
 }
 
-/// An effect that varies from run to run, as the contact of one run has it; off where the run
-/// missed.
+/// An effect that varies from run to run, with force and place of the contact of one run; an
+/// amplitude of 0 if the run missed.
 pub fn as_of_run(effect: &Active, contact: Option<&WallContact>) -> Active {
-    let mut own = effect.clone();
-    own.values[0] = contact.map_or(0.0, |c| c.force_n);
+    let mut of_run = effect.clone();
+    of_run.values[0] = contact.map_or(0.0, |c| c.force_n);
     if let Some(c) = contact {
-        (own.values[1], own.values[2]) = (c.s_m, c.s_m + c.length_m);
+        (of_run.values[1], of_run.values[2]) = (c.s_m, c.s_m + c.length_m);
     }
-    own
+    of_run
 }
 
-/// The stretch on which a run's own contact is searched for \[m\].
+/// The stretch in which the contact of a single run is searched for \[m\].
 pub fn stretch_of(effect: &Active) -> [f64; 2] {
     let v = &effect.values;
     [v[1] - v[6], v[2] + v[6]]
 }
 
-/// The vehicle on a run, each effect that varies from run to run with the force and the stretch of
+/// The vehicle on a run. Each effect that varies from run to run has the force and the stretch of
 /// this run.
 ///
-/// The side balance of the run sets them ([`push_within`]); their residuals along and about the
-/// vertical judges them.
+/// Force and stretch come from the balance of side forces ([`push_within`]).
 pub fn with_own_contacts(run: &Prepared, vehicle: &Vehicle) -> Vehicle {
-    let mut own = vehicle.on_run(&run.entry.track, &run.entry.conditions);
-    if !own.effects.active.iter().any(Active::varies) {
-        return own;
+    let mut adapted = vehicle.on_run(&run.entry.track, &run.entry.conditions);
+    if !adapted.effects.active.iter().any(Active::varies) {
+        return adapted;
     }
-    let mut without = own.clone();
+    let mut without = adapted.clone();
     without.effects.active.retain(|effect| !effect.varies());
     let remainder = |(state, motion): (&State, &Motion)| {
         let at = Balance::new(&without.sled, state, motion);
@@ -220,22 +225,22 @@ pub fn with_own_contacts(run: &Prepared, vehicle: &Vehicle) -> Vehicle {
     let instants = run.states.iter().zip(&run.motions);
     let (s_m, side_n): (Vec<f64>, Vec<f64>) = instants.map(remainder).unzip();
     let scatter_n = scatter(&side_n);
-    for effect in own.effects.active.iter_mut().filter(|e| e.varies()) {
+    for effect in adapted.effects.active.iter_mut().filter(|e| e.varies()) {
         let (_, hit_n) = hits_of(effect);
-        let found = push_within(&s_m, &side_n, stretch_of(effect), hit_n, scatter_n);
-        let hit = found.filter(|push| push.is_hit);
+        let push = push_within(&s_m, &side_n, stretch_of(effect), hit_n, scatter_n);
+        let hit = push.filter(|push| push.is_hit);
         let expected = hit.map(|push| as_expected(push.contact, push.error_n, hit_n));
         *effect = as_of_run(effect, expected.as_ref());
     }
-    own
+    adapted
 }
 
-/// Samples at which something other than ice and air pushes, one mark a sample and run.
+/// Samples with a force from other than ice and air: one flag per sample, run by run.
 ///
 /// The residual of the lateral force at the centre of gravity, model against measurement, above six
-/// robust standard deviations (1.4826 times its median magnitude over all runs), and a fifth of a
-/// second around it. Sensor noise reaches six deviations less than once in 10^8 samples; a wall
-/// contact of a few hundred newtons always does.
+/// robust standard deviations (1.4826 times its median magnitude over all runs), and 0.2 s around
+/// it. Sensor noise exceeds six standard deviations less than once in 10^8 samples; a wall contact
+/// of a few hundred newtons always does.
 pub fn find_contacts(runs: &[Prepared], vehicle: &Vehicle) -> Vec<Vec<bool>> {
     let residuals = |run: &Prepared| -> Vec<f64> {
         let vehicle = &vehicle.on_run(&run.entry.track, &run.entry.conditions);
@@ -353,8 +358,8 @@ mod tests {
             force_n: 700.0,
             x_m: 0.0,
         };
-        // With the variance of what is known of hits, halfway.
-        let error_n = 200.0 / FOLLOWED.sqrt();
+        // With equal variances of estimate and prior, halfway.
+        let error_n = 200.0 / FITTED_PARAMETERS.sqrt();
         assert!((as_expected(found, error_n, 400.0).force_n - 550.0).abs() < 1e-9);
         assert_eq!(as_expected(found, error_n, 0.0).force_n, 700.0);
     }

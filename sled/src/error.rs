@@ -1,4 +1,4 @@
-//! What can go wrong between a recorded run and a driver's score.
+//! Errors of the crate.
 
 use std::fmt::Display;
 
@@ -7,15 +7,15 @@ use crate::fault::Fault;
 /// Errors of the sled's readers, models and fits.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A file could not be opened, read or written, or contradicts itself or what is needed of it.
+    /// A file could not be opened, read or written, or has invalid or unsuitable content.
     #[error("{file}: {reason}")]
     File {
         /// The file.
         file: String,
-        /// The answer of the system or a reader, or what is wrong and what was expected.
+        /// The error of the system or a reader, or what is wrong and what was expected.
         reason: String,
     },
-    /// A key of the model holds a number that no sled has.
+    /// A number of the model is out of its range.
     #[error("{file}: {key} = {value}: expected {expected}")]
     KeyRange {
         /// The file.
@@ -51,7 +51,7 @@ pub enum Error {
         /// What was expected.
         expected: String,
     },
-    /// A cell does not hold what it must.
+    /// A cell has an invalid value.
     #[error("{file}: row {row}, column {column}: found {found:?}, expected {expected}")]
     Cell {
         /// The file.
@@ -65,7 +65,7 @@ pub enum Error {
         /// The value expected.
         expected: String,
     },
-    /// A row of a file is not what it must be.
+    /// A row of a file is invalid.
     #[error("{file}: row {row}: {reason}")]
     Row {
         /// The file.
@@ -75,15 +75,15 @@ pub enum Error {
         /// What is wrong, and what was expected.
         reason: String,
     },
-    /// A channel is provably not what its name states.
+    /// A channel provably contradicts its name.
     #[error("{fault}{}", more_faults(*.more))]
     Wrong {
-        /// What is wrong, and what mends it.
+        /// The fault, with its correction.
         fault: Box<Fault>,
         /// Further faults in these runs.
         more: usize,
     },
-    /// Two runs hold the same samples.
+    /// Two runs have the same samples.
     #[error("runs {first:?} and {second:?} hold the same samples: expected each run once")]
     DuplicateContent {
         /// One run.
@@ -91,10 +91,10 @@ pub enum Error {
         /// The other.
         second: String,
     },
-    /// After filters and exclusions too little remains.
+    /// Too few samples, rows or runs, e.g. after filters and exclusions.
     #[error("{what}: {found}, expected at least {needed}")]
     TooFew {
-        /// What there is too little of.
+        /// What is counted.
         what: String,
         /// How many remain.
         found: usize,
@@ -104,21 +104,21 @@ pub enum Error {
     /// The simulated sled came to rest or went out of the range of the model.
     #[error("simulation stopped at s = {s_m:.1} m, t = {t_s:.2} s: {what}")]
     Stopped {
-        /// Where [m].
+        /// Distance [m].
         s_m: f64,
-        /// When [s].
+        /// Time [s].
         t_s: f64,
-        /// Why.
+        /// Reason.
         what: String,
     },
     /// A number is outside its range.
     #[error("{name} = {value}: expected {expected}")]
     OutOfRange {
-        /// What the number is.
+        /// Name of the number.
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What it must be.
+        /// The value expected.
         expected: &'static str,
     },
     /// A key of a model is absent.
@@ -144,7 +144,7 @@ pub enum Error {
     Undetermined {
         /// What was requested.
         what: &'static str,
-        /// Smallest over largest singular value of the scaled design.
+        /// Ratio of the smallest to the largest singular value of the scaled design matrix.
         ratio: f64,
     },
     /// An iteration stopped short of its tolerance.
@@ -175,7 +175,7 @@ fn more_faults(more: usize) -> String {
 }
 
 impl Error {
-    /// An error of a file, with the answer of the system or a reader.
+    /// An error of a file, with the error of the system or a reader.
     pub(crate) fn file(file: impl Display, reason: impl Display) -> Self {
         Error::File {
             file: file.to_string(),
@@ -183,7 +183,7 @@ impl Error {
         }
     }
 
-    /// A row of a file that is not what it must be; `row` is the line in the file.
+    /// An invalid row of a file; `row` is the line in the file.
     pub(crate) fn row(file: &str, row: u64, reason: String) -> Self {
         Error::Row {
             file: file.to_string(),
@@ -192,7 +192,7 @@ impl Error {
         }
     }
 
-    /// A required column that is not among those `found`.
+    /// A required column that is not among the columns `found`.
     pub(crate) fn missing_column<'a>(
         file: &str,
         column: &str,
@@ -220,7 +220,7 @@ impl Error {
         }
     }
 
-    /// What a cell holds and what it must; `row` is the line in the file.
+    /// An invalid cell with its value and the expected one; `row` is the line in the file.
     pub(crate) fn cell(
         file: &str,
         row: u64,
@@ -242,7 +242,7 @@ impl Error {
         }
     }
 
-    /// Too little of something.
+    /// Too few samples, rows or runs.
     pub(crate) fn too_few(what: impl Into<String>, found: usize, needed: usize) -> Self {
         Error::TooFew {
             what: what.into(),
@@ -252,11 +252,11 @@ impl Error {
     }
 }
 
-/// `Ok` where the value is finite and `holds`.
+/// `Ok` if the value is finite and `valid`.
 pub(crate) fn in_range(
     name: &'static str,
     value: f64,
-    holds: bool,
+    valid: bool,
     expected: &'static str,
 ) -> Result<(), Error> {
     let error = Error::OutOfRange {
@@ -264,5 +264,5 @@ pub(crate) fn in_range(
         value,
         expected,
     };
-    (value.is_finite() && holds).then_some(()).ok_or(error)
+    (value.is_finite() && valid).then_some(()).ok_or(error)
 }

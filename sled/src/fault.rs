@@ -10,11 +10,11 @@ pub enum FaultKind {
     Unit,
     /// Values with the other sign.
     Sign,
-    /// Two channels under one another's names.
+    /// Two channels with exchanged names.
     Swapped,
-    /// Both vectors of a sensor box that is turned.
+    /// Acceleration and rotation rate of a turned sensor box.
     Rotation,
-    /// A specific force from which gravity was taken.
+    /// A specific force from which gravity was subtracted.
     Gravity,
     /// One value throughout.
     Constant,
@@ -22,7 +22,7 @@ pub enum FaultKind {
     Held,
     /// Time in another unit.
     Clock,
-    /// Distance in another unit, or of another place.
+    /// Distance in another unit, or from another origin.
     Distance,
 }
 
@@ -33,23 +33,23 @@ pub struct Fault {
     pub run: String,
     /// Its file.
     pub file: String,
-    /// The channels, one but for swapped ones and those of a box.
+    /// The channels: several if swapped or of a sensor box, else one.
     pub columns: Vec<String>,
     /// What is wrong.
     pub kind: FaultKind,
-    /// Whether the evidence is a proof. A fault that is not proved is advice: no command refuses
+    /// Whether the evidence is a proof. A fault without proof is only reported: no command refuses
     /// the run.
     pub proven: bool,
-    /// What the values seem to be.
+    /// What the values appear to be.
     pub looks_like: String,
-    /// The statistic, and what it is in good runs.
+    /// The statistic with its value in good runs.
     pub evidence: String,
-    /// What to write in the mapping.
+    /// The correction to write in the mapping.
     pub mend: String,
 }
 
 impl Fault {
-    /// The same, proved or suspected only.
+    /// Sets whether the evidence is a proof.
     pub(crate) fn proven_if(self, proven: bool) -> Fault {
         Fault { proven, ..self }
     }

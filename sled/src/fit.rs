@@ -17,9 +17,9 @@ use crate::signals::prepare::Prepared;
 /// Fits both runners to prepared runs.
 ///
 /// The forces come from [`crate::one_track::inverse`], which takes the longitudinal friction from
-/// `vehicle`; its lateral laws play no part but for C, fixed where the data do not determine it.
-/// Noise in the slip angles is corrected for as each run states it. With `leave_out_contacts`
-/// stretches with a force from outside, such as a wall, are found ([`find_contacts`]) and excluded.
+/// `vehicle`; of its lateral laws only C is used, where the data do not determine it. The fit
+/// corrects for the slip noise that each run states. With `leave_out_contacts`, stretches with a
+/// force from outside, such as a wall, are found ([`find_contacts`]) and excluded.
 ///
 /// # Errors
 /// [`Error::Undetermined`] where the data do not determine a runner's stiffness; [`Error::TooFew`]
@@ -55,8 +55,9 @@ pub fn fit(
     let (mut front, mut rear, excluded) = both(&[], vehicle)?;
     let mut contacts = 0;
     let mut marked = Vec::new();
-    // The first fit is biased by what it is to find; the second round finds with a better one.
-    // Effects that grow with the stiffness of the laws are taken off with that of the round before.
+    // The first fit is biased by the contacts, so that they are searched for again with the second
+    // fit. Effects that scale with the stiffness of the laws use the stiffness of the previous
+    // round.
     let refine = leave_out_contacts || !vehicle.effects.is_empty();
     for _ in 0..if refine { 2 } else { 0 } {
         let fitted = vehicle.with_lateral(front.law(), rear.law());
@@ -84,7 +85,7 @@ pub fn fit(
 }
 
 impl FitResult {
-    /// The model with the fitted lateral laws in place of its own.
+    /// The model with the fitted lateral laws.
     pub fn applied_to(&self, model: &Model) -> Model {
         let mut fitted = model.clone();
         fitted.friction.front = self.front.law();
@@ -93,39 +94,39 @@ impl FitResult {
     }
 }
 
-const IDENTIFIABILITY: &str = "mu_y and zeta_y act only as their product mu_zeta. At the slips driven, mu_zeta and c act almost only as mu_zeta_c: judge that product and k_n_per_rad; mu_zeta and c apart rest on c where c_held is true. e was predefined.";
+const IDENTIFIABILITY: &str = "mu_y and zeta_y act only as their product mu_zeta. At the slips driven, mu_zeta and c act almost only as mu_zeta_c: use this product and k_n_per_rad. If c_held is true, mu_zeta depends on the fixed c. e was predefined.";
 
-/// The lateral friction of both runners as `fit.json` states it.
+/// The lateral friction of both runners as written to `fit.json`.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct FitResult {
     /// Front runner.
     pub front: LateralFit,
     /// Rear runner.
     pub rear: LateralFit,
-    /// Probability that the intervals are to cover.
+    /// Confidence level of the intervals.
     pub confidence: f64,
     /// Runs used.
     pub runs: Vec<String>,
-    /// Samples before any was excluded.
+    /// Number of samples before exclusions.
     pub samples: usize,
     /// Samples excluded for their roll acceleration.
     pub excluded_roll_acceleration: usize,
-    /// Samples excluded because something outside pushed.
+    /// Samples excluded because of a force from outside.
     pub excluded_contacts: usize,
     /// Root mean square residuals of the balances with the fitted laws.
     pub balances_left_rms: BalanceResidual,
-    /// What the data can determine, in words.
+    /// Text on the parameters that the data can determine.
     pub identifiability: String,
 }
 
 /// Samples with a larger roll acceleration are excluded [rad/s2]: the paper's 100 degrees/s2.
-const MOST_ROLL_ACCEL: f64 = 100.0 * std::f64::consts::PI / 180.0;
+const MAX_ROLL_ACCEL: f64 = 100.0 * std::f64::consts::PI / 180.0;
 
-/// Samples of both runners (front, rear): the remainder for the base laws once the vehicle's
-/// effects have given their share, and how many were excluded for their roll acceleration.
+/// Samples of both runners (front, rear), with the forces of the base laws: measured forces minus
+/// those of the vehicle's effects. Also the number of samples excluded for their roll acceleration.
 ///
-/// `contacts` marks samples to leave out, a run; empty for none. A cluster is a run where there are
-/// at least twelve, else a stretch of four seconds of one.
+/// `contacts` flags the samples to leave out, run by run; it may be empty. A cluster is a run if
+/// there are at least twelve runs, else a stretch of four seconds of a run.
 pub fn lateral_samples(
     runs: &[Prepared],
     vehicle: &Vehicle,
@@ -137,7 +138,7 @@ pub fn lateral_samples(
         let stretch = (4.0 / run.dt_s) as usize;
         let (mut samples, mut excluded) = ([Vec::new(), Vec::new()], 0);
         for (i, (state, motion)) in run.states.iter().zip(&run.motions).enumerate() {
-            if state.roll_accel_radps2.abs() > MOST_ROLL_ACCEL {
+            if state.roll_accel_radps2.abs() > MAX_ROLL_ACCEL {
                 excluded += 1;
                 continue;
             }

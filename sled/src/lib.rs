@@ -2,14 +2,14 @@
 //!
 //! | item | purpose |
 //! |---|---|
-//! | [`Model`], [`Vehicle`] | `model.toml`, and the same with its pressure tables opened |
+//! | [`Model`], [`Vehicle`] | `model.toml`, and the model with its pressure tables opened |
 //! | [`Run`], [`read_runs`] | recorded runs, checked: CSV, Parquet, MATLAB v5 |
 //! | [`prepare()`] | filter, down-sample, transfer to the centre of gravity, slips: [`State`]s and [`Motion`]s |
-//! | [`Balance`] | forces of laws and effects at one instant, and their residual against the motion: the one model of all commands |
+//! | [`Balance`] | forces of laws and effects at one instant, and the residual of the equations of motion; the model of all commands |
 //! | [`one_track`] | forces from motion ([`one_track::inverse`]) and from friction ([`one_track::forward`]) |
-//! | [`simulate()`], [`record`] | drives a [`Track`] with a [`Driver`]; what the sled's sensors record of it |
-//! | [`replay()`] | a measured run driven again by the model, and where both part |
-//! | [`align()`] | runs of one track brought to one distance, and the track that they measure |
+//! | [`simulate()`], [`record`] | simulates a [`Driver`] on a [`Track`], and the recording of the sled's sensors |
+//! | [`replay()`] | simulates a measured run, and states where both differ |
+//! | [`align()`] | aligns runs of one track to a common distance, and estimates the track |
 //! | [`sample_data`] | 44 runs of five drivers on two tracks, with the truth known |
 //!
 //! ```

@@ -1,4 +1,4 @@
-//! Evenly sampled series: zero-phase low pass, down-sampling, derivative, correlation.
+//! Uniformly sampled series: zero-phase low pass, down-sampling, derivative, correlation.
 
 use std::sync::LazyLock;
 
@@ -8,10 +8,9 @@ use sci_rs::signal::filter::design::{
 };
 use sci_rs::signal::filter::sosfiltfilt_dyn;
 
-/// Order of the Butterworth filter; run forwards and backwards, its amplitude is that of twice the
-/// order.
+/// Order of the Butterworth filter; forward and backward filtering doubles its effective order.
 pub const ORDER: usize = 4;
-/// Fewest samples that the filter's odd extension at the ends needs.
+/// Smallest number of samples for the filter's odd extension at the ends.
 pub const LEAST_SAMPLES: usize = 16;
 
 /// Pearson correlation of two series over the samples that are finite in both; 0 where either is
@@ -36,16 +35,15 @@ pub fn correlation(a: &[f64], b: &[f64]) -> f64 {
     }
 }
 
-/// Butterworth low pass of order 4, run forwards and backwards: no phase, amplitude -6 dB at the
-/// corner.
+/// Butterworth low pass of order 4, run forwards and backwards: zero phase, amplitude -6 dB at the
+/// cutoff frequency.
 ///
 /// The ends are extended oddly by 15 samples and the filter starts in its steady state, as SciPy's
 /// `sosfiltfilt(butter(4, cutoff, fs=rate, output="sos"), x)` does, to which it is equal within
-/// 1e-12. A corner at or above half the rate leaves the signal as it is.
+/// 1e-12. A cutoff at or above half the rate returns the signal unchanged.
 ///
 /// # Panics
-/// Where there are fewer than 16 samples; [`crate::record::check::LEAST_SAMPLES`] keeps runs above
-/// that.
+/// Panics with fewer than 16 samples; runs have at least [`crate::record::check::LEAST_SAMPLES`].
 pub fn low_pass(values: &[f64], rate_hz: f64, cutoff_hz: f64) -> Vec<f64> {
     if cutoff_hz >= 0.5 * rate_hz {
         return values.to_vec();
@@ -73,17 +71,15 @@ fn sections(rate_hz: f64, cutoff_hz: f64) -> Vec<Sos<f64>> {
     }
 }
 
-/// Share of white noise at `rate_hz` that [`low_pass`] lets through, as a ratio of standard
-/// deviations.
+/// Ratio of the standard deviation of white noise at `rate_hz` after [`low_pass`] to that before.
 ///
-/// The root of the summed squares of the impulse response; used to tell how noisy a filtered sensor
-/// is.
+/// The root of the sum of squares of the impulse response.
 pub fn noise_gain(rate_hz: f64, cutoff_hz: f64) -> f64 {
     if cutoff_hz >= 0.5 * rate_hz {
         return 1.0;
     }
-    // Long enough for the response to die out: its slowest pole decays over about a period of the
-    // corner.
+    // Long enough for the response to decay: its slowest pole decays over about a period of the
+    // cutoff.
     let half = ((20.0 * rate_hz / cutoff_hz) as usize).clamp(200, 200_000);
     let mut impulse = vec![0.0; 2 * half + 1];
     impulse[half] = 1.0;
@@ -91,8 +87,7 @@ pub fn noise_gain(rate_hz: f64, cutoff_hz: f64) -> f64 {
     response.iter().map(|h| h * h).sum::<f64>().sqrt()
 }
 
-/// Samples at `from_hz` for one at the lower `to_hz`: whole where it is within a thousandth of a
-/// whole number.
+/// Ratio of the rates, rounded to a whole number if it is within a relative 1e-3 of one.
 pub fn ratio(from_hz: f64, to_hz: f64) -> f64 {
     let ratio = from_hz / to_hz;
     let whole = ratio.round();
@@ -103,18 +98,18 @@ pub fn ratio(from_hz: f64, to_hz: f64) -> f64 {
     }
 }
 
-/// Brings a signal to a lower rate: low pass at 0.4 of the new rate, then every k-th sample, or,
-/// where the rates are no multiples of each other, cubic interpolation (Catmull-Rom) of the
-/// low-passed signal.
+/// Down-samples a signal: low pass at 0.4 of the new rate, then every k-th sample or, if the ratio
+/// of the rates is not a whole number, cubic interpolation (Catmull-Rom) of the low-passed signal.
 ///
-/// A rate at or below the new one is returned as it is: nothing is invented between samples.
+/// A signal with a rate at or below the new one is returned unchanged: there is no up-sampling.
 pub fn resample(values: &[f64], from_hz: f64, to_hz: f64) -> Vec<f64> {
     resample_from(values, from_hz, to_hz, 0.0)
 }
 
-/// The same with the first sample of the result `offset` samples after the first of `values`.
+/// As [`resample`], with the first sample of the result `offset` samples after the first of
+/// `values`.
 pub fn resample_from(values: &[f64], from_hz: f64, to_hz: f64, offset: f64) -> Vec<f64> {
-    // Rates computed from rounded times: 99.99 Hz is 100 Hz.
+    // The rate may come from rounded times: 99.99 Hz is 100 Hz.
     if to_hz >= from_hz * (1.0 - 1e-3) {
         return values.to_vec();
     }
@@ -139,11 +134,11 @@ pub fn resample_from(values: &[f64], from_hz: f64, to_hz: f64, offset: f64) -> V
     (0..count).map(value).collect()
 }
 
-/// Brings a column with gaps to a lower rate, each stretch of finite values by itself as
-/// [`resample`] does; NaN in the gaps.
+/// Down-samples a column with gaps: each stretch of finite values separately, as [`resample`]; NaN
+/// in the gaps.
 ///
-/// Sample k of the result is at the time of sample `k from_hz / to_hz` of the column. Of a stretch
-/// too short for the low pass the recorded values next to those times are taken.
+/// Sample k of the result is at the time of sample `k from_hz / to_hz` of the column. In a stretch
+/// too short for the low pass the nearest recorded values are taken.
 pub fn resample_stretches(column: &[f64], from_hz: f64, to_hz: f64) -> Vec<f64> {
     if to_hz >= from_hz * (1.0 - 1e-3) {
         return column.to_vec();
@@ -175,14 +170,14 @@ pub fn resample_stretches(column: &[f64], from_hz: f64, to_hz: f64) -> Vec<f64> 
     result
 }
 
-/// Samples on each side of the one whose slope is taken.
+/// Number of samples on each side of the centre of the derivative's window.
 pub const HALF_WIDTH: usize = 3;
 /// Degree of the local polynomial.
 pub const DEGREE: usize = 4;
 
 const WIDTH: usize = 2 * HALF_WIDTH + 1;
 
-/// Weights for the slope at each place of a window of seven samples.
+/// Weights of the derivative at each place of a window of seven samples.
 static WEIGHTS: LazyLock<[[f64; WIDTH]; WIDTH]> = LazyLock::new(|| {
     let abscissa = |i: usize| i as f64 - HALF_WIDTH as f64;
     let design = DMatrix::from_fn(WIDTH, DEGREE + 1, |i, k| abscissa(i).powi(k as i32));
@@ -217,14 +212,14 @@ pub fn integral(values: &[f64], dt: f64) -> Vec<f64> {
 /// y'_i = ( 22 (y_{i-3} - y_{i+3}) - 67 (y_{i-2} - y_{i+2}) - 58 (y_{i-1} - y_{i+1}) ) / (252 dt)
 /// ```
 ///
-/// Exact for polynomials up to degree 4; white noise of deviation sd comes out with 0.51 sd / dt.
-/// The three samples at each end take the slope of the first or last window's quartic. Unit: that
-/// of `values` per second.
+/// Exact for polynomials up to degree 4; white noise of standard deviation sd gives a standard
+/// deviation of 0.51 sd / dt. The three samples at each end take the slope of the first or last
+/// window's quartic. Unit: that of `values` per second.
 ///
 /// Source: A. Savitzky, M. Golay, Anal. Chem. 36 (1964) 1627, table of quartic first derivatives.
 ///
 /// # Panics
-/// Where there are fewer than seven samples.
+/// Panics with fewer than seven samples.
 pub fn derivative(values: &[f64], dt_s: f64) -> Vec<f64> {
     assert!(
         values.len() >= WIDTH,
@@ -247,8 +242,8 @@ pub fn derivative(values: &[f64], dt_s: f64) -> Vec<f64> {
 /// var(y_{i+3} - 3 y_{i+2} + 3 y_{i+1} - y_i) = 20 sd^2   for white noise
 /// ```
 ///
-/// What the signal itself does within four samples is mostly cancelled; the median makes the rest
-/// of little weight. 0 where there are fewer than four samples. Unit: that of the signal.
+/// Third differences cancel most of the signal within four samples, and the median is insensitive
+/// to the rest. 0 with fewer than four samples. Unit: that of the signal.
 pub fn noise_sd_within<'a>(stretches: impl Iterator<Item = &'a [f64]>) -> f64 {
     let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs();
     let sizes = stretches.flat_map(|values| values.windows(4)).map(third);
@@ -256,7 +251,8 @@ pub fn noise_sd_within<'a>(stretches: impl Iterator<Item = &'a [f64]>) -> f64 {
     median(sizes).map_or(0.0, |median| median / 0.674_489_75 / 20.0_f64.sqrt())
 }
 
-/// The median, of an even number of values the upper one of the two in the middle.
+/// The median, for an even number of values the upper of the two middle ones; `None` without
+/// values.
 pub fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.into_iter().collect();
     let middle = values.len() / 2;
@@ -274,17 +270,17 @@ pub fn distinct<T: PartialEq>(values: impl IntoIterator<Item = T>) -> Vec<T> {
     all
 }
 
-/// The root mean square; NaN of nothing.
+/// The root mean square; NaN without values.
 pub(crate) fn root_mean_square(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     let count = values.len() as f64;
     (values.map(|value| value * value).sum::<f64>() / count).sqrt()
 }
 
-/// A column without its gaps: a straight line across each, level outside its ends; 0 where it has
-/// no value at all.
+/// A column with its gaps interpolated linearly, and constant outside its ends; 0 without any
+/// finite value.
 ///
-/// For what must be a number everywhere but of which nothing near a gap is used, and for the way
-/// across a gap.
+/// For computations that need a number everywhere but do not use values near a gap, and for the
+/// distance across a gap.
 pub fn bridged(column: &[f64]) -> Vec<f64> {
     let mut filled = column.to_vec();
     let mut before: Option<usize> = None;

@@ -1,4 +1,4 @@
-//! Masses, lengths, sensors and what is known of the track, as written in `model.toml`.
+//! Tables of `model.toml`: sled, track survey, sensor noise, tolerances, conditions.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -38,7 +38,7 @@ pub struct Sled {
     pub yaw_drag_per_deg: f64,
 }
 
-/// The paper's yaw sensitivity: 6.94 % a degree.
+/// The paper's yaw sensitivity: 6.94 % per degree.
 fn published_yaw_drag() -> f64 {
     0.0694
 }
@@ -54,12 +54,12 @@ impl Sled {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Survey {
-    /// Standard deviation of the slope of the way that is driven [rad]: of the survey, and of lines
-    /// off the surveyed one, which climb where the bank grows.
+    /// Standard deviation of the slope along the driven line [rad]: error of the survey, and
+    /// difference of the driven from the surveyed line, which climbs where the bank grows.
     pub slope_sd_rad: f64,
 }
 
-/// `[noise]`: standard deviation of each sensor, a sample, white; 0 where absent.
+/// `[noise]`: standard deviation of the white noise of each sensor, per sample; 0 where absent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Noise {
@@ -77,9 +77,10 @@ pub struct Noise {
     pub roll_split_rad: f64,
 }
 
-/// `[tolerances]`: what the installation may be off by, standard deviations; 0: exactly as stated.
+/// `[tolerances]`: standard deviations of the errors of the installation; 0 for a value that is
+/// exactly as stated.
 ///
-/// The defaults are what careful work with a tape, a scale, a spirit level and a data sheet leaves.
+/// The defaults are errors of careful work with a tape, a scale, a spirit level and a data sheet.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Tolerances {
@@ -103,12 +104,12 @@ pub struct Tolerances {
     pub steer_scale: f64,
     /// Misalignment of the inertial unit about each axis [rad].
     pub misalignment_rad: f64,
-    /// What each gyroscope's axis picks up of the vertical acceleration [rad s/m].
+    /// Sensitivity of each gyroscope axis to the vertical acceleration [rad s/m].
     pub gyro_g_sensitivity_radps_per_mps2: f64,
-    /// Offset of sensors that are mounted anew for each session: slip and steering [rad].
+    /// Offset of sensors that are remounted for each session: slip and steering [rad].
     pub session_offset_rad: f64,
-    /// Deviation of the lateral forces from the form of their law: over the peak force, and relative
-    /// over a factor e of the load.
+    /// Deviation of the lateral forces from the form of their law: relative to the peak force, and
+    /// relative per factor e of the load.
     pub lateral_form: f64,
 }
 
@@ -132,7 +133,7 @@ impl Default for Tolerances {
     }
 }
 
-/// `[conditions]`: what only effects need.
+/// `[conditions]`: quantities that only effects need.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ModelConditions {
@@ -145,13 +146,13 @@ pub struct ModelConditions {
 }
 
 impl ModelConditions {
-    /// The conditions of a run with these where they state nothing.
+    /// The conditions of a run, completed by these.
     pub fn complete(&self, run: &Conditions) -> Conditions {
-        let or = |own: f64, model: Option<f64>| {
-            if own.is_nan() {
-                model.unwrap_or(own)
+        let or = |stated: f64, model: Option<f64>| {
+            if stated.is_nan() {
+                model.unwrap_or(stated)
             } else {
-                own
+                stated
             }
         };
         Conditions {

@@ -3,12 +3,12 @@
 //! ```sh
 //! elastic                # 8 cells over half the patch
 //! elastic 6              # another number
-//! elastic --large        # a luge steel on its bridges on finer and finer meshes: time, memory
+//! elastic --large        # a luge steel on its bridges on successively finer meshes: time, memory
 //! ```
 
 use std::sync::Arc;
 
-use kufe_benches::{again, best_of, cpu_seconds, on_half_space, peak_bytes};
+use kufe_benches::{best_of, cpu_seconds, on_half_space, peak_bytes, run_again};
 use kufe_contact::{
     ElasticRunner, Load, LoadedPlace, Mount, Options, Place, Problem, Runner, Tilt, solve,
 };
@@ -21,7 +21,7 @@ struct Row {
     top: f64,
     flank: Option<f64>,
     curvature: f64,
-    /// Middle and length of its mount's place in front; the other is its mirror image [m].
+    /// Middle and length of the front place of its mount [m]; the other one is the mirror image.
     place: [f64; 2],
 }
 
@@ -118,13 +118,13 @@ fn line(name: &str, problem: &Problem, cells: usize) -> Result<(), Box<dyn std::
     Ok(())
 }
 
-/// A luge steel on its bridges on finer and finer meshes, each in a process of its own.
+/// A luge steel on its bridges on successively finer meshes, each in a separate process.
 fn large() -> Result<(), Box<dyn std::error::Error>> {
     println!("### A luge steel on two bridges, 1 kN, residual 1e-9\n");
     println!("| cells over half the patch | unknowns | iterations | time | CPU | peak memory |");
     println!("|---|---|---|---|---|---|");
     for cells in ["4", "6", "8", "12"] {
-        let words = again(&["--large", cells]);
+        let words = run_again(&["--large", cells]);
         println!("| {cells} | {} |", words.join(" ").replace(';', " |"));
     }
     Ok(())

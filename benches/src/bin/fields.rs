@@ -1,10 +1,10 @@
-//! Fields for the comparison with other programs, whose scripts stand in `benches/peers`.
+//! Hertz contacts for the comparison with other programs, with the scripts of `benches/peers`.
 //!
 //! ```sh
 //! fields one 0.001        # one Hertz contact at an accuracy: p_max [Pa] and seconds
 //! fields all 0.005        # 64 Hertz contacts: the largest true error and seconds
-//! fields anchored 0.005   # the same by boundary elements where finite elements confirm them at corners and middle, as a table is filled
-//! fields plane one        # the same by boundary elements alone: true error and seconds
+//! fields anchored 0.005   # 64 contacts by boundary elements, verified by finite elements at corners and middle, as in a table
+//! fields plane one        # by boundary elements alone: true error and seconds
 //! fields plane all
 //! ```
 
@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ["plane", "one"] => plane(),
         ["plane", "all"] => all(&|problem| Ok(boundary_elements(problem)?.p_max)),
         _ => {
-            // Nothing by itself: benches/peers/compare.py asks.
+            // Called by benches/peers/compare.py.
             println!(
                 "usage: fields one TOLERANCE | all TOLERANCE | anchored TOLERANCE | plane one | plane all"
             );
@@ -82,14 +82,14 @@ fn one(tolerance: f64) -> Result<(), Box<dyn std::error::Error>> {
 fn plane() -> Result<(), Box<dyn std::error::Error>> {
     let problem = problem(30.0, 1000.0)?;
     let begun = Instant::now();
-    let found = boundary_elements(&problem)?;
+    let solution = boundary_elements(&problem)?;
     let seconds = begun.elapsed().as_secs_f64();
-    let off = (found.p_max / exact(30.0, 1000.0) - 1.0).abs();
-    println!("{off} {seconds}");
+    let error = (solution.p_max / exact(30.0, 1000.0) - 1.0).abs();
+    println!("{error} {seconds}");
     Ok(())
 }
 
-/// What finds a problem's peak pressure [Pa].
+/// A solver for the peak pressure [Pa].
 type PeakOf<'a> = &'a (dyn Fn(&Problem) -> Result<f64, Box<dyn std::error::Error>> + Sync);
 
 /// Rocker radii [m] and loads [N] of 64 contacts: eight loads from 250 to 4000 N by eight effective
@@ -117,8 +117,8 @@ fn all(p_max: PeakOf) -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Corners and middle of the 64 contacts by finite elements, the others by boundary elements where
-/// these confirm them.
+/// Solves the 64 contacts by boundary elements where finite elements at their corners and middle
+/// verify them, else by finite elements.
 fn anchored(tolerance: f64) -> Result<(), Box<dyn std::error::Error>> {
     let begun = Instant::now();
     let points = points();

@@ -1,18 +1,19 @@
-//! Cost against size: time and memory over unknowns, points of a table, runs and candidates, with
-//! fitted exponents.
+//! Cost as a function of size: time and memory for numbers of unknowns, points of a table, runs and
+//! candidates, with fitted exponents.
 //!
 //! ```sh
 //! growth docs/performance   # prints the table and draws growth.svg there
 //! ```
 //!
-//! Every size is measured in a process of its own. Exponents are the slopes of least squares
-//! through the logarithms.
+//! Every size is measured in a separate process. Exponents are least-squares slopes of the
+//! logarithms.
 
 use std::path::Path;
 use std::sync::Arc;
 
 use kufe_benches::{
-    ICE, Line, again, best_of, growth_figure, growth_panel, needle_block, on_half_space, peak_bytes,
+    ICE, Line, best_of, growth_figure, growth_panel, measure_again, needle_block, on_half_space,
+    peak_bytes,
 };
 use kufe_contact::{Foundation, Ice, Load, Options, Problem, Runner, solve};
 use kufe_discover::{Gram, Prior, Scores};
@@ -23,7 +24,7 @@ use kufe_tests::fem::cg;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-/// What grows: its name here, what is counted, the work, and the default sizes.
+/// Series: name, unit of size, work, and sizes.
 const SERIES: [(&str, &str, &str, &[&str]); 5] = [
     (
         "linear",
@@ -90,10 +91,7 @@ fn tables(folder: Option<&Path>) {
     for (name, counted, work, sizes) in SERIES {
         let measured: Vec<[f64; 3]> = sizes
             .iter()
-            .map(|size| {
-                let words = again(&[name, size]);
-                [0, 1, 2].map(|i| words[i].parse().unwrap_or(f64::NAN))
-            })
+            .map(|size| measure_again(&[name, size]))
             .collect();
         let pairs =
             |value: usize| -> Vec<[f64; 2]> { measured.iter().map(|m| [m[0], m[value]]).collect() };
@@ -131,7 +129,7 @@ fn tables(folder: Option<&Path>) {
     }
 }
 
-/// Slope of least squares through the logarithms.
+/// Least-squares slope of the logarithms.
 fn exponent(points: &[[f64; 2]]) -> f64 {
     let logs: Vec<[f64; 2]> = points.iter().map(|p| p.map(f64::ln)).collect();
     let n = logs.len() as f64;
@@ -170,7 +168,7 @@ fn linear(cells: usize) -> [f64; 2] {
     [block.operator.free_dofs() as f64, seconds]
 }
 
-/// Hertz contacts of loads and rocker radii in geometric progression, all cores at it.
+/// Hertz contacts of loads and rocker radii in geometric progression, on all cores.
 fn points(count: usize) -> [f64; 2] {
     let problem = |i: usize| {
         let t = i as f64 / 63.0;
@@ -185,7 +183,7 @@ fn points(count: usize) -> [f64; 2] {
     let (seconds, _) = best_of(2, || {
         (0..count)
             .into_par_iter()
-            // Sizes share their mix of loads.
+            // All sizes cover the same range of loads.
             .map(|i| solve(&problem(i * 64 / count), &options).map(|s| s.p_max))
             .collect::<Result<Vec<f64>, _>>()
             .unwrap_or_else(|error| panic!("{error}"))
@@ -195,7 +193,7 @@ fn points(count: usize) -> [f64; 2] {
 
 /// A runner of 1 m along `count` waves of ice on a rigid bed, each touched by 16 cells.
 ///
-/// The smallest of tilts, so that no mirror plane halves what touches.
+/// A tiny tilt, so that no mirror plane halves the number of touching nodes.
 fn waves(count: usize) -> [f64; 2] {
     let problem = || -> Result<Problem, Box<dyn std::error::Error>> {
         let length = 0.95 / count as f64;
@@ -227,7 +225,7 @@ fn waves(count: usize) -> [f64; 2] {
     [touching as f64, seconds]
 }
 
-/// Runs of the sample data from their recordings in memory to what their drivers lose.
+/// Preparation and evaluation of runs of the sample data, from their recordings in memory.
 fn runs(count: usize) -> [f64; 2] {
     let model = Model::published();
     let vehicle = Vehicle::new(&model).unwrap_or_else(|error| panic!("{error}"));
@@ -242,8 +240,7 @@ fn runs(count: usize) -> [f64; 2] {
     [count as f64, seconds]
 }
 
-/// Candidates scored against a residual: products of all columns run by run, then what each
-/// explains.
+/// Candidates scored against a residual: products of all columns run by run, then the score of each.
 fn candidates(count: usize) -> [f64; 2] {
     const RUNS: usize = 20;
     const SAMPLES: usize = 1000;

@@ -1,11 +1,10 @@
-//! Four small pieces of work whose instructions `benches/guard` counts; always the same work, on
-//! one thread.
+//! Four small deterministic workloads on one thread; `benches/guard` counts their instructions.
 //!
 //! ```sh
 //! guard contact   # one contact on one small mesh
 //! guard lookup    # a table evaluated at a hundred thousand points
 //! guard linear    # a linear solve's two kernels, ten times
-//! guard telemetry # a run of the sample data driven, recorded, prepared and evaluated
+//! guard telemetry # a run of the sample data simulated, recorded, prepared and evaluated
 //! ```
 
 use std::path::Path;

@@ -1,26 +1,27 @@
-//! The solver's kernels and the limits of this machine: memory bandwidth and matrix products.
+//! Speed of the solver's kernels relative to the limits of this machine: memory bandwidth and matrix
+//! products.
 //!
 //! `cargo run --release -p kufe-benches --bin limits`
 //!
 //! | kernel | bound by | its limit here |
 //! |---|---|---|
-//! | operator | reading u and writing K u, 48 bytes a node | a stream triad on every thread |
-//! | operator | 52 multiplications, with or without an addition, and 48 additions a node | such operations in registers, on every thread |
-//! | preconditioner | four matrix products a component, in single precision | faer's product of the same shapes on every thread |
-//! | table evaluation | reading the four corners of a cell | such reads at places known beforehand, on one thread |
+//! | operator | reading u and writing K u, 48 bytes per node | a stream triad on every thread |
+//! | operator | 52 multiplications, with or without an addition, and 48 additions per node | such operations in registers, on every thread |
+//! | preconditioner | four matrix products per component, in single precision | faer's product of the same shapes on every thread |
+//! | table evaluation | reading the four corners of a cell | such reads at known places, on one thread |
 
 use std::hint::black_box;
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
-use kufe_benches::{again, best_of, needle_block, pressure_table, random_queries};
+use kufe_benches::{best_of, measure_again, needle_block, pressure_table, random_queries};
 use kufe_lut::{Interpolator, Mode, Point, Quantity};
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 /// Numbers in each of the triad's three arrays: far more than any cache holds.
 const STREAM: usize = 1 << 26;
-/// Numbers a task of the triad works on.
+/// Numbers per task of the triad.
 const CHUNK: usize = 1 << 16;
 const ROUNDS: usize = 7;
 
@@ -31,7 +32,7 @@ fn main() {
             let cells = cells
                 .parse()
                 .unwrap_or_else(|_| panic!("{cells}: expected a number of cells"));
-            // From a thread of rayon's own, as the solver calls them.
+            // On a thread of rayon, as in the solver.
             rayon::scope(|_| kernels(cells));
         }
         None => tables(),
@@ -60,21 +61,16 @@ fn tables() {
     );
     println!("|---|---|---|---|---|---|---|---|");
     for cells in ["32", "69", "100"] {
-        let words = again(&[cells]);
-        let n: Vec<f64> = words
-            .iter()
-            .map(|w| w.parse().unwrap_or(f64::NAN))
-            .collect();
+        let [unknowns, operator, bytes, preconditioner, flops, faer] = measure_again(&[cells]);
         println!(
-            "| {:.0} | {:.2} ms | {:.0} % | {:.0} % | {:.2} ms | {:.1} Gflop/s | {:.1} Gflop/s | {:.0} % |",
-            n[0],
-            1e3 * n[1],
-            100.0 * n[2] / n[1] / triad,
-            100.0 * n[2] / BYTES * mixture / n[1],
-            1e3 * n[3],
-            n[4] / n[3] / 1e9,
-            n[4] / n[5] / 1e9,
-            100.0 * n[5] / n[3]
+            "| {unknowns:.0} | {:.2} ms | {:.0} % | {:.0} % | {:.2} ms | {:.1} Gflop/s | {:.1} Gflop/s | {:.0} % |",
+            1e3 * operator,
+            100.0 * bytes / operator / triad,
+            100.0 * bytes / BYTES * mixture / operator,
+            1e3 * preconditioner,
+            flops / preconditioner / 1e9,
+            flops / faer / 1e9,
+            100.0 * faer / preconditioner
         );
     }
     let (evaluation, reads) = table_evaluation();
@@ -85,7 +81,7 @@ fn tables() {
     );
 }
 
-/// Nanoseconds of an evaluation of a table, and of reading the four corners of each query's cell.
+/// Times of an evaluation of a table, and of reading the four corners of each query's cell [ns].
 fn table_evaluation() -> (f64, f64) {
     const SIZE: usize = 64;
     let table = pressure_table(SIZE).unwrap_or_else(|error| panic!("{error}"));
@@ -120,7 +116,7 @@ fn table_evaluation() -> (f64, f64) {
     (per_query * evaluation, per_query * reads)
 }
 
-/// Bytes a second of a = b + s c, counting one write and two reads a number.
+/// Bandwidth of a = b + s c [bytes/s], counting one write and two reads per number.
 fn triad() -> f64 {
     let (b, c) = (vec![1.0f64; STREAM], vec![2.0f64; STREAM]);
     let mut a = vec![0.0f64; STREAM];
@@ -139,14 +135,14 @@ fn triad() -> f64 {
     24.0 * STREAM as f64 / seconds
 }
 
-/// Bytes that the operator must read and write for a node.
+/// Bytes that the operator reads and writes per node.
 const BYTES: f64 = 48.0;
-/// What it computes for a node (`kufe-fem`, tensor_kernel.rs), counted at an inner node:
-/// multiplications, of which 29 with an addition in one instruction, and further additions.
+/// Operations per inner node of the operator (`kufe-fem`, tensor_kernel.rs): multiplications, of
+/// which 29 with an addition in one instruction, and further additions.
 const FUSED: usize = 52;
 const ADDED: usize = 48;
 
-/// Seconds a node that these operations take with their numbers in registers, all threads at it.
+/// Time of these operations per node with their numbers in registers, on all threads [s].
 fn operator_mixture() -> f64 {
     const NODES: usize = 1 << 21;
     let threads = rayon::current_num_threads();
@@ -159,13 +155,13 @@ fn operator_mixture() -> f64 {
     seconds / (NODES * threads) as f64
 }
 
-/// The operations of `nodes` nodes in chains that do not wait for each other.
+/// The operations of `nodes` nodes in independent chains.
 struct Mixture {
     nodes: usize,
 }
 
-/// Fused chains and chains of additions: an operation takes up to four cycles, and processors begin
-/// two of each kind a cycle.
+/// Numbers of fused chains and of chains of additions: an operation takes up to four cycles, and
+/// processors start two of each kind per cycle.
 const CHAINS: [usize; 2] = [8, 6];
 
 impl WithSimd for Mixture {
@@ -179,8 +175,8 @@ impl WithSimd for Mixture {
         );
         let mut fused = [simd.splat_f64s(1.0); CHAINS[0]];
         let mut added = [simd.splat_f64s(0.0); CHAINS[1]];
-        // One operation of each fused chain at a time, and one of each other chain whenever as many
-        // additions are due.
+        // One operation of each fused chain per round, and one of each chain of additions in so many
+        // rounds that the ratio of both is right.
         let rounds = self.nodes * FUSED / (S::F64_LANES * CHAINS[0]);
         let mut due = 0;
         for _ in 0..rounds {
@@ -200,8 +196,8 @@ impl WithSimd for Mixture {
     }
 }
 
-/// Operations a second of rows x inner by inner x cols products in single precision, each thread at
-/// its own.
+/// Rate of rows x inner by inner x cols matrix products in single precision, one product per thread
+/// [flop/s].
 fn plane_products(rows: usize, inner: usize, cols: usize) -> f64 {
     let left = Mat::<f32>::from_fn(rows, inner, |i, j| (i + 2 * j) as f32);
     let right = Mat::<f32>::from_fn(inner, cols, |i, j| (i as f32 - j as f32).sin());
@@ -226,8 +222,8 @@ fn plane_products(rows: usize, inner: usize, cols: usize) -> f64 {
     flops * repeats as f64 / seconds
 }
 
-/// Prints unknowns, the operator's time and bytes, the preconditioner's time and operations, and
-/// faer's time for those.
+/// Prints unknowns, the operator's time [s] and bytes, the preconditioner's time [s] and operations,
+/// and faer's time for these operations [s].
 fn kernels(cells: usize) {
     let block = needle_block(cells);
     let (operator, preconditioner) = (&block.operator, &block.preconditioner);

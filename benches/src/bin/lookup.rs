@@ -57,7 +57,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Best of a few passes over the queries: other load on the machine only ever adds.
+/// Prints the best time of several passes over the queries, since other load on the machine only
+/// adds time.
 fn report(nodes: &str, name: &str, queries: &[(f64, f64)], at: impl Fn(f64, f64) -> f64) {
     let mut best = f64::INFINITY;
     for _ in 0..REPEATS {

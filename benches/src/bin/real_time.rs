@@ -1,5 +1,4 @@
-//! What must keep up with something: the simulator with the clock, a fitted hull with the solver's
-//! grid.
+//! Speed of the driving simulation relative to real time, and of evaluations of a fitted hull.
 
 use std::hint::black_box;
 

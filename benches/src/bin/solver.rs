@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use kufe_benches::{ICE, again, best_of, needle_block, on_half_space, peak_bytes};
+use kufe_benches::{ICE, best_of, measure_again, needle_block, on_half_space, peak_bytes};
 use kufe_contact::{Options, Problem, Runner, Solution, hertz, solve};
 use kufe_fem::{Body, Constraints, ElementKind, Factor, Material, assemble};
 use kufe_mesh::{BobRunner, Paraboloid, Underside};
@@ -41,47 +41,40 @@ fn tables() {
     );
     println!("|---|---|---|---|---|---|---|---|");
     for tolerance in ["0.005", "0.001", "0.0003"] {
-        // A process after the other that solves once, and again and again.
+        // In turn processes that solve once and processes that solve six times.
         let rounds = [(); 5].map(|()| {
             let begun = Instant::now();
-            let cold = again(&["hertz", tolerance, "1"]);
+            let cold: [f64; 5] = measure_again(&["hertz", tolerance, "1"]);
             let whole = begun.elapsed().as_secs_f64();
-            let warm = again(&["hertz", tolerance, "6"]);
-            (whole, cold, number(&warm[1]))
+            let [_, warm, ..]: [f64; 5] = measure_again(&["hertz", tolerance, "6"]);
+            (whole, cold, warm)
         });
         let [solve, warm, whole] = [
-            median(rounds.iter().map(|(_, cold, _)| number(&cold[1]))),
+            median(rounds.iter().map(|&(_, [_, seconds, ..], _)| seconds)),
             median(rounds.iter().map(|&(.., warm)| warm)),
             median(rounds.iter().map(|&(whole, ..)| whole)),
         ];
-        let w = &rounds[0].1;
+        let [error, _, memory, unknowns, iterations] = rounds[0].1;
         println!(
-            "| {} % | {:.3} % | {:.0} ms | {:.0} ms | {:.0} ms | {:.0} MB | {} | {} |",
+            "| {} % | {error:.3} % | {:.0} ms | {:.0} ms | {:.0} ms | {:.0} MB | {unknowns} | {iterations} |",
             100.0 * number(tolerance),
-            number(&w[0]),
             1e3 * solve,
             1e3 * warm,
             1e3 * whole,
-            number(&w[2]) / 1e6,
-            w[3],
-            w[4]
+            memory / 1e6,
         );
     }
     println!(
-        "\nMedians of five processes that solve once; warm: that solve six times, their later solves.\n"
+        "\nMedians of five processes that solve once; warm: the later solves of processes that solve six times.\n"
     );
     println!("### One linear solve, residual 1e-8, aspect ratio over 100\n");
     println!("| unknowns | iterations | set-up | iterations' time | peak memory |");
     println!("|---|---|---|---|---|");
     for cells in ["24", "47", "70", "100", "150"] {
-        let w = again(&["linear", cells]);
+        let [unknowns, iterations, set_up, seconds, memory] = measure_again(&["linear", cells]);
         println!(
-            "| {} | {} | {:.3} s | {:.2} s | {:.2} GB |",
-            w[0],
-            w[1],
-            number(&w[2]),
-            number(&w[3]),
-            number(&w[4]) / 1e9
+            "| {unknowns} | {iterations} | {set_up:.3} s | {seconds:.2} s | {:.2} GB |",
+            memory / 1e9
         );
     }
     println!(
@@ -90,14 +83,12 @@ fn tables() {
     println!("| track radius | contact from end to end | p_max | iterations | unknowns | time |");
     println!("|---|---|---|---|---|---|");
     for radius in ["inf", "60", "32", "30", "29", "15"] {
-        let w = again(&["runner", radius, "1000000"]);
+        let [length, p_max, iterations, unknowns, seconds] =
+            measure_again(&["runner", radius, "1000000"]);
         println!(
-            "| {radius} m | {:.0} mm | {:.1} MPa | {} | {} | {:.2} s |",
-            1e3 * number(&w[0]),
-            number(&w[1]) / 1e6,
-            w[2],
-            w[3],
-            number(&w[4])
+            "| {radius} m | {:.0} mm | {:.1} MPa | {iterations} | {unknowns} | {seconds:.2} s |",
+            1e3 * length,
+            p_max / 1e6
         );
     }
 }
@@ -114,8 +105,8 @@ fn paraboloid(rocker: f64, section: f64) -> Paraboloid {
     Paraboloid::new(rocker, section).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// True error [%], median time of a solve but for the first where there are more, memory, unknowns
-/// and iterations.
+/// Prints true error [%], time of the solve or median time of the later ones [s], memory [bytes],
+/// unknowns and iterations.
 fn hertz_case(tolerance: f64, solves: usize) {
     let problem = on_half_space(rigid(paraboloid(30.0, 0.005)), 0.0, 1000.0);
     let options = Options {
@@ -142,8 +133,8 @@ fn hertz_case(tolerance: f64, solves: usize) {
     );
 }
 
-/// A quarter of a needle-shaped patch under its Hertz pressure, on a graded grid of `cells`^3
-/// cells.
+/// Solves a quarter of a needle-shaped patch under Hertz pressure on a graded grid of `cells`^3
+/// cells. Prints unknowns, iterations, set-up time [s], solution time [s] and memory [bytes].
 fn linear_case(cells: usize) {
     let (set_up, block) = best_of(1, || needle_block(cells));
     let load = block.load();
@@ -172,8 +163,8 @@ fn linear_case(cells: usize) {
     );
 }
 
-/// The same equations by faer's sparse Cholesky: unknowns, seconds to assemble, to factorise and to
-/// solve, memory.
+/// Solves the equations of [`linear_case`] by faer's sparse Cholesky. Prints unknowns, times of
+/// assembly, factorisation and solution [s], and memory [bytes].
 fn direct_case(cells: usize) -> Result<(), kufe_fem::Error> {
     let block = needle_block(cells);
     let nodes = block.grid.node_count();
@@ -216,7 +207,8 @@ fn direct_case(cells: usize) -> Result<(), kufe_fem::Error> {
     Ok(())
 }
 
-/// The runner at the resolution that gives about `dofs` unknowns.
+/// Solves the runner with about `dofs` unknowns. Prints contact length [m], peak pressure [Pa],
+/// iterations, unknowns and time [s].
 fn runner_case(radius: f64, dofs: f64) {
     let bob = BobRunner::default()
         .swept()

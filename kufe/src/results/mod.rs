@@ -1,8 +1,8 @@
 //! Results as typed documents.
 //!
 //! Each command writes one of these structs as JSON, and each command that reads it uses the same
-//! struct. The keys are those of the formats page. [`QUANTITIES`] states the key, the unit and the
-//! label of every number with an error once; text, tables and pages are made from it.
+//! struct. The keys are those of the formats page. [`QUANTITIES`] states the keys and the label of
+//! every number with an error; the unit is the suffix of its key. Text, tables and pages use it.
 //!
 //! | item | document |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! A table for Python and C#, through the shared library of its header; and the function that
+//! A table for Python and C#, through the shared library of its header, and the function that
 //! evaluates MAT-files in MATLAB and Octave.
 
 use std::io::Write;
@@ -73,5 +73,5 @@ impl Table {
     }
 }
 
-/// How a header is compiled to a shared library.
+/// Flags that compile a header to a shared library.
 const FLAGS: &str = "-std=c99 -O2 -ffp-contract=off -shared -fPIC -DKUFE_LUT_SHARED";

@@ -1,7 +1,6 @@
-//! Text from outside, made safe for the languages that it is exported to.
+//! Escaping of external text for the languages of the exports.
 //!
-//! Every string that is not the program's own passes one of these functions: names, versions,
-//! hashes and paths.
+//! Every external string passes one of these functions: names, versions, hashes and paths.
 
 use std::path::Path;
 
@@ -12,7 +11,7 @@ fn ends_line(c: char) -> bool {
     c.is_control() || matches!(c, '\u{2028}' | '\u{2029}')
 }
 
-/// Text within a comment of C or MATLAB: one line that neither ends nor begins a comment.
+/// Text in a comment of C or MATLAB: one line that neither ends nor begins a comment.
 ///
 /// Characters that end a line in any of the languages become spaces, and so do slashes and stars
 /// next to one another and backslashes, which would continue a line.
@@ -38,7 +37,7 @@ pub(super) fn xml(text: &str) -> String {
     quick_xml::escape::escape(&allowed).into_owned()
 }
 
-/// Letters, digits and underscores, not starting with a digit: an identifier of C and MATLAB.
+/// An identifier of C and MATLAB: letters, digits and underscores, not starting with a digit.
 pub(super) fn identifier(name: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     let mut id: String = name.chars().map(plain).collect();
@@ -51,8 +50,7 @@ pub(super) fn identifier(name: &str) -> String {
 /// A path for a script.
 ///
 /// # Errors
-/// [`Error::Invalid`] where it is no Unicode or has characters that end a line or move the
-/// cursor.
+/// [`Error::Invalid`] if it is not Unicode or has characters that end a line or move the cursor.
 pub(super) fn script_path(path: &Path) -> Result<&str, Error> {
     let text = path.to_str().filter(|text| !text.contains(ends_line));
     text.ok_or_else(|| {
@@ -71,8 +69,8 @@ pub(super) fn shell_word(path: &Path) -> Result<String, Error> {
     Ok(format!("'{}'", script_path(path)?.replace('\'', r"'\''")))
 }
 
-/// A path as the value of an option in a `#SBATCH` line: quoted, its percent signs, which begin
-/// patterns, doubled.
+/// A path as the value of an option in a `#SBATCH` line: quoted, with percent signs doubled, since
+/// they begin patterns.
 ///
 /// # Errors
 /// As [`script_path`].

@@ -1,7 +1,7 @@
 //! A table as a Functional Mock-up Unit, FMI 2.0 or 3.0, Model Exchange and Co-Simulation.
 //!
-//! The libraries inside are the same for every table and both versions: they were compiled with
-//! this crate and read the table from the unit's resources. So an FMU is written without a
+//! The libraries inside are equal for all tables and both versions. They are compiled with this
+//! crate and read the table from the resources of the FMU, so that writing an FMU needs no
 //! compiler.
 
 use std::collections::BTreeSet;
@@ -19,7 +19,7 @@ use crate::interpolator::{Interpolator, Mode};
 use crate::quantity::Quantity;
 use crate::table::Table;
 
-/// A compiled library, its platform as FMI 2.0 and 3.0 name it.
+/// A compiled library, with the names of its platform in FMI 2.0 and 3.0.
 struct Library {
     platform: [&'static str; 2],
     ending: &'static str,
@@ -55,16 +55,16 @@ pub enum Fmi {
 pub struct Fmu {
     /// Its table.
     pub table: Table,
-    /// The platforms that it has a library for, as FMI names them.
+    /// FMI names of the platforms of its libraries.
     pub platforms: Vec<String>,
 }
 
 /// Reads the table of an FMU back.
 ///
 /// # Errors
-/// [`Error::Invalid`] past [`MAX_FILE_BYTES`]; [`Error::Zip`] where it is no archive or has no
-/// table in its resources; those of [`Table::read`], which bounds what the table takes when it is
-/// expanded.
+/// [`Error::Invalid`] for more than [`MAX_FILE_BYTES`]; [`Error::Zip`] if it is not an archive or
+/// has no table in its resources; errors of [`Table::read`], which limits the size of the expanded
+/// table.
 pub fn read_fmu(mut reader: impl Read + Seek) -> Result<Fmu, Error> {
     if reader.seek(SeekFrom::End(0))? > MAX_FILE_BYTES {
         return Err(Error::too_large(MAX_FILE_BYTES));
@@ -85,18 +85,18 @@ pub fn read_fmu(mut reader: impl Read + Seek) -> Result<Fmu, Error> {
 
 impl Table {
     /// Writes an FMU whose inputs are `fz`, `v`, `pitch_rate` and `curvature` and whose outputs are
-    /// `pressure` (the peak pressure) and `out_of_range`; of a runner that slides also the input
+    /// `pressure` (the peak pressure) and `out_of_range`; for a sliding runner also the input
     /// `ice_c` and the outputs `mu`, `mu_ploughing`, `mu_viscous`, `mu_boundary`, `groove_depth`
     /// and `film_mean`.
     ///
     /// The parameter `use_curvature` takes the input `curvature` instead of `-pitch_rate / v`;
-    /// `smooth` chooses the mode. The unit holds libraries for the platform that this crate was
-    /// built on and, where it was built with MinGW-w64 at hand, for Windows, and its sources for
-    /// others. `rocker_radius` as in [`Table::write_header`].
+    /// `smooth` chooses the mode. The FMU contains libraries for the platform of this crate's build
+    /// and, if it was built with MinGW-w64, for Windows, and the sources for other platforms.
+    /// `rocker_radius` as in [`Table::write_header`].
     ///
     /// # Errors
-    /// [`Error::Invalid`] where this crate was built without a C compiler, or the radius is not on
-    /// the axis; [`Error::RockerNeeded`]; [`Error::Zip`] and [`Error::Stream`].
+    /// [`Error::Invalid`] if this crate was built without a C compiler, or if the radius is not a
+    /// breakpoint of the axis; [`Error::RockerNeeded`]; [`Error::Zip`] and [`Error::Stream`].
     pub fn write_fmu(
         &self,
         name: &str,
@@ -151,7 +151,7 @@ impl Table {
         Ok(())
     }
 
-    /// What follows magic and token in `resources/table.bin` (see `Head` in c/unit.h),
+    /// The numbers after magic and token in `resources/table.bin` (see `Head` in c/unit.h),
     /// little-endian.
     fn fmu_numbers(&self, rocker_radius: Option<f64>) -> Result<Vec<u8>, Error> {
         let quantities = self.fmu_quantities();
@@ -172,7 +172,7 @@ impl Table {
                 }
             }
             logarithmic |= u32::from(smooth.logarithmic) << k;
-            // The plain values do not depend on the mode but at a rocker radius between
+            // The values without logarithm depend on the mode only at a rocker radius between
             // breakpoints, which exports refuse.
             numbers.extend(&smooth.values);
             numbers.extend(smooth.flat_jets());
@@ -191,14 +191,14 @@ impl Table {
         Ok(counts.chain(numbers).collect())
     }
 
-    /// The peak pressure, and the further quantities of a runner that slides.
+    /// The peak pressure, and for a sliding runner the further quantities.
     fn fmu_quantities(&self) -> Vec<Quantity> {
         let at_rest = Quantity::of(false).len();
         let sliding = self.quantities()[at_rest..].iter().copied();
         std::iter::once(Quantity::PMax).chain(sliding).collect()
     }
 
-    /// The variables, whose value references are their places.
+    /// The variables; the value reference of a variable is its index.
     fn fmu_variables(&self) -> Vec<Variable> {
         let of_table = |line: &&str| self.is_sliding() || !line.contains(";ice_c;");
         let variable = |line: &'static str| {
@@ -230,7 +230,7 @@ impl Table {
     /// modelDescription.xml.
     fn model_description(&self, name: &str, token: &str, fmi: Fmi) -> String {
         let variables = self.fmu_variables();
-        // FMI 2.0 counts variables from 1, FMI 3.0 names their references, which begin at 0.
+        // FMI 2.0 numbers variables from 1; FMI 3.0 uses value references, which begin at 0.
         let first = [1, 0][fmi as usize];
         let places = |causality: &'static str| {
             let pairs = variables.iter().zip(first..);
@@ -302,19 +302,19 @@ struct Variable {
     causality: &'static str,
     /// The unit of a real number, or [`BOOLEAN`].
     unit: &'static str,
-    /// The value that it starts with; empty where it has none.
+    /// The start value; empty without one.
     start: String,
     description: &'static str,
 }
 
-/// In the place of a unit: the variable is a Boolean.
+/// Unit that marks a Boolean variable.
 const BOOLEAN: &str = "";
 
-/// Causality, name, unit, start and description of the variables but further quantities; a start may
-/// be the key of an axis, for its first breakpoint.
+/// Causality, name, unit, start value and description of all variables except further quantities.
+/// The key of an axis as start value means its first breakpoint.
 const VARIABLES: &str = include_str!("variables.csv");
 
-/// Units of variables, but 1, with what they are made of.
+/// Units of variables, except 1, with their base units.
 const UNITS: [(&str, &str); 8] = [
     ("s", "<BaseUnit s=\"1\"/>"),
     ("N", "<BaseUnit kg=\"1\" m=\"1\" s=\"-2\"/>"),
@@ -330,7 +330,7 @@ const UNITS: [(&str, &str); 8] = [
 ];
 
 impl Variable {
-    /// Its element at a place of the list.
+    /// The XML element of the variable with the value reference `place`.
     fn element(&self, place: usize, fmi: Fmi) -> String {
         let is_boolean = self.unit == BOOLEAN;
         let variability = match (self.causality, is_boolean) {
@@ -344,18 +344,20 @@ impl Variable {
             self.causality,
             xml(self.description)
         );
-        let mut own = String::new();
+        let mut attributes = String::new();
         if !is_boolean && self.unit != "1" {
-            own += &format!(" unit=\"{}\"", self.unit);
+            attributes += &format!(" unit=\"{}\"", self.unit);
         }
         if !self.start.is_empty() {
-            own += &format!(" start=\"{}\"", self.start);
+            attributes += &format!(" start=\"{}\"", self.start);
         }
         let real = ["Real", "Float64"][fmi as usize];
         let kind = if is_boolean { "Boolean" } else { real };
         match fmi {
-            Fmi::V2 => format!("    <ScalarVariable {common}><{kind}{own}/></ScalarVariable>\n"),
-            Fmi::V3 => format!("    <{kind} {common}{own}/>\n"),
+            Fmi::V2 => {
+                format!("    <ScalarVariable {common}><{kind}{attributes}/></ScalarVariable>\n")
+            }
+            Fmi::V3 => format!("    <{kind} {common}{attributes}/>\n"),
         }
     }
 }

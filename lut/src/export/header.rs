@@ -1,4 +1,4 @@
-//! A table as a C99 header: its arrays and the functions that evaluate them.
+//! A table as a C99 header: arrays, and functions that evaluate them.
 
 use std::fmt::Write as _;
 use std::io::Write;
@@ -9,7 +9,7 @@ use crate::export::escape::{comment, identifier};
 use crate::interpolator::{Breakpoints, Interpolator, Mode};
 use crate::table::Table;
 
-/// The axes along which layers lie, as C code has them.
+/// The axes that stack layers, with their names in C.
 pub(crate) const LAYER_AXES: [(AxisKind, &str); 2] =
     [(AxisKind::Speed, "v"), (AxisKind::IceTemperature, "ice_c")];
 
@@ -18,12 +18,12 @@ pub(crate) const EVALUATION: &str = include_str!("../../c/kufe_lut.h");
 
 /// The functions of a table in C: one for each quantity and mode, and one with derivatives.
 pub(crate) struct Symbols {
-    /// The table's name as an identifier; the functions' names begin with it.
+    /// The table's name as an identifier, the prefix of the functions' names.
     pub name: String,
     /// Arguments in order.
     pub arguments: &'static [&'static str],
-    /// Names, without that of the table, of the functions that return `kufe_lut_interpolated`; with
-    /// [`DERIVATIVES`] behind them, of those that return `kufe_lut_derivatives`.
+    /// Names, without the prefix, of the functions that return `kufe_lut_interpolated`. With
+    /// [`DERIVATIVES`] appended they return `kufe_lut_derivatives`.
     pub functions: Vec<String>,
 }
 
@@ -36,14 +36,14 @@ impl Symbols {
     }
 }
 
-/// Ending of the functions that also give derivatives.
+/// Suffix of the functions that also return derivatives.
 pub(crate) const DERIVATIVES: &str = "_derivatives";
 
 /// Fields of `kufe_lut_derivatives`, all of type double, before its flag `out_of_range`.
 pub(crate) const FIELDS: [&str; 5] = ["value", "d_fz", "d_curvature", "d_v", "d_ice_c"];
 
 impl Table {
-    /// The functions that the header of this name has.
+    /// The functions of the header of this name.
     pub(crate) fn symbols(&self, name: &str) -> Symbols {
         let functions = self.quantities().iter().flat_map(|quantity| {
             Mode::ALL.map(|mode| format!("{}_{}", quantity.name(), mode.name()))
@@ -60,17 +60,16 @@ impl Table {
     }
 
     /// Writes a C99 header with all quantities: `NAME_QUANTITY_bilinear(fz, curvature)` and
-    /// `NAME_QUANTITY_smooth(fz, curvature)` return a value and the out-of-range flag, and the same
-    /// with `_derivatives` behind it also the first derivatives; nothing else is needed to use them
-    /// but `libm`. Where the table has speeds or temperatures of the ice the functions take `(fz,
-    /// curvature, v, ice_c)`.
+    /// `NAME_QUANTITY_smooth(fz, curvature)` return a value and the out-of-range flag, and with the
+    /// suffix `_derivatives` also the first derivatives. They need only `libm`. If the table has
+    /// speeds or temperatures of the ice, the arguments are `(fz, curvature, v, ice_c)`.
     ///
-    /// Macros hold the range and the rule of every axis (`NAME_FZ_N_MIN`, `_MAX`, `_OUTSIDE`), and
-    /// `NAME_QUANTITY_errors` the measured errors. With `KUFE_LUT_SHARED` defined the functions are
-    /// those of a shared library.
+    /// Macros state the range and the rule of every axis (`NAME_FZ_N_MIN`, `_MAX`, `_OUTSIDE`), and
+    /// `NAME_QUANTITY_errors` the measured errors. `KUFE_LUT_SHARED` exports the functions from a
+    /// shared library.
     ///
-    /// `name` becomes a C identifier; several such headers fit into one program. `rocker_radius`
-    /// chooses a breakpoint of the rocker axis where the table has one [m].
+    /// `name` becomes a C identifier; several such headers fit into one program. `rocker_radius` is
+    /// a breakpoint of the rocker axis, if the table has one [m].
     ///
     /// # Errors
     /// [`Error::RockerNeeded`] and [`Error::Invalid`] as [`Interpolator::new`];
@@ -101,16 +100,16 @@ impl Table {
             }
         };
         let declared = symbols.declared();
-        let given = match symbols.arguments.len() {
+        let passed = match symbols.arguments.len() {
             2 => "fz, curvature, 0.0, 0.0",
             _ => "fz, curvature, v, ice_c",
         };
         for &quantity in self.quantities() {
-            let own = format!("{name}_{}", quantity.name());
+            let symbol = format!("{name}_{}", quantity.name());
             let smooth = Interpolator::new(self, quantity, Mode::Smooth, rocker_radius)?;
             text += &format!("/* {} [{}] */\n", quantity.key(), quantity.unit());
-            array(&mut text, &format!("{own}_values"), &smooth.values);
-            array(&mut text, &format!("{own}_jets"), &smooth.flat_jets());
+            array(&mut text, &format!("{symbol}_values"), &smooth.values);
+            array(&mut text, &format!("{symbol}_jets"), &smooth.flat_jets());
             let mut errors = vec![self.solver_error_of(quantity)];
             for mode in [Mode::Smooth, Mode::Bilinear] {
                 let measured = self.interpolation_error(quantity, mode)?;
@@ -121,20 +120,20 @@ impl Table {
             let errors = errors.map(|error| error.map_or("(double)NAN".into(), number));
             let errors: Vec<String> = errors.collect();
             text += &format!(
-                "static KUFE_LUT_UNUSED const kufe_lut_errors {own}_errors = {{ {} }};\n\
-                 static KUFE_LUT_UNUSED const kufe_lut_table {own} = {{ &{name}_fz, &{name}_curvature, &{name}_v, \
-                 &{name}_ice_c, {flush}, {own}_values, {own}_jets, {} }};\n",
+                "static KUFE_LUT_UNUSED const kufe_lut_errors {symbol}_errors = {{ {} }};\n\
+                 static KUFE_LUT_UNUSED const kufe_lut_table {symbol} = {{ &{name}_fz, &{name}_curvature, &{name}_v, \
+                 &{name}_ice_c, {flush}, {symbol}_values, {symbol}_jets, {} }};\n",
                 errors.join(", "),
                 u8::from(smooth.logarithmic)
             );
             for mode in Mode::ALL {
-                let function = format!("{own}_{}", mode.name());
+                let function = format!("{symbol}_{}", mode.name());
                 let smooth = u8::from(mode == Mode::Smooth);
                 text += &format!(
                     "KUFE_LUT_API kufe_lut_interpolated {function}({declared}) {{\n  \
-                     return kufe_lut_at(&{own}, {given}, {smooth});\n}}\n\
+                     return kufe_lut_at(&{symbol}, {passed}, {smooth});\n}}\n\
                      KUFE_LUT_API kufe_lut_derivatives {function}{DERIVATIVES}({declared}) {{\n  \
-                     return kufe_lut_derivatives_at(&{own}, {given}, {smooth});\n}}\n"
+                     return kufe_lut_derivatives_at(&{symbol}, {passed}, {smooth});\n}}\n"
                 );
             }
             text.push('\n');
@@ -144,7 +143,7 @@ impl Table {
         Ok(())
     }
 
-    /// Macros of the range and the rule of each axis that the functions have.
+    /// Macros with range and rule of each axis of the functions.
     fn ranges(&self, name: &str) -> String {
         let name = name.to_uppercase();
         let axes = self.axes();
@@ -186,7 +185,7 @@ impl Table {
     }
 }
 
-/// An axis with its arrays; one without breakpoints where there is none.
+/// C definition of an axis with its arrays; without breakpoints for an absent axis.
 fn axis_of(points: Option<&Breakpoints>, name: &str) -> String {
     let mut text = String::new();
     let definition = match points {
@@ -198,7 +197,7 @@ fn axis_of(points: Option<&Breakpoints>, name: &str) -> String {
                 names[0] = format!("{name}_scaled");
                 array(&mut text, &names[0], &points.scaled);
             }
-            // One breakpoint has no cell, and C no empty array.
+            // An axis of one breakpoint has no cell, and C has no empty arrays.
             if !points.slopes.is_empty() {
                 names[1] = format!("{name}_slopes");
                 array(&mut text, &names[1], &points.slopes.concat().concat());
@@ -215,7 +214,7 @@ fn axis_of(points: Option<&Breakpoints>, name: &str) -> String {
     text + &format!("static KUFE_LUT_UNUSED const kufe_lut_axis {name} = {definition};\n")
 }
 
-/// An export has no rocker axis: its radius must be a breakpoint.
+/// An export has no rocker axis: the radius must be a breakpoint.
 pub(crate) fn rocker_on_axis(table: &Table, rocker_radius: Option<f64>) -> Result<(), Error> {
     match (table.axes().rocker_radius(), rocker_radius) {
         (Some(radii), Some(value)) if !radii.contains(&value) => {
@@ -234,7 +233,7 @@ fn array(text: &mut String, name: &str, values: &[f64]) {
     );
     for (n, value) in values.iter().enumerate() {
         *text += if n % 6 == 0 { "\n  " } else { " " };
-        // Shortest text that reads back as the same bits; writing to a String cannot fail.
+        // The shortest text that reads back as equal bits; writing to a String cannot fail.
         let _ = write!(text, "{value:e},");
     }
     *text += "\n};\n";

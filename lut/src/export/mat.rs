@@ -2,7 +2,7 @@
 //! tables in that form.
 //!
 //! Layout after MathWorks, "MAT-File Format" (version 5): a 128-byte header, then one `miMATRIX`
-//! element a variable, each made of tagged parts padded to 8 bytes. Everything is little-endian.
+//! element per variable, each made of tagged parts padded to 8 bytes. Everything is little-endian.
 
 use std::io::{Error, Result, Write};
 
@@ -20,8 +20,8 @@ const MX_CELL: u32 = 1;
 const MX_STRUCT: u32 = 2;
 const MX_CHAR: u32 = 4;
 const MX_DOUBLE: u32 = 6;
-/// Longest name that MATLAB takes, and with the zero after it.
-const LONGEST: usize = 63;
+/// Largest length of a name in MATLAB, without the terminating zero.
+const MAX_NAME: usize = 63;
 
 /// A variable of a MAT-file.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,10 +30,9 @@ pub enum MatValue {
     Numbers(Vec<usize>, Vec<f64>),
     /// A line of text.
     Text(String),
-    /// A row of structures: the names of their fields, and the fields' values structure by
-    /// structure.
+    /// A row of structures: names of the fields, and values of the fields for each structure.
     Structures(Vec<String>, Vec<Vec<MatValue>>),
-    /// A row of anything.
+    /// A row of cells.
     Cells(Vec<MatValue>),
 }
 
@@ -66,11 +65,11 @@ impl MatValue {
                 matrix(MX_CHAR, name, &[1, units.len()], &part(MI_UINT16, &data))
             }
             MatValue::Structures(names, rows) => {
-                // In one word with its tag, as MATLAB does: Octave takes the length of names in no
-                // other form.
-                let mut data = words(&[MI_INT32 | 4 << 16, LONGEST as u32 + 1]);
-                let mut table = vec![0; names.len() * (LONGEST + 1)];
-                for (to, name) in table.chunks_exact_mut(LONGEST + 1).zip(names) {
+                // In one word with its tag, as in MATLAB's own files: Octave reads the length of
+                // names in this form only.
+                let mut data = words(&[MI_INT32 | 4 << 16, MAX_NAME as u32 + 1]);
+                let mut table = vec![0; names.len() * (MAX_NAME + 1)];
+                for (to, name) in table.chunks_exact_mut(MAX_NAME + 1).zip(names) {
                     let name = variable_name(name);
                     to[..name.len()].copy_from_slice(name.as_bytes());
                 }
@@ -86,11 +85,11 @@ impl MatValue {
     }
 }
 
-/// Writes variables as a MAT-file of version 5, `version` being that of kufe, and after them
-/// `units`: a structure with the unit of each name of numbers that has one.
+/// Writes variables as a MAT-file of version 5, followed by `units`, a structure with the unit of
+/// each numeric name that has one. `version` is the version of kufe.
 ///
 /// # Errors
-/// Those of the writer, and where a variable is longer than the format's 2 GiB.
+/// Errors of the writer, and for a variable above the 2 GiB of the format.
 pub fn write_mat_file(
     writer: &mut dyn Write,
     version: &str,
@@ -111,8 +110,7 @@ pub fn write_mat_file(
     Ok(())
 }
 
-/// A structure with the unit of each name of numbers in the variables that has one, those of
-/// structures' fields among them.
+/// A structure with the unit of each numeric variable or field that has one.
 fn units(variables: &[(String, MatValue)]) -> MatValue {
     let mut names = Vec::new();
     for (name, value) in variables {
@@ -123,7 +121,7 @@ fn units(variables: &[(String, MatValue)]) -> MatValue {
     MatValue::structure(units.collect())
 }
 
-/// The names of numbers, each once.
+/// Collects the names of numeric variables and fields, each once.
 fn names_in<'a>(name: &'a str, value: &'a MatValue, names: &mut Vec<&'a str>) {
     match value {
         MatValue::Numbers(..) if !names.contains(&name) => names.push(name),
@@ -139,13 +137,13 @@ fn names_in<'a>(name: &'a str, value: &'a MatValue, names: &mut Vec<&'a str>) {
     }
 }
 
-/// A name that MATLAB takes: letters, digits and underscores, a letter first, at most 63.
+/// A valid name in MATLAB: letters, digits and underscores, a letter first, at most 63 characters.
 fn variable_name(name: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     let first = name.chars().next().is_some_and(|c| c.is_ascii_alphabetic());
     let start = if first { "" } else { "x" };
     let name = start.chars().chain(name.chars().map(plain));
-    name.take(LONGEST).collect()
+    name.take(MAX_NAME).collect()
 }
 
 /// The first 128 bytes.
@@ -180,7 +178,7 @@ fn part(kind: u32, bytes: &[u8]) -> Vec<u8> {
     part
 }
 
-/// The unit of a name that has one, in MATLAB's spelling.
+/// The unit of a name in MATLAB's spelling; `None` without a unit.
 fn unit(name: &str) -> Option<String> {
     let unit = unit_of(name);
     let unit = match &*unit {
@@ -206,15 +204,15 @@ impl Table {
     /// `outside`, the rule of every axis, `case_json`, `case_sha256` and `version` as text, and
     /// `units`.
     ///
-    /// Where the second axis holds reduced curvatures it is called `reduced_curvature`; `flush`
-    /// holds the four numbers that define them (flush curvature, scale, ends) and `curvature_1pm`
-    /// the curvature of every node.
+    /// If the second axis has reduced curvatures, its name is `reduced_curvature`; `flush` contains
+    /// the four numbers that define them (flush curvature, scale, ends), and `curvature_1pm` the
+    /// curvature of every node.
     ///
     /// In Simulink's n-D Lookup Table: breakpoints 1 `fz_n`, breakpoints 2 `curvature_1pm`, table
     /// data `p_max_pa`.
     ///
     /// # Errors
-    /// [`crate::Error::Stream`] where the writer fails.
+    /// [`crate::Error::Stream`] if the writer fails.
     pub fn write_mat(&self, writer: &mut dyn Write) -> std::result::Result<(), crate::Error> {
         let axes = self.axes();
         let named = axes.named();
@@ -256,7 +254,7 @@ impl Table {
 /// The values of all nodes, force fastest.
 fn column_major(shape: &[usize], values: &[f64]) -> Vec<f64> {
     let node = |n: usize| {
-        // Breakpoints from the first axis on, numbered with the last axis fastest.
+        // Index with the last axis fastest, from an index with the first axis fastest.
         let (node, _) = shape.iter().fold((0, n), |(node, rest), &length| {
             (node * length + rest % length, rest / length)
         });

@@ -1,5 +1,5 @@
-//! The forms that other programs read: CSV, MAT-files, C headers and their callers, blocks for
-//! Simulink, FMUs, and scripts for clusters.
+//! Formats of other programs: CSV, MAT-files, C headers and their callers, blocks for Simulink,
+//! FMUs, and scripts for clusters.
 
 mod bindings;
 mod escape;
@@ -20,7 +20,7 @@ use std::io::Write;
 use crate::error::Error;
 use crate::table::Table;
 
-/// A template with its slots `$NAME$` filled.
+/// Fills the slots `$NAME$` of a template.
 fn filled(template: &str, slots: &[(&str, &str)]) -> String {
     let parts = template.split('$').enumerate();
     let text = parts.map(|(place, part)| match place % 2 {
@@ -34,7 +34,7 @@ fn filled(template: &str, slots: &[(&str, &str)]) -> String {
 }
 
 impl Table {
-    /// The figures by their keys: values at the nodes, and errors where there are such.
+    /// The figures by their keys: values at the nodes, and errors if known.
     fn figures(&self) -> Vec<(&'static str, Vec<f64>)> {
         let figures = self.quantities().iter().flat_map(|&quantity| {
             let values = self.values(quantity).map(|values| (quantity.key(), values));
@@ -48,7 +48,7 @@ impl Table {
     /// Writes the nodes as CSV: the axes, then the figures, each with its unit in its name.
     ///
     /// # Errors
-    /// [`Error::Csv`] where the writer fails.
+    /// [`Error::Csv`] if the writer fails.
     pub fn write_csv(&self, writer: &mut dyn Write) -> Result<(), Error> {
         let mut csv = csv::Writer::from_writer(writer);
         let points = self.axes().points();
@@ -58,7 +58,7 @@ impl Table {
         for (node, point) in points.iter().enumerate() {
             let values = figures.iter().map(|(_, values)| values[node]);
             let row = point.named().map(|(_, value)| value).chain(values);
-            // `{}` of an f64 is the shortest text that reads back as the same bits.
+            // `{}` of an f64 is the shortest text that reads back as equal bits.
             csv.write_record(row.map(|value| value.to_string()))?;
         }
         csv.flush()?;

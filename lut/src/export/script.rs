@@ -8,13 +8,12 @@ use crate::export::escape::{shell_word, slurm_value};
 /// The version of kufe, as a comment.
 const MARK: &str = concat!("# kufe ", env!("CARGO_PKG_VERSION"), "\n");
 
-/// A Slurm job array, one shard a task: `sbatch --wait slurm.sh`.
+/// A Slurm job array, one shard per task: `sbatch --wait slurm.sh`.
 ///
-/// Tasks that fail are run again by submitting the script again: finished points are not solved
-/// again.
+/// Submitting the script again repeats failed tasks; finished points are not solved again.
 ///
 /// # Errors
-/// [`Error::Invalid`] where a path has characters that a script cannot name.
+/// [`Error::Invalid`] for a path with characters that a script cannot contain.
 pub fn slurm_script(kufe: &Path, plan: &Path, shards: usize) -> Result<String, Error> {
     let log = format!(
         "{}/slurm-%A_%a.log\"",
@@ -34,13 +33,14 @@ pub fn slurm_script(kufe: &Path, plan: &Path, shards: usize) -> Result<String, E
     ))
 }
 
-/// The same with GNU parallel, on this machine: `sh parallel.sh`, again to run what failed.
+/// A script for GNU parallel on this machine, `sh parallel.sh`; running it again repeats failed
+/// shards.
 ///
 /// # Errors
-/// [`Error::Invalid`] where a path has characters that a script cannot name.
+/// [`Error::Invalid`] for a path with characters that a script cannot contain.
 pub fn parallel_script(kufe: &Path, plan: &Path, shards: usize) -> Result<String, Error> {
-    // GNU parallel gives its command to a shell: paths come as variables, which that shell does not
-    // parse again.
+    // GNU parallel passes its command to a shell. Paths are passed as variables, which this shell
+    // does not parse again.
     Ok(format!(
         "#!/bin/sh\n\
          {MARK}\

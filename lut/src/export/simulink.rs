@@ -1,5 +1,5 @@
-//! A table as a block for Simulink: a C MEX S-function of its header, and the MATLAB script that
-//! builds a library with it.
+//! A table as a Simulink block: a C MEX S-function that includes its header, and the MATLAB script
+//! that builds a library with it.
 
 use std::io::Write;
 
@@ -11,11 +11,11 @@ use crate::interpolator::Mode;
 use crate::quantity::Quantity;
 use crate::table::Table;
 
-/// An input or output of the block: its name with the unit, and that unit as Simulink writes it.
+/// An input or output of the block: its name, and its unit in Simulink's spelling.
 type Port = (&'static str, &'static str);
 
 /// The description in the block's mask; text within single quotes of MATLAB.
-const DESCRIBED: &str = "Figures of a contact over normal force and track curvature; out_of_range is 1 where an input was outside";
+const DESCRIPTION: &str = "Figures of a contact over normal force and track curvature; out_of_range is 1 where an input was outside";
 
 /// The files of the block for a table of this name: header, S-function, script.
 pub fn simulink_files(name: &str) -> [String; 3] {
@@ -29,8 +29,8 @@ pub fn simulink_files(name: &str) -> [String; 3] {
 
 impl Table {
     /// Writes the S-function (level 2, C MEX) that includes the header of [`Table::write_header`]
-    /// and gives each quantity of the table at one output, and whether an input was outside at the
-    /// last. Its parameter is 1 for the smooth mode, 2 for the bilinear one.
+    /// and has one output per quantity of the table; its last output states whether an input was
+    /// outside. Its parameter is 1 for the smooth mode and 2 for the bilinear mode.
     ///
     /// Sources: MathWorks, "Create C S-Functions" (Simulink): the four callbacks that a level-2
     /// S-function must have.
@@ -47,13 +47,13 @@ impl Table {
         rocker_on_axis(self, rocker_radius)?;
         let name = identifier(name);
         let (inputs, outputs) = self.ports();
-        let given = (0..inputs.len()).map(|k| format!("*ssGetInputPortRealSignal(S, {k})"));
-        let given: Vec<String> = given.collect();
+        let arguments = (0..inputs.len()).map(|k| format!("*ssGetInputPortRealSignal(S, {k})"));
+        let arguments: Vec<String> = arguments.collect();
         let mut outputs_text = String::new();
         for (k, quantity) in self.quantities().iter().enumerate() {
-            let own = format!("{name}_{}", quantity.name());
+            let symbol = format!("{name}_{}", quantity.name());
             let [smooth, bilinear] = [Mode::Smooth, Mode::Bilinear]
-                .map(|mode| format!("{own}_{}({})", mode.name(), given.join(", ")));
+                .map(|mode| format!("{symbol}_{}({})", mode.name(), arguments.join(", ")));
             outputs_text += &format!(
                 "  found = smooth ? {smooth} : {bilinear};\n  *ssGetOutputPortRealSignal(S, {k}) = found.value;\n  \
                  outside |= found.out_of_range;\n  refused |= found.out_of_range == 2;\n"
@@ -80,8 +80,8 @@ impl Table {
     }
 
     /// Writes the MATLAB script that compiles the S-function and builds a library, `NAME_lib`, with
-    /// one block: ports have the names and units of the table's columns, the block's parameter
-    /// chooses the mode.
+    /// one block. Its ports have the names and units of the table's columns; its parameter chooses
+    /// the mode.
     ///
     /// # Errors
     /// [`Error::Stream`].
@@ -100,24 +100,24 @@ impl Table {
             ("bottom", &(60 + 40 * outputs.len()).to_string()),
             ("ins", &list(&inputs)),
             ("outs", &list(&outputs)),
-            ("described", DESCRIBED),
+            ("described", DESCRIPTION),
         ];
         let text = filled(include_str!("simulink.m.txt"), &slots);
         writer.write_all(text.as_bytes())?;
         Ok(())
     }
 
-    /// What goes in and what comes out, with units; 1 for pure numbers.
+    /// Inputs and outputs with their units; 1 for dimensionless quantities.
     fn ports(&self) -> (Vec<Port>, Vec<Port>) {
         let mut inputs = vec![("fz_n", "N"), ("curvature_1pm", "1/m")];
         if self.axes().is_sliding() {
             inputs.extend([("v_mps", "m/s"), ("ice_c", "degC")]);
         }
-        let of = |quantity: &Quantity| match quantity.unit() {
+        let port = |quantity: &Quantity| match quantity.unit() {
             "m2" => (quantity.key(), "m^2"),
             unit => (quantity.key(), unit),
         };
-        let mut outputs: Vec<Port> = self.quantities().iter().map(of).collect();
+        let mut outputs: Vec<Port> = self.quantities().iter().map(port).collect();
         outputs.push(("out_of_range", "1"));
         (inputs, outputs)
     }

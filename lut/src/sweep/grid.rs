@@ -1,33 +1,33 @@
-//! The grid that refinement grows: places on the axes, their middles, and points spread over them.
+//! The grid of a refinement: breakpoints, midpoints of intervals, and quasi-random points.
 
 use crate::axes::{Axes, AxisKind, KINDS, Point};
 use crate::error::Error;
 use crate::reduced::CurvatureScaling;
 use crate::sweep::plan::{Plan, Spacing};
 
-/// Coordinates by kind of axis, the second one perhaps reduced; along an axis that is not there it
-/// is ignored.
+/// Coordinates by kind of axis; the second one may be a reduced curvature. The coordinate of an
+/// absent axis is ignored.
 pub(crate) type Place = [f64; KINDS];
 
-/// A place with another coordinate along an axis.
+/// Replaces the coordinate along an axis.
 fn with(mut place: Place, axis: usize, value: f64) -> Place {
     place[axis] = value;
     place
 }
 
-/// The places on each axis.
+/// The breakpoints of each axis.
 pub(crate) struct Grid {
-    /// Breakpoints by kind of axis, one that is ignored without the axis.
+    /// Breakpoints by kind of axis; for an absent axis a single one, which is ignored.
     pub values: [Vec<f64>; KINDS],
-    /// The axes that may grow.
+    /// Whether an axis is refined.
     pub refined: [bool; KINDS],
     flush: Option<CurvatureScaling>,
-    /// The axes of the plan.
+    /// Whether the plan has an axis.
     has: [bool; KINDS],
 }
 
-/// The middle of an interval as the sweep divides it: of logarithms of forces, radii and speeds, of
-/// plain curvatures and temperatures.
+/// The midpoint of an interval: geometric mean of forces, radii and speeds, arithmetic mean of
+/// curvatures and temperatures.
 pub(crate) fn middle(axis: usize, low: f64, high: f64) -> f64 {
     if AxisKind::ALL[axis].is_logarithmic() {
         (low * high).sqrt()
@@ -37,7 +37,7 @@ pub(crate) fn middle(axis: usize, low: f64, high: f64) -> f64 {
 }
 
 impl Grid {
-    /// Five points on every range, the given ones elsewhere.
+    /// Five breakpoints on every range, the given ones elsewhere.
     ///
     /// # Errors
     /// [`Error::Axis`] for ranges without extent; [`Error::Invalid`] for reduced curvatures that do
@@ -105,7 +105,7 @@ impl Grid {
         self.product(&all.map(|values| (0..values.len()).collect()))
     }
 
-    /// The places at these breakpoints of each axis, the last axis fastest.
+    /// The tensor product of these breakpoints of each axis, the last axis fastest.
     pub fn product(&self, breakpoints: &[Vec<usize>; KINDS]) -> Vec<Place> {
         let mut places: Vec<Place> = vec![[0.0; KINDS]];
         for (axis, indices) in breakpoints.iter().enumerate() {
@@ -118,7 +118,7 @@ impl Grid {
         places
     }
 
-    /// Middles of the intervals of every refined axis, on every other grid line.
+    /// Midpoints of the intervals of every refined axis, on every second grid line.
     pub fn middles(&self) -> Vec<Place> {
         let sparse: [Vec<usize>; KINDS] = self.values.each_ref().map(|values| {
             let last = values.len() - 1;
@@ -138,8 +138,8 @@ impl Grid {
         places
     }
 
-    /// Spread places; where an axis is given by its values, every other place lies on one of them,
-    /// so that it measures the refined axes alone.
+    /// Quasi-random places. Every second place is moved to a breakpoint of each axis with given
+    /// values, so that it measures the refined axes alone.
     pub fn spread(&self, count: usize) -> Vec<Place> {
         let mut places = spread(&self.values, count);
         for at in places.iter_mut().step_by(2) {
@@ -152,14 +152,15 @@ impl Grid {
         places
     }
 
-    /// The interval of an axis that holds a value.
+    /// The interval of an axis that contains a value.
     pub fn interval(&self, axis: usize, value: f64) -> usize {
         let values = &self.values[axis];
         let after = values.partition_point(|&v| v <= value);
         after.clamp(1, values.len() - 1) - 1
     }
 
-    /// Whether halves of interval `k` are no smaller than `smallest`, a part of the axis.
+    /// Whether interval `k` may be halved: whether it is longer than 1.5 times `smallest`, a
+    /// fraction of the axis.
     pub fn divisible(&self, axis: usize, k: usize, smallest: f64) -> bool {
         let values = &self.values[axis];
         let at = |i: usize| AxisKind::ALL[axis].scaled(values[i]);
@@ -168,12 +169,12 @@ impl Grid {
     }
 }
 
-/// Five places from one end to the other, each in the middle of its neighbours.
+/// Five breakpoints from one end to the other, each at the midpoint of its neighbours.
 fn five(axis: usize, from: f64, to: f64) -> Result<Vec<f64>, Error> {
     let wrong = |index, value, expected| {
         Error::axis_value(AxisKind::ALL[axis].key(), index, value, expected)
     };
-    // The ends are checked before anything is computed from them.
+    // Checked before the midpoints are computed.
     let usable = |v: f64| v.is_finite() && (v > 0.0 || !AxisKind::ALL[axis].is_logarithmic());
     for (index, value) in [from, to].into_iter().enumerate() {
         if !usable(value) {
@@ -189,12 +190,11 @@ fn five(axis: usize, from: f64, to: f64) -> Result<Vec<f64>, Error> {
     Ok(vec![from, low, centre, high, to])
 }
 
-/// `count` places spread evenly between the ends of the axes: the R2 sequence (M. Roberts, The
+/// `count` quasi-random places between the ends of the axes: the R2 sequence (M. Roberts, The
 /// unreasonable effectiveness of quasirandom sequences, 2018) in the logarithms of forces, radii
-/// and speeds and in plain curvatures and temperatures.
+/// and speeds, and in curvatures and temperatures.
 pub(crate) fn spread(values: &[Vec<f64>; KINDS], count: usize) -> Vec<Place> {
-    // Powers of 1/g for the root g of g^4 = g + 1, and of g^6 = g + 1 where there are more than
-    // three axes.
+    // Powers of 1/g for the root g of g^4 = g + 1, and of g^6 = g + 1 for more than three axes.
     const THREE: [f64; KINDS] = [
         0.819_172_513_396_164_4,
         0.671_043_606_703_789_2,

@@ -1,5 +1,5 @@
-//! Filling a table: given points, or points placed until the interpolation is as accurate as
-//! requested.
+//! Computation of a table: at given points, or at points placed until the interpolation has the
+//! requested accuracy.
 
 mod grid;
 mod parallel;
@@ -20,7 +20,7 @@ use crate::table::{Table, check_finite};
 /// A failed sweep.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError<E: std::error::Error + 'static> {
-    /// The plan or the table is at fault.
+    /// An invalid plan or table.
     #[error(transparent)]
     Table(#[from] Error),
     /// A solve failed.
@@ -33,12 +33,12 @@ pub enum SweepError<E: std::error::Error + 'static> {
     },
 }
 
-/// A table and whether refinement reached its tolerance.
+/// A table, and whether its refinement reached the tolerance.
 #[derive(Debug)]
 pub struct SweepResult {
     /// The table; complete and usable in any case.
     pub table: Table,
-    /// [`Error::ToleranceNotReached`] where refinement ran into a limit.
+    /// [`Error::ToleranceNotReached`] if the refinement reached a limit; else `None`.
     pub shortfall: Option<Error>,
 }
 
@@ -47,13 +47,13 @@ type SolveBatch<'a, E> = dyn FnMut(&[Point]) -> Result<Vec<Figures>, E> + 'a;
 
 /// Solves the contacts of a plan, points in parallel, and makes the table.
 ///
-/// Every point is solved by itself, from nothing but its coordinates, so the table is the same to
-/// the last bit for any number of threads, after an interruption, and when the points were solved
-/// on several machines. `solve` is called once a point; several calls run at once.
+/// The solution at a point depends only on its coordinates. The table is therefore equal to the
+/// last bit for any number of threads, after an interruption, and if points are solved on several
+/// machines. `solve` is called once per point, from several threads.
 ///
 /// # Errors
-/// [`SweepError::Solve`] with the first failed point in sweep order; [`SweepError::Table`] where
-/// the plan's axes are not usable or a figure is not finite.
+/// [`SweepError::Solve`] with the first failed point in sweep order; [`SweepError::Table`] if the
+/// axes of the plan are invalid or a figure is not finite.
 ///
 /// ```
 /// use kufe_lut::{Figures, Plan, Quantity, Spacing, sweep};
@@ -84,7 +84,7 @@ where
 /// The state of a sweep whose results are stored.
 #[derive(Debug)]
 pub enum Progress {
-    /// These points are to be solved; `missing` of them have no result yet.
+    /// An incomplete batch; `missing` of its points have no result yet.
     Batch {
         /// The whole batch.
         points: Vec<Point>,
@@ -92,17 +92,17 @@ pub enum Progress {
         round: usize,
         /// Number of points without a result.
         missing: usize,
-        /// The first of those.
+        /// The first point without a result.
         first: Point,
     },
     /// Every point has its result.
     Finished(Box<SweepResult>),
 }
 
-/// Replays a sweep from stored results: its table, or the first batch that is not complete.
+/// Repeats a sweep from stored results: returns its table, or the first incomplete batch.
 ///
 /// # Errors
-/// The plan's own errors.
+/// Errors of the plan.
 pub fn replay(plan: &Plan, stored: impl Fn(&Point) -> Option<Figures>) -> Result<Progress, Error> {
     /// An incomplete batch, or the plan's error.
     struct Stop(Result<Progress, Error>);
@@ -137,10 +137,10 @@ pub fn replay(plan: &Plan, stored: impl Fn(&Point) -> Option<Figures>) -> Result
     }
 }
 
-/// As [`sweep`], with the points given in batches that may be solved anywhere in any order.
+/// As [`sweep`], with a solver of batches of points.
 ///
-/// The batches follow from the plan and the results so far alone, so a sweep can be replayed from
-/// stored results. A batch never repeats a point.
+/// The batches depend only on the plan and the previous results, so that a sweep can be repeated
+/// from stored results. No point occurs twice.
 ///
 /// # Errors
 /// Those of `solve`, and an [`Error`] of the plan or its results.

@@ -1,13 +1,12 @@
-//! One item a thread at a time.
+//! Parallel processing with one item per thread at a time.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Applies `work` to every item, on as many threads as the current rayon pool has; results in the
-/// items' order.
+/// Applies `work` to every item on the number of threads of the current rayon pool; results are in
+/// the order of the items.
 ///
-/// Each item runs inside a pool of one thread of its own: a solver that is parallel itself would
-/// otherwise have its waiting threads begin further items, one inside the other, with all of them
-/// in memory.
+/// Each item runs in its own pool of one thread. In a common pool the waiting threads of a parallel
+/// solver would start further items, nested, with all of them in memory.
 pub fn each<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let threads = rayon::current_num_threads().min(items.len());
     if threads <= 1 {

@@ -1,16 +1,16 @@
-//! The plan of a sweep: how each axis gets its breakpoints, and how accurate the table must be.
+//! The plan of a sweep: the breakpoints of each axis, and the accuracy of the table.
 
 use crate::axes::{AxisKind, KINDS, Point};
 use crate::error::Error;
 use crate::interpolator::Mode;
 use crate::sweep::grid::Grid;
 
-/// How one axis gets its breakpoints.
+/// Breakpoints of an axis: given, or placed by refinement.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Spacing {
     /// Given breakpoints.
     Values(Vec<f64>),
-    /// As many between these ends as the tolerance needs.
+    /// As many breakpoints between these ends as the tolerance needs.
     Range {
         /// First breakpoint.
         from: f64,
@@ -29,26 +29,27 @@ impl Spacing {
     }
 }
 
-/// What is swept.
+/// Axes, accuracy and limits of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Spacings by kind of axis.
     axes: [Option<Spacing>; KINDS],
     /// The curvature at which the runner lies flush [1/m] and the scale [1/(m N)], see
-    /// [`crate::CurvatureScaling`]. The table's second axis then holds reduced curvatures; needs a
-    /// range of curvatures and no further axis.
+    /// [`crate::CurvatureScaling`]. The second axis of the table then has reduced curvatures. It
+    /// requires a range of curvatures and no further axis.
     pub flush: Option<[f64; 2]>,
     /// Relative interpolation error of [`Table::judged`](crate::Table::judged), requested of every
     /// mode in `modes`.
     pub interpolation: f64,
-    /// The modes that must be that accurate.
+    /// The modes with this accuracy.
     pub modes: Vec<Mode>,
-    /// Most nodes that refinement may place.
+    /// Largest number of nodes of a refinement.
     pub max_nodes: usize,
-    /// Smallest interval, as a part of its axis: what a kink of the data is narrowed down to.
+    /// Smallest interval, as a fraction of its axis; it limits the refinement at a kink of the
+    /// data.
     pub smallest_interval: f64,
-    /// Solves spread over the table that measure the interpolation, in addition to those that
-    /// refinement makes.
+    /// Number of quasi-random solves that measure the interpolation, in addition to those of the
+    /// refinement.
     pub checks: usize,
 }
 
@@ -56,8 +57,8 @@ impl Plan {
     /// A plan over forces [N] and curvatures [1/m] that requests 1 % of both modes, measured at 200
     /// spread points, and places at most 20 000 nodes, none closer than 1/65536 of an axis.
     ///
-    /// Where both axes are given by their values, it has as many checks as an eighth of the nodes,
-    /// at least 4.
+    /// If both axes are given by their values, the number of checks is an eighth of the number of
+    /// nodes, at least 4.
     pub fn new(fz: Spacing, curvature: Spacing) -> Self {
         let checks = match (&fz, &curvature) {
             (Spacing::Values(fz), Spacing::Values(curvature)) => {
@@ -76,7 +77,7 @@ impl Plan {
         }
     }
 
-    /// With this spacing along an axis. Without it, rocker radius, speed and temperature are those
+    /// Sets the spacing along an axis. Without it, rocker radius, speed and temperature are those
     /// of the case.
     #[must_use]
     pub fn with(mut self, kind: AxisKind, spacing: Spacing) -> Self {
@@ -84,7 +85,7 @@ impl Plan {
         self
     }
 
-    /// The spacing along an axis, where the plan has it.
+    /// The spacing along an axis; `None` if the plan does not have it.
     pub fn get(&self, kind: AxisKind) -> Option<&Spacing> {
         self.axes[kind as usize].as_ref()
     }
@@ -95,13 +96,13 @@ impl Plan {
         spacings.all(|spacing| matches!(spacing, Spacing::Values(_)))
     }
 
-    /// Whether it has an axis that only a runner that slides has.
+    /// Whether it has an axis that only a sliding runner has.
     pub fn is_sliding(&self) -> bool {
         let mut kinds = AxisKind::ALL.into_iter();
         kinds.any(|kind| kind.is_sliding() && self.get(kind).is_some())
     }
 
-    /// Checks the axes, before anything is solved.
+    /// Checks the axes before the first solve.
     ///
     /// # Errors
     /// [`Error::Axis`], and [`Error::Invalid`] for too many nodes or reduced curvatures that do not
@@ -110,8 +111,7 @@ impl Plan {
         Grid::start(self)?.axes().map(|_| ())
     }
 
-    /// The nodes at the corners of the table, and the one in its middle: each is solved in any
-    /// case.
+    /// The nodes at the corners and in the middle of the table, which every sweep solves.
     ///
     /// # Errors
     /// As [`check`](Self::check).

@@ -1,12 +1,12 @@
-//! Placing breakpoints where the interpolation is worst.
+//! Refinement of breakpoints where the interpolation error is largest.
 //!
-//! Each round solves the nodes and, on every interval of an axis to be refined, its middle on every
-//! other grid line. An interval whose error there is above [`MARGIN`] of the request is halved; the
-//! solves just made become nodes. When no interval is, points spread evenly over the table
-//! (Roberts' R2 sequence) are solved and measured: a miss halves the interval around it, unless the
-//! solver's own error is as large as the miss. The sweep ends when every solve that is no node is
-//! met within the request. Axes given by their values stay as they are, and what the interpolation
-//! misses between those values is measured but not reduced.
+//! Each round solves the nodes and the midpoint of every interval of a refined axis, on every
+//! second grid line. An interval is halved if the error at its midpoint exceeds [`MARGIN`] times
+//! the requested error; the midpoints become nodes. If no interval is halved, quasi-random points
+//! (Roberts' R2 sequence) are solved and measured. An error above the request halves the interval
+//! around the point, unless the solver's own error is as large. The sweep ends when the
+//! interpolation error at every solve between nodes is within the request. Axes with given values
+//! are not refined; errors between these values are measured but not reduced.
 
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -21,8 +21,8 @@ use crate::sweep::plan::Plan;
 use crate::sweep::{SolveBatch, SweepResult};
 use crate::table::{Table, relative_error};
 
-/// Part of the requested error that an interval's middle may have: between the checks it may be
-/// larger.
+/// Largest error at the midpoint of an interval, as a fraction of the requested error: between the
+/// checks it may be larger.
 const MARGIN: f64 = 0.8;
 
 /// The table of a plan whose axes are refined.
@@ -43,9 +43,9 @@ pub(crate) fn refine<E: From<Error>>(
         solved.solve(&grid, &places, solve)?;
         let (nodes, checked) = solved.split(&grid);
         let checks: Vec<Solve> = checked.iter().map(|(_, check)| *check).collect();
-        let misses = measure(&grid, &axes, &nodes, &checked, plan)?;
+        let errors = measure(&grid, &axes, &nodes, &checked, plan)?;
         let limit = if spread { 1.0 } else { MARGIN };
-        let halved = halve(&mut grid, &misses, limit * plan.interpolation, plan);
+        let halved = halve(&mut grid, &errors, limit * plan.interpolation, plan);
         match halved {
             Ok(true) => continue,
             Ok(false) | Err(NOISE) if !spread => {
@@ -56,7 +56,7 @@ pub(crate) fn refine<E: From<Error>>(
         }
         let shortfall = halved.err().map(|reason| Error::ToleranceNotReached {
             quantity: Quantity::judged(nodes[0].is_sliding()).name(),
-            measured: misses.iter().map(|miss| miss.error).fold(0.0, f64::max),
+            measured: errors.iter().map(|check| check.error).fold(0.0, f64::max),
             requested: plan.interpolation,
             nodes: axes.node_count(),
             reason,
@@ -98,7 +98,7 @@ impl Solved {
         Ok(())
     }
 
-    /// The grid's nodes, and everything else as checks with their places.
+    /// Figures at the nodes of the grid, and all other solves as checks with their places.
     pub fn split(&self, grid: &Grid) -> (Vec<Figures>, Vec<(Place, Solve)>) {
         let places = grid.nodes();
         let figures = |place: &Place| self.solved[&key(place)];
@@ -114,31 +114,32 @@ impl Solved {
     }
 }
 
-/// One zero, whatever its sign.
+/// Bits of the coordinates, with -0 as 0.
 fn key(place: &Place) -> Key {
     place.map(|value| (value + 0.0).to_bits())
 }
 
-/// A check and the largest relative error of the judged quantity there over the plan's modes.
-struct Miss {
+/// A check with the largest relative interpolation error of the judged quantity over the plan's
+/// modes.
+struct CheckError {
     pub place: Place,
     pub error: f64,
-    /// The solver's own relative error: of the check and the worst of the nodes around it.
+    /// Relative error of the solver: at the check plus the largest at the nodes around it.
     pub noise: f64,
 }
 
-/// The misses at the checks of a table with these nodes, but for those between given values, which
-/// refinement cannot reduce.
+/// Errors at the checks of a table with these nodes. Checks between given values are left out,
+/// since refinement cannot reduce their errors.
 fn measure(
     grid: &Grid,
     axes: &Axes,
     nodes: &[Figures],
     checks: &[(Place, Solve)],
     plan: &Plan,
-) -> Result<Vec<Miss>, Error> {
+) -> Result<Vec<CheckError>, Error> {
     let table = Table::new(axes.clone(), nodes, Vec::new())?;
     let mut interpolators: HashMap<(u64, Mode), Interpolator> = HashMap::new();
-    let mut misses = Vec::with_capacity(checks.len());
+    let mut errors = Vec::with_capacity(checks.len());
     let judged = table.judged();
     let reducible = |place: &Place| {
         (0..KINDS).all(|axis| grid.refined[axis] || grid.values[axis].contains(&place[axis]))
@@ -157,51 +158,62 @@ fn measure(
             let missed = relative_error(&interpolators[&name], check, judged);
             error = error.max(missed.unwrap_or(0.0));
         }
-        misses.push(Miss {
+        errors.push(CheckError {
             place: *place,
             error,
             noise,
         });
     }
-    Ok(misses)
+    Ok(errors)
 }
 
-const NOISE: &str = "where the interpolation misses, the solver's own error is as large: request more of the solver (accuracy.p_max)";
-const SMALLEST: &str = "where the interpolation misses, the intervals are as small as they may be";
+const NOISE: &str = "where the interpolation error is too large, the solver's own error is as large: request a more accurate solver (accuracy.p_max)";
+const TOO_SMALL: &str =
+    "where the interpolation error is too large, the intervals are as small as allowed";
 
-/// Halves the interval around every miss above `limit`, along the axis whose middles are missed
-/// most; whether there is one.
-///
-/// # Errors
-/// Why no interval can be halved.
-fn halve(grid: &mut Grid, misses: &[Miss], limit: f64, plan: &Plan) -> Result<bool, &'static str> {
-    // Largest error at the middle of each interval of each axis.
+/// Largest error at the midpoint of each interval of each axis.
+fn errors_at_middles(grid: &Grid, errors: &[CheckError]) -> [Vec<f64>; KINDS] {
     let mut at_middle: [Vec<f64>; KINDS] =
         std::array::from_fn(|axis| vec![0.0; grid.values[axis].len().saturating_sub(1)]);
-    for miss in misses {
+    for check in errors {
         for axis in (0..KINDS).filter(|&axis| grid.refined[axis]) {
-            let k = grid.interval(axis, miss.place[axis]);
+            let k = grid.interval(axis, check.place[axis]);
             let pair = &grid.values[axis][k..k + 2];
-            if miss.place[axis] == middle(axis, pair[0], pair[1]) {
-                at_middle[axis][k] = f64::max(at_middle[axis][k], miss.error);
+            if check.place[axis] == middle(axis, pair[0], pair[1]) {
+                at_middle[axis][k] = f64::max(at_middle[axis][k], check.error);
             }
         }
     }
+    at_middle
+}
+
+/// Halves the interval around every check with an error above `limit`, along the axis with the
+/// largest error at the midpoint of its interval. Returns whether any was halved.
+///
+/// # Errors
+/// The reason why no interval can be halved.
+fn halve(
+    grid: &mut Grid,
+    errors: &[CheckError],
+    limit: f64,
+    plan: &Plan,
+) -> Result<bool, &'static str> {
+    let at_middle = errors_at_middles(grid, errors);
     let mut marked: [BTreeSet<usize>; KINDS] = Default::default();
     let (mut too_small, mut too_noisy) = (false, false);
-    for miss in misses {
-        if miss.error <= limit {
+    for check in errors {
+        if check.error <= limit {
             continue;
         }
-        // Halving because of the solver's error would never end.
-        if miss.error <= miss.noise {
+        // Halving because of the solver's error would not end.
+        if check.error <= check.noise {
             too_noisy = true;
             continue;
         }
         let mut best: Option<(f64, usize, usize)> = None;
         for axis in (0..KINDS).filter(|&axis| grid.refined[axis]) {
-            let k = grid.interval(axis, miss.place[axis]);
-            let inside = !grid.values[axis].contains(&miss.place[axis]);
+            let k = grid.interval(axis, check.place[axis]);
+            let inside = !grid.values[axis].contains(&check.place[axis]);
             if inside && grid.divisible(axis, k, plan.smallest_interval) {
                 let error = at_middle[axis][k];
                 if best.is_none_or(|(most, _, _)| error > most) {
@@ -223,7 +235,7 @@ fn halve(grid: &mut Grid, misses: &[Miss], limit: f64, plan: &Plan) -> Result<bo
         grown[axis].sort_by(f64::total_cmp);
     }
     if marked.iter().all(BTreeSet::is_empty) {
-        let small = if too_small { Err(SMALLEST) } else { Ok(false) };
+        let small = if too_small { Err(TOO_SMALL) } else { Ok(false) };
         return if too_noisy { Err(NOISE) } else { small };
     }
     let nodes: usize = grown.iter().map(Vec::len).product();

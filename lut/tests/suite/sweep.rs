@@ -171,7 +171,7 @@ fn no_interval_is_halved_below_the_smallest() {
     plan.smallest_interval = 0.01;
     let swept = sweep(&plan, fits_the_track).unwrap();
     let text = swept.shortfall.unwrap().to_string();
-    assert!(text.contains("as small as they may be"), "{text}");
+    assert!(text.contains("as small as allowed"), "{text}");
     let axes = swept.table.axes();
     let parts = |values: Vec<f64>| {
         let whole = values[values.len() - 1] - values[0];

@@ -1,4 +1,4 @@
-//! A track from the runs that measured it.
+//! Estimate of a track from aligned runs.
 
 use crate::align::AlignedRun;
 use crate::align::signature::{ReferenceProfile, TrackSignature};
@@ -7,18 +7,18 @@ use crate::friction::GRAVITY;
 use crate::sled::Tolerances;
 use crate::track::table::{IceAlong, Track};
 
-/// A track made of runs, with the standard errors of each row.
+/// A track estimated from runs, with the standard errors of each row.
 #[derive(Clone, Debug)]
 pub struct TrackEstimate {
-    /// The track: a row a metre.
+    /// The track, one row per metre.
     pub track: Track,
     /// Standard errors of slope [rad], curvature [1/m] and bank [rad].
     pub sd: [Vec<f64>; 3],
-    /// How many runs measured each row.
+    /// Number of runs that measured each row.
     pub runs: Vec<usize>,
 }
 
-/// Curvature, bank and slope of every run at every metre from `from_m` on; NaN where a run was not.
+/// Curvature, bank and slope of every run at every metre from `from_m` on; NaN outside a run.
 pub(crate) fn over_track(
     measured: &[TrackSignature],
     aligned: &[AlignedRun],
@@ -48,7 +48,7 @@ pub(crate) fn over_track(
     (from_m, table)
 }
 
-/// The mean of the runs at every metre as what runs are aligned to.
+/// The mean of the runs at every metre, as a reference for alignment.
 pub(crate) fn mean_profile(from_m: f64, table: &[Vec<[f64; 3]>]) -> ReferenceProfile {
     let rows = table.iter().map(|row| {
         let [curvature, bank, _] = [0, 1, 2].map(|k| mean_sd(row, k).0);
@@ -57,16 +57,16 @@ pub(crate) fn mean_profile(from_m: f64, table: &[Vec<[f64; 3]>]) -> ReferencePro
     ReferenceProfile::new(from_m, rows.collect())
 }
 
-/// The mean over runs with its standard error: what the runs differ by (they feel the lines that
-/// were driven, and how far their mean lies off the track's own line is not measured), and what the
-/// installation, alike in all of them, may be off by (`[tolerances]`):
+/// The mean over runs with its standard error. The error is the standard deviation between runs,
+/// not divided by their number, since the mean of the driven lines may be off the track's own line.
+/// To it is added the error of the installation, common to all runs (`[tolerances]`):
 ///
 /// ```text
 /// slope, bank: bias_f / g and, of the bank, scale_f sin(bank) cos(bank)      curvature: bias_q / v and scale_q curvature
 /// ```
 ///
-/// At least two runs a row; `speed_mps` is their mean speed. The distance is that of the runs in
-/// the mean: a speed that is off by the same share in all of them is not seen.
+/// A row has at least two runs; `None` if there is no such row. `speed_mps` is the mean speed. An
+/// error of scale of the speed common to all runs is not included.
 pub(crate) fn estimate(
     name: &str,
     from_m: f64,
@@ -80,10 +80,12 @@ pub(crate) fn estimate(
     let rows: Vec<&Vec<[f64; 3]>> = rows.collect();
     let tilt = tolerances.accel_bias_mps2 / GRAVITY;
     let turn = tolerances.gyro_bias_radps / speed_mps;
-    // Means of quantity `k`, and their errors with what the installation may be off by.
-    let column = |k: usize, off: &dyn Fn(f64) -> f64| -> (Vec<f64>, Vec<f64>) {
+    // Means of quantity `k`, and their errors with those of the installation.
+    let column = |k: usize, installation: &dyn Fn(f64) -> f64| -> (Vec<f64>, Vec<f64>) {
         let means = rows.iter().map(|row| mean_sd(row, k));
-        means.map(|(mean, sd)| (mean, sd.hypot(off(mean)))).unzip()
+        means
+            .map(|(mean, sd)| (mean, sd.hypot(installation(mean))))
+            .unzip()
     };
     let of_curvature = |curvature: f64| turn.hypot(tolerances.gyro_scale * curvature);
     let of_bank = |bank: f64| {
@@ -118,10 +120,10 @@ fn mean_sd(row: &[[f64; 3]], k: usize) -> (f64, f64) {
 }
 
 impl TrackEstimate {
-    /// Writes the track with its errors as further columns, which a reader of tracks passes over.
+    /// Writes the track with its errors as further columns, which a reader of tracks ignores.
     ///
     /// # Errors
-    /// The writer's.
+    /// Errors of the writer.
     pub fn write_csv(&self, writer: impl std::io::Write) -> std::io::Result<()> {
         let [slope, curvature, bank] = &self.sd;
         let runs: Vec<f64> = self.runs.iter().map(|count| *count as f64).collect();

@@ -1,4 +1,4 @@
-//! Runs brought to one distance along the track, and the track that they measure.
+//! Alignment of runs to a common distance along the track, and the estimate of the track from them.
 
 pub(crate) mod estimate;
 pub(crate) mod signature;
@@ -17,52 +17,55 @@ use crate::signals::prepare::Prepared;
 use crate::sled::Tolerances;
 use crate::track::table::TrackShape;
 
-/// Share of a track's variance that a run which is on it may leave at most; half of what two unlike
-/// tracks leave.
-const MOST_UNEXPLAINED: f64 = 0.5;
-/// Elsewhere must fit worse by this, else the place is not known.
-const ELSEWHERE: f64 = 1.5;
-/// Rounds of runs on the mean of runs: the first run's own drift is out of it after two.
+/// Largest unexplained share of the track's variance for a run on this track: half the share
+/// between two different tracks.
+const MAX_UNEXPLAINED: f64 = 0.5;
+/// Smallest ratio of the misfit at the best other place to that at the best place; below it the
+/// place is ambiguous.
+const MIN_AMBIGUITY_RATIO: f64 = 1.5;
+/// Rounds of alignment to the mean of the runs; the drift of the first reference run is gone after
+/// two.
 const ROUNDS: usize = 3;
 
-/// Where a run lies along its track.
+/// Alignment of a run to its track.
 #[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct AlignedRun {
     /// Name of the run.
     pub run: String,
     /// Place of its first sample [m].
     pub start_m: f64,
-    /// Growth of the distance along the track by the run's own, in the mean.
+    /// Mean ratio of increments of the distance along the track to those of the run's own distance.
     pub stretch: f64,
-    /// Most that the own distance wanders off that straight line [m].
+    /// Largest deviation of the alignment from a straight line [m].
     pub drift_m: f64,
     /// Largest standard error of the place along the run [m].
     pub sd_m: f64,
-    /// Share of the track's variance that is unexplained, curvature and bank together, at the
-    /// search's straight line.
+    /// Unexplained share of the track's variance of curvature and bank, with the straight line of
+    /// the search.
     #[serde(rename = "left")]
     pub misfit: f64,
-    /// The same at the best place more than 15 m away; none where no other was tried.
+    /// The unexplained share at the best place more than 15 m away; `None` if no other place was
+    /// tried.
     pub left_elsewhere: Option<f64>,
-    /// Own distance to that along the track.
+    /// Map from the run's own distance to the distance along the track.
     #[serde(skip)]
     pub warp: DistanceWarp,
 }
 
-/// The runs of one track at one distance.
+/// The aligned runs of one track.
 #[derive(Clone, Debug)]
 pub struct Aligned {
     /// In the order given.
     pub runs: Vec<AlignedRun>,
-    /// The track that they measured, in the mean; none where fewer than two measured the same metre.
+    /// The mean track measured by the runs; `None` if no two runs overlap.
     pub estimate: Option<TrackEstimate>,
 }
 
-/// Brings runs of one track to one distance: that of the survey where there is one, else that of
-/// the runs in the mean, the earliest start at 0.
+/// Aligns runs of one track to a common distance: that of the survey if there is one, else the mean
+/// of the runs' distances, with 0 at the earliest start.
 ///
-/// Curvature and bank are measured ([`TrackSignature::of`]), the place searched and then refined
-/// landmark by landmark ([`refine`]).
+/// Curvature and bank are measured ([`TrackSignature::of`]). The place is found by a search on
+/// straight lines and then refined by a warp with knots ([`refine`]).
 ///
 /// # Errors
 /// [`Error::File`] for a run that does not match its track, or matches two places of it.
@@ -74,7 +77,7 @@ pub fn align(
 ) -> Result<Aligned, Error> {
     let signature = |run: &&Prepared| TrackSignature::of(run, &vehicle.sled);
     let measured: Vec<TrackSignature> = runs.par_iter().map(signature).collect();
-    let on = |reference: &ReferenceProfile| -> Result<Vec<AlignedRun>, Error> {
+    let place_all = |reference: &ReferenceProfile| -> Result<Vec<AlignedRun>, Error> {
         let pairs = runs.par_iter().zip(&measured);
         let placed: Vec<_> = pairs
             .map(|(run, measured)| place(run, measured, reference))
@@ -82,16 +85,16 @@ pub fn align(
         placed.into_iter().collect()
     };
     let aligned = match survey {
-        Some(shape) => on(&ReferenceProfile::of(shape))?,
+        Some(shape) => place_all(&ReferenceProfile::of(shape))?,
         None => {
             let longest = measured.iter().max_by_key(|measured| measured.metres.len());
             let from_m = longest.map_or(0.0, |measured| measured.from_m);
             let metres = longest.into_iter().flat_map(|measured| &measured.metres);
             let metres = metres.map(|m| [m[0], m[1]]).collect();
-            let mut aligned = on(&ReferenceProfile::new(from_m, metres))?;
+            let mut aligned = place_all(&ReferenceProfile::new(from_m, metres))?;
             for _ in 1..ROUNDS {
                 let (from_m, table) = over_track(&measured, &aligned);
-                aligned = on(&mean_profile(from_m, &table))?;
+                aligned = place_all(&mean_profile(from_m, &table))?;
             }
             to_mean_distance(&measured, &mut aligned);
             aligned
@@ -114,14 +117,14 @@ fn place(
 ) -> Result<AlignedRun, Error> {
     let unplaced = |misfit: f64, elsewhere: f64| {
         let reason = format!(
-            "matches no place of track {}, or two: {misfit:.2} of its curvature and bank is unexplained at the best place and {elsewhere:.2} at another, expected below 0.5 and half as much again elsewhere",
+            "its place on track {} is not determined: {misfit:.2} of the variance of curvature and bank is unexplained at the best place and {elsewhere:.2} at another, expected below 0.5 and at least 1.5 times as much elsewhere",
             run.entry.track
         );
         Error::file(run.entry.file.display(), reason)
     };
     let found = search(measured, reference);
     let (line, elsewhere) = found.ok_or_else(|| unplaced(f64::NAN, f64::NAN))?;
-    if line.misfit > MOST_UNEXPLAINED || elsewhere < ELSEWHERE * line.misfit {
+    if line.misfit > MAX_UNEXPLAINED || elsewhere < MIN_AMBIGUITY_RATIO * line.misfit {
         return Err(unplaced(line.misfit, elsewhere));
     }
     let warp = refine(measured, reference, &line);
@@ -140,15 +143,15 @@ fn place(
     })
 }
 
-/// Brings the common distance to the mean of the runs' own: at every metre their growths are
-/// averaged; the earliest start is 0.
+/// Replaces the common distance by the mean of the runs' own distances: their increments are
+/// averaged at every metre. The earliest start is 0.
 fn to_mean_distance(measured: &[TrackSignature], aligned: &mut [AlignedRun]) {
     let start = |run: &AlignedRun| run.warp.at(run.warp.own_m[0]);
     let end = |run: &AlignedRun| run.warp.at(run.warp.own_m[run.warp.own_m.len() - 1]);
     let from = aligned.iter().map(start).fold(f64::INFINITY, f64::min);
     let to = aligned.iter().map(end).fold(f64::NEG_INFINITY, f64::max);
     let count = (to - from).max(0.0) as usize + 2;
-    // Sum of the runs' own ways in each metre, and their number.
+    // In each metre: sum of the increments of own distance, and of common distance.
     let mut ways = vec![(0.0, 0.0); count];
     for (measured, run) in measured.iter().zip(aligned.iter()) {
         for i in 1..measured.metres.len() {
@@ -182,8 +185,8 @@ fn to_mean_distance(measured: &[TrackSignature], aligned: &mut [AlignedRun]) {
     }
 }
 
-/// States the distance along the track as `s_m` of a run, from its own: `s_m` as recorded, else
-/// from the speed.
+/// Writes the distance along the track to `s_m` of a run. The own distance is the recorded `s_m`,
+/// else the integral of the speed.
 pub fn state_places(run: &mut Run, warp: &DistanceWarp) -> Result<(), Error> {
     let own = match run.columns.get("s_m") {
         Some(recorded) => recorded.clone(),
@@ -196,30 +199,32 @@ pub fn state_places(run: &mut Run, warp: &DistanceWarp) -> Result<(), Error> {
 
 /// Distance of the knots [m]: a curve and the straight before it are one landmark.
 const KNOTS_M: f64 = 100.0;
-/// By how much an integrated distance drifts more on one such way than on the way before [m], a
-/// standard deviation: half a per cent, of a speed whose scale wanders.
+/// Standard deviation of the change in drift of an integrated distance from one knot interval to
+/// the next [m]: 0.5 %, of a speed with a wandering scale.
 const DRIFT_M: f64 = 0.5;
-/// Rounds of Gauss and Newton's method; the last ones move by less than a millimetre.
-const SPLINE_ROUNDS: usize = 12;
-/// Most that one round moves a knot [m].
-const MOST_M: f64 = 5.0;
-/// Differences above so many standard deviations count less (Huber): a wall, a bump, a line driven
-/// high.
-const ORDINARY: f64 = 2.0;
-/// By how much a sled's own way through a curve moves what it measures of it [m], a standard
-/// deviation at every knot: at an angle psi to the line it measures the curvature `k + psi dphi/ds`,
-/// which is that of `psi dphi/dk` further on. With psi 0.03 and a bank of 1.2 rad at 0.04 /m, 0.9 m.
+/// Gauss-Newton iterations; the last ones move by less than a millimetre.
+const MAX_ITERATIONS: usize = 12;
+/// Largest step of a knot in one iteration [m].
+const MAX_STEP_M: f64 = 5.0;
+/// Huber's limit in standard deviations: larger residuals count less, e.g. of a wall, a bump, a
+/// high line.
+const HUBER_LIMIT: f64 = 2.0;
+/// Standard deviation of the apparent shift of a curve by the driven line, at every knot [m]: at an
+/// angle psi to the track's line a sled measures the curvature `k + psi dphi/ds`, which is the
+/// curvature at a distance `psi dphi/dk` further on. 0.9 m for psi = 0.03 and a bank of 1.2 rad at
+/// 0.04 /m.
 const LINE_M: f64 = 1.0;
 
-/// Shifts at knots that bring what a run measured onto the reference, by robust least squares:
+/// Shifts at knots that align the measured signature to the reference, by robust least squares:
 ///
 /// ```text
 /// sum over metres and both quantities of  huber( (measured - reference(s + shift(s))) / sd )
 ///   + sum over knots of ( (shift_{j+1} - 2 shift_j + shift_{j-1}) / 0.5 m )^2
 /// ```
 ///
-/// with the deviations sd of the residuals; what is fitted is shift and the sled's own way,
-/// independent at every knot with the deviation [`LINE_M`]. The errors are those of the linear fit.
+/// with the standard deviations sd of the residuals. A second, unknown shift at every knot for the
+/// driven line, independent with the standard deviation [`LINE_M`], is eliminated. Standard errors
+/// are those of the linearised fit.
 fn refine(measured: &TrackSignature, reference: &ReferenceProfile, from: &Line) -> DistanceWarp {
     let length = (measured.metres.len() - 1).max(1) as f64;
     let pieces = (length / KNOTS_M).round().max(1.0) as usize;
@@ -231,13 +236,13 @@ fn refine(measured: &TrackSignature, reference: &ReferenceProfile, from: &Line) 
         sd_m: vec![0.0; own_m.len()],
         own_m,
     };
-    for _ in 0..SPLINE_ROUNDS {
+    for _ in 0..MAX_ITERATIONS {
         let Some((factor, right)) = posterior(measured, reference, &warp) else {
             break;
         };
         let step = factor.solve(&right);
         for (shift, step) in warp.shift_m.iter_mut().zip(step.iter()) {
-            *shift += step.clamp(-MOST_M, MOST_M);
+            *shift += step.clamp(-MAX_STEP_M, MAX_STEP_M);
         }
     }
     if let Some((factor, _)) = posterior(measured, reference, &warp) {
@@ -247,7 +252,7 @@ fn refine(measured: &TrackSignature, reference: &ReferenceProfile, from: &Line) 
     warp
 }
 
-/// Factor of the normal matrix and right-hand side, data and drift together.
+/// Cholesky factor of the normal matrix and right-hand side, of data and prior together.
 fn posterior(
     measured: &TrackSignature,
     reference: &ReferenceProfile,
@@ -258,7 +263,7 @@ fn posterior(
     Some(((normal + drift).cholesky()?, right + towards))
 }
 
-/// Normal matrix and right-hand side of a drift that is even along the way.
+/// Normal matrix and right-hand side of the prior: a drift that is linear in the distance.
 fn prior(shift: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
     let n = shift.len();
     let (mut normal, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
@@ -272,22 +277,22 @@ fn prior(shift: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
             }
         }
     }
-    // A run without landmarks stays where the search put it.
+    // A run without landmarks keeps the place of the search.
     for j in 0..n {
         normal[(j, j)] += 1e-6;
     }
     (normal, right)
 }
 
-/// Normal matrix D and right-hand side r of the shifts by what a run and the reference differ in at
-/// a warp, once what the way through the curves moves is eliminated: `inv(1 + LINE_M^2 D)` times
-/// both. Growth of the distance by the own one at each metre is near 1 and neglected in the slopes.
+/// Normal matrix D and right-hand side r of the shifts from the differences between run and
+/// reference, with the shifts by the driven line eliminated: both multiplied by
+/// `inv(1 + LINE_M^2 D)`. The derivative of the warp is near 1 and neglected in the slopes.
 fn normal_equations(
     measured: &TrackSignature,
     reference: &ReferenceProfile,
     warp: &DistanceWarp,
 ) -> (DMatrix<f64>, DVector<f64>) {
-    // Metre by metre: knot before and share of the next, differences and slopes of the reference.
+    // Per metre: knot before and weight of the next one, differences, and slopes of the reference.
     let row = |(i, metre): (usize, &[f64; 3])| {
         let own = measured.place(i);
         let known = reference.at(warp.at(own));
@@ -299,8 +304,8 @@ fn normal_equations(
     let rows: Vec<_> = metres.filter_map(row).collect();
     let sd = [0, 1].map(|k: usize| {
         let median = median(rows.iter().map(|(_, differences, _)| differences[k].abs()));
-        // The median magnitude of a normal variable; and not less than a hundredth of what the
-        // reference itself does.
+        // The median magnitude of a normal variable is 0.6745 of its deviation; at least a
+        // hundredth of the reference's own variation.
         let least = 0.01 * reference.spread[k];
         median.map_or(1.0, |median| (median / 0.674_489_75).max(least))
     });
@@ -312,7 +317,7 @@ fn normal_equations(
         let hats = [(knot, 1.0 - share), (next, share)];
         for k in 0..2 {
             let size = (differences[k] / sd[k]).abs();
-            let weight = (ORDINARY / size.max(ORDINARY)) / (sd[k] * sd[k]);
+            let weight = (HUBER_LIMIT / size.max(HUBER_LIMIT)) / (sd[k] * sd[k]);
             for (a, wa) in hats {
                 right[a] += weight * wa * slopes[k] * differences[k];
                 for (b, wb) in hats {

@@ -1,4 +1,4 @@
-//! What a run measures of the track, metre by metre of its own distance.
+//! Curvature, bank and slope of the track as measured by a run, metre by metre of its own distance.
 
 use crate::motion::state::State;
 use crate::series::{HALF_WIDTH, derivative};
@@ -6,23 +6,23 @@ use crate::signals::prepare::Prepared;
 use crate::sled::Sled;
 use crate::track::table::TrackShape;
 
-/// The slope is a mean over this way on either side [m]: it hangs on the derivative of the speed,
-/// whose noise falls with the length, and turns over tens of metres.
-const ABOUT_M: usize = 3;
+/// Half width of the mean of the slope [m]. The slope depends on the derivative of the speed, whose
+/// noise falls with the length of the mean, and varies over tens of metres.
+const SLOPE_HALF_WIDTH_M: usize = 3;
 
 /// Curvature [1/m], bank and slope [rad] at every metre of a run's own distance.
 #[derive(Clone, Debug)]
 pub(crate) struct TrackSignature {
     /// The first metre [m].
     pub from_m: f64,
-    /// Means over each metre; NaN where no sample lies.
+    /// Means over each metre; NaN for a metre without samples.
     pub metres: Vec<[f64; 3]>,
 }
 
 impl TrackSignature {
-    /// Those of the way: slope and bank are the angles of the upward direction u, which follows
-    /// from the specific force f at the centre of gravity and the measured motion, without a law of
-    /// friction:
+    /// The signature of a run. Slope and bank are the angles of the upward direction u, which
+    /// follows from the specific force f at the centre of gravity and the measured motion, without
+    /// a law of friction:
     ///
     /// ```text
     /// g u_x = f_x + r v_y - dv_x/dt      g u_y = f_y - r v_x - dv_y/dt      g u_z = f_z - p v_y + q v_x
@@ -48,9 +48,9 @@ impl TrackSignature {
                 [state.v_mps * cosine, across]
             };
             let velocity: Vec<[f64; 2]> = states.iter().map(velocity).collect();
-            let growth = [0, 1].map(|k| {
-                let of: Vec<f64> = velocity.iter().map(|v| v[k]).collect();
-                derivative(&of, run.dt_s)
+            let velocity_rate = [0, 1].map(|k| {
+                let component: Vec<f64> = velocity.iter().map(|v| v[k]).collect();
+                derivative(&component, run.dt_s)
             });
             for (i, state) in states.iter().enumerate() {
                 let place = (state.s_m - from_m).round();
@@ -60,8 +60,8 @@ impl TrackSignature {
                 let f = &run.motions[piece.start + i].accel_mps2;
                 let [vx, vy] = velocity[i];
                 let v = vx.hypot(vy);
-                let up_x = f[0] + state.yaw_rate_radps * vy - growth[0][i];
-                let up_y = f[1] - state.yaw_rate_radps * vx - growth[1][i];
+                let up_x = f[0] + state.yaw_rate_radps * vy - velocity_rate[0][i];
+                let up_y = f[1] - state.yaw_rate_radps * vx - velocity_rate[1][i];
                 let turn = state.roll_rate_radps * vy - state.pitch_rate_radps * vx;
                 let sum = &mut sums[place as usize];
                 sum[0] += turn / (v * v);
@@ -76,7 +76,8 @@ impl TrackSignature {
             if count == 0.0 {
                 return [f64::NAN; 3];
             }
-            let about = &sums[i.saturating_sub(ABOUT_M)..sums.len().min(i + ABOUT_M + 1)];
+            let about = &sums
+                [i.saturating_sub(SLOPE_HALF_WIDTH_M)..sums.len().min(i + SLOPE_HALF_WIDTH_M + 1)];
             let (x, all) = about
                 .iter()
                 .fold((0.0, 0.0), |(x, n), at| (x + at[1], n + at[4]));
@@ -87,7 +88,7 @@ impl TrackSignature {
         TrackSignature { from_m, metres }
     }
 
-    /// The place of metre `i` in the run's own distance [m].
+    /// Own distance of metre `i` [m].
     pub(crate) fn place(&self, i: usize) -> f64 {
         self.from_m + i as f64
     }
@@ -98,14 +99,14 @@ impl TrackSignature {
 pub(crate) struct ReferenceProfile {
     /// The first metre [m].
     pub from_m: f64,
-    /// Both; NaN where they are not known.
+    /// Curvature and bank at each metre; NaN where unknown.
     pub metres: Vec<[f64; 2]>,
-    /// How much both vary along the track: their standard deviations.
+    /// Standard deviations of curvature and bank along the track.
     pub spread: [f64; 2],
 }
 
 impl ReferenceProfile {
-    /// From values at every metre.
+    /// The profile of values at every metre.
     pub(crate) fn new(from_m: f64, metres: Vec<[f64; 2]>) -> ReferenceProfile {
         let spread = [0, 1].map(|k| {
             let values = metres.iter().map(|at| at[k]).filter(|x| x.is_finite());
@@ -121,7 +122,7 @@ impl ReferenceProfile {
         }
     }
 
-    /// Of a surveyed track.
+    /// The profile of a surveyed track.
     pub(crate) fn of(shape: &TrackShape) -> ReferenceProfile {
         let count = (shape.finish_m - shape.start_m) as usize + 1;
         let at = |i: usize| {
@@ -131,8 +132,8 @@ impl ReferenceProfile {
         ReferenceProfile::new(shape.start_m, (0..count).map(at).collect())
     }
 
-    /// Both at a place [m], on a straight line between metres, and their slopes; `None` outside the
-    /// ends and where one is not known.
+    /// Curvature and bank at the distance `s` [m], linear between metres, and their derivatives;
+    /// `None` outside the ends and where one is unknown.
     pub(crate) fn at(&self, s: f64) -> Option<([f64; 2], [f64; 2])> {
         let along = s - self.from_m;
         if along < 0.0 {
@@ -148,20 +149,20 @@ impl ReferenceProfile {
     }
 }
 
-/// A run's own distance and what is added to it: straight lines between knots, level shifts outside
-/// them.
+/// Map from a run's own distance to the distance along the track: a shift that is linear between
+/// knots and constant outside them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DistanceWarp {
     /// Own distance of each knot [m], increasing.
     pub own_m: Vec<f64>,
-    /// What is added there [m].
+    /// Shift of each knot [m].
     pub shift_m: Vec<f64>,
-    /// Standard error of that [m].
+    /// Standard error of the shift [m].
     pub sd_m: Vec<f64>,
 }
 
 impl DistanceWarp {
-    /// The two knots about a place and the share of the later one.
+    /// The knot before an own distance, and the weight of the next knot.
     pub(crate) fn between(&self, own: f64) -> (usize, f64) {
         let last = self.own_m.len() - 1;
         let after = self.own_m.partition_point(|knot| *knot <= own);
@@ -176,7 +177,7 @@ impl DistanceWarp {
         own + self.shift_m[i] + share * (self.shift_m[i + 1] - self.shift_m[i])
     }
 
-    /// Mean growth of the distance along the track by the own one.
+    /// Mean ratio of increments of the distance along the track to those of the own distance.
     pub fn stretch(&self) -> f64 {
         let last = self.own_m.len() - 1;
         let way = self.own_m[last] - self.own_m[0];
@@ -184,44 +185,45 @@ impl DistanceWarp {
     }
 }
 
-/// A straight line from own distance to that along the track, and how badly it fits.
+/// A straight line from the own distance to the distance along the track, with its misfit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Line {
-    /// What is added at the run's first metre [m].
+    /// Shift at the run's first metre [m].
     pub shift_m: f64,
-    /// Growth of the distance along the track by the own one.
+    /// Ratio of increments of the distance along the track to those of the own distance.
     pub stretch: f64,
-    /// Mean square difference over variance, curvature and bank together.
+    /// Mean squared difference relative to the variance, averaged over curvature and bank.
     pub misfit: f64,
 }
 
-/// Shifts are tried two metres apart, which is well within the width of a curve's entry.
+/// Step of the trial shifts [m], well within the width of a curve's entry.
 const STEP_M: f64 = 2.0;
-/// Every so many metres are compared.
-const EVERY: usize = 4;
-/// Stretches that are tried: a wheel or an optical sensor is within 2 %.
+/// Stride of the compared metres.
+const STRIDE: usize = 4;
+/// Trial stretches: a wheel or an optical sensor is within 2 %.
 const STRETCHES: [f64; 9] = [0.98, 0.985, 0.99, 0.995, 1.0, 1.005, 1.01, 1.015, 1.02];
-/// Of the shorter of run and track, so much must overlap.
-const LEAST_OVERLAP: f64 = 0.6;
-/// Another place counts as another one from here on [m].
-const APART_M: f64 = 15.0;
+/// Smallest overlap, as a share of the shorter of run and track.
+const MIN_OVERLAP: f64 = 0.6;
+/// Smallest distance to a place that counts as another one [m].
+const MIN_SEPARATION_M: f64 = 15.0;
 
-/// The best line and how badly the best elsewhere fits.
+/// The best line, and the misfit of the best line at another place; `None` without sufficient
+/// overlap.
 pub(crate) fn search(
     measured: &TrackSignature,
     reference: &ReferenceProfile,
 ) -> Option<(Line, f64)> {
     let length = measured.metres.len().min(reference.metres.len());
-    let least = (LEAST_OVERLAP * length as f64 / EVERY as f64) as usize;
+    let min_count = (MIN_OVERLAP * length as f64 / STRIDE as f64) as usize;
     let base = reference.from_m - measured.from_m;
-    let reach = (1.0 - LEAST_OVERLAP) * length as f64
+    let max_shift = (1.0 - MIN_OVERLAP) * length as f64
         + (reference.metres.len() as f64 - measured.metres.len() as f64).abs();
-    let count = (2.0 * reach / STEP_M) as usize + 1;
+    let count = (2.0 * max_shift / STEP_M) as usize + 1;
     let mut tried: Vec<Line> = Vec::new();
     for stretch in STRETCHES {
         for i in 0..count {
-            let shift_m = base - reach + i as f64 * STEP_M;
-            let misfit = misfit(measured, reference, shift_m, stretch, least);
+            let shift_m = base - max_shift + i as f64 * STEP_M;
+            let misfit = misfit(measured, reference, shift_m, stretch, min_count);
             tried.extend(misfit.map(|misfit| Line {
                 shift_m,
                 stretch,
@@ -232,7 +234,7 @@ pub(crate) fn search(
     let best = *tried.iter().min_by(|a, b| a.misfit.total_cmp(&b.misfit))?;
     let middle = 0.5 * measured.metres.len() as f64;
     let place = |line: &Line| line.shift_m + line.stretch * middle;
-    let is_elsewhere = |line: &&Line| (place(line) - place(&best)).abs() > APART_M;
+    let is_elsewhere = |line: &&Line| (place(line) - place(&best)).abs() > MIN_SEPARATION_M;
     let elsewhere = tried.iter().filter(is_elsewhere).map(|line| line.misfit);
     Some((best, elsewhere.fold(f64::INFINITY, f64::min)))
 }
@@ -242,10 +244,10 @@ fn misfit(
     reference: &ReferenceProfile,
     shift: f64,
     stretch: f64,
-    least: usize,
+    min_count: usize,
 ) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0);
-    for i in (0..measured.metres.len()).step_by(EVERY) {
+    for i in (0..measured.metres.len()).step_by(STRIDE) {
         let s = measured.from_m + shift + stretch * i as f64;
         if let Some((at, _)) = reference
             .at(s)
@@ -258,5 +260,5 @@ fn misfit(
             count += 1;
         }
     }
-    (count >= least.max(1)).then(|| sum / count as f64)
+    (count >= min_count.max(1)).then(|| sum / count as f64)
 }

@@ -23,10 +23,10 @@ pub fn find(name: &str) -> Option<&'static Effect> {
     all.find(|effect| effect.info.name == name)
 }
 
-/// The entries of a built-in catalogue.
+/// Entries of a built-in catalogue.
 ///
 /// # Panics
-/// Panics with line and key where an entry is none.
+/// Panics with line and key if an entry is invalid.
 pub fn read_catalogue<T: Deserialize<'static>>(text: &'static str) -> Vec<T> {
     #[derive(Deserialize)]
     #[serde(deny_unknown_fields)]
@@ -39,14 +39,15 @@ pub fn read_catalogue<T: Deserialize<'static>>(text: &'static str) -> Vec<T> {
     }
 }
 
-/// Braking by the air [N] of an amplitude.
+/// Additional air drag [N] as a function of the amplitude.
 type Drag = fn(f64, &OperatingPoint) -> f64;
 
 const AIR_DENSITY: Drag = |k, c| 0.5 * k * c.air_density * c.drag_area * c.v * c.v;
 const DRAG_AREA: Drag = |k, c| 0.5 * c.air_density * k * c.v * c.v;
 const HEADWIND: Drag = |w, c| 0.5 * c.air_density * c.drag_area * (2.0 * c.v + w) * w;
 
-/// The coefficient with a drag over the load; one that is off needs neither weather nor area.
+/// The coefficient plus the ratio of a drag to the load; without an amplitude neither weather nor
+/// drag area are needed.
 fn with_drag(drag: Drag, k: f64, mu: f64, at: &OperatingPoint) -> f64 {
     if k == 0.0 {
         return mu;
@@ -54,7 +55,7 @@ fn with_drag(drag: Drag, k: f64, mu: f64, at: &OperatingPoint) -> f64 {
     mu + drag(k, at) / at.fz.max(1.0)
 }
 
-/// Laws for the friction coefficient.
+/// Laws for the friction coefficient, by effect name.
 pub(super) const ON_FRICTION: &[(&str, FrictionLaw)] = &[
     ("air-density", |p, mu, at| {
         with_drag(AIR_DENSITY, p[0], mu, at)
@@ -100,7 +101,7 @@ pub(super) const ON_FRICTION: &[(&str, FrictionLaw)] = &[
     }),
 ];
 
-/// Laws for the forces.
+/// Laws for the forces, by effect name.
 pub(super) const ON_FORCES: &[(&str, ForceLaw)] = &[
     ("aero-yaw", |p, at, forces| {
         let yaw = p[0] * at.chassis_slip.abs().to_degrees();
@@ -182,7 +183,7 @@ pub(super) const ON_FORCES: &[(&str, ForceLaw)] = &[
     }),
 ];
 
-/// Laws for the constants of the sled.
+/// Laws for the constants of the sled, by effect name.
 pub(super) const ON_SLED: &[(&str, SledLaw)] = &[
     ("cg-place", |p, sled| {
         sled.l_f_m -= p[0];
@@ -198,7 +199,7 @@ pub(super) const ON_SLED: &[(&str, SledLaw)] = &[
     ("yaw-inertia", |p, sled| sled.j_zz_kgm2 *= 1.0 + p[0]),
 ];
 
-/// Laws for the track's slope.
+/// Laws for the track's slope, by effect name.
 pub(super) const ON_SLOPE: &[(&str, SlopeLaw)] = &[
     ("slope", |p, _| p[0]),
     ("track-profile", |p, s| {

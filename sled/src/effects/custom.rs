@@ -1,10 +1,10 @@
-//! Effects that a person adds in `model.toml`, as expressions of columns.
+//! User-defined effects of `model.toml`: expressions of columns.
 //!
 //! ```toml
 //! [effects.my-drag]
 //! expression = "v_mps^2 * abs(delta_rad)"   # times `value`
 //! channel = "longitudinal"                  # or "lateral" (force on the body [N]), "yaw" (moment [N m]), "friction" (added to mu),
-//!                                           # "grip" (times the side forces), "sensor:COLUMN" (added to what it reads)
+//!                                           # "grip" (times the side forces), "sensor:COLUMN" (added to its reading)
 //! unit = "N s2/(m2 rad)"
 //! value = 0.0                               # 0 or absent: a candidate, not yet switched on
 //! low = -10.0
@@ -17,12 +17,12 @@ use crate::column::Sensor;
 use crate::effects::expression::Expression;
 use crate::effects::{EffectError, Forces, OperatingPoint, Signals, State};
 
-/// An effect that a person adds: amplitude times expression.
+/// A user-defined effect: amplitude times expression.
 #[derive(Clone, Debug)]
 pub struct Custom {
-    /// What it acts on.
+    /// Quantity that it acts on.
     pub channel: Channel,
-    /// The formula as it was written.
+    /// The formula as written.
     pub text: String,
     /// Unit of the amplitude.
     pub unit: String,
@@ -30,19 +30,19 @@ pub struct Custom {
     pub low: f64,
     /// Largest admissible amplitude.
     pub high: f64,
-    /// A recorded column that the formula names and the model does not know: [`State::carried`]
+    /// A recorded column of the formula that is not a quantity of the model: [`State::carried`]
     /// contains its values.
     pub carried: Option<String>,
     expression: Expression,
-    /// Where the values of the formula's names are.
-    places: Vec<Place>,
+    /// Source of each name's value, in the order of [`Custom::names`].
+    sources: Vec<Source>,
 }
 
 impl Custom {
-    /// An effect of the formula `text` on a channel, without unit and bounds; `carried` names a
-    /// column that the model does not have.
+    /// An effect of the formula `text` on a channel, without unit and bounds; `carried` is a
+    /// recorded column that is not a quantity of the model.
     ///
-    /// `None` where the formula cannot be read or names a column that the channel does not have.
+    /// `None` if the formula cannot be read or names a column that the channel does not have.
     ///
     /// ```
     /// use kufe_sled::effects::{Channel, Custom, Forces, State};
@@ -55,7 +55,7 @@ impl Custom {
         Self::read("", channel, text, carried).ok()
     }
 
-    /// The same; `effect` names it in errors.
+    /// As [`Custom::new`]; `effect` is the name in errors.
     pub(super) fn read(
         effect: &str,
         channel: Channel,
@@ -67,26 +67,26 @@ impl Custom {
             source,
         })?;
         let of_sensor = matches!(channel, Channel::Sensor(_));
-        let known = if of_sensor {
+        let allowed = if of_sensor {
             columns_of_sensors()
         } else {
             columns_of_forces()
         };
-        let place = |column: &String| {
-            let of_sled = || Place::of_sled(column, carried);
-            let place = if of_sensor {
-                Place::of_sensor(column)
+        let source = |column: &String| {
+            let of_sled = || Source::of_sled(column, carried);
+            let source = if of_sensor {
+                Source::of_sensor(column)
             } else {
                 of_sled()
             };
-            place.ok_or_else(|| EffectError::Value {
+            source.ok_or_else(|| EffectError::Value {
                 name: effect.to_owned(),
                 key: "expression".to_owned(),
                 found: format!("the column {column}"),
-                expected: known.join(", "),
+                expected: allowed.join(", "),
             })
         };
-        let places = expression.names().iter().map(place);
+        let sources = expression.names().iter().map(source);
         Ok(Self {
             channel,
             text: text.to_owned(),
@@ -94,12 +94,12 @@ impl Custom {
             low: -1e12,
             high: 1e12,
             carried: carried.map(str::to_owned),
-            places: places.collect::<Result<_, _>>()?,
+            sources: sources.collect::<Result<_, _>>()?,
             expression,
         })
     }
 
-    /// The same with the unit of its amplitude and the amplitude's bounds.
+    /// Sets unit and bounds of the amplitude.
     pub fn bounded(self, unit: &str, low: f64, high: f64) -> Self {
         Self {
             unit: unit.to_owned(),
@@ -124,9 +124,8 @@ impl Custom {
         matches!(self.channel, Channel::Sensor(_))
     }
 
-    /// What an amplitude adds to the friction coefficient of a specimen, of which only the
-    /// operating point is known; NaN where the expression needs more, 0 on channels other than
-    /// friction.
+    /// Change of the friction coefficient of a specimen at an operating point. NaN if the
+    /// expression needs a quantity of a sled; 0 for channels other than friction.
     pub fn coefficient(&self, amplitude: f64, at: &OperatingPoint) -> f64 {
         if self.channel != Channel::Friction {
             return 0.0;
@@ -134,13 +133,13 @@ impl Custom {
         amplitude * self.value(at, None)
     }
 
-    /// The expression's value; NaN where it needs what is not known.
+    /// Value of the expression; NaN if it needs an unknown quantity.
     fn value(&self, point: &OperatingPoint, state: Option<&State>) -> f64 {
-        self.expression.evaluate(|name| match self.places[name] {
-            Place::Point(value) => value(point),
-            Place::Sled(value) => state.map_or(f64::NAN, value),
-            Place::Sensor(_) => f64::NAN,
-            Place::Carried => state.map_or(f64::NAN, |state| state.carried),
+        self.expression.evaluate(|name| match self.sources[name] {
+            Source::Point(value) => value(point),
+            Source::Sled(value) => state.map_or(f64::NAN, value),
+            Source::Sensor(_) => f64::NAN,
+            Source::Carried => state.map_or(f64::NAN, |state| state.carried),
         })
     }
 
@@ -189,34 +188,35 @@ impl Custom {
         let Some(sensor) = self.sensor(amplitude) else {
             return;
         };
-        let of_itself = |place: &Place| matches!(place, Place::Sensor(own) if *own == sensor);
-        if !self.places.iter().any(of_itself) {
+        let is_own = |source: &Source| matches!(source, Source::Sensor(other) if *other == sensor);
+        if !self.sources.iter().any(is_own) {
             return self.disturb(-amplitude, at, signals);
         }
-        let place = sensor as usize;
-        let read = signals.value[place];
+        let index = sensor as usize;
+        let read = signals.value[index];
         let mut slope = 1.0;
         for _ in 0..30 {
-            let x = signals.value[place];
-            let [value, by_itself] = self.derivative(at, signals, |place| match place {
-                Place::Sensor(own) if own == sensor => 1.0,
+            let x = signals.value[index];
+            let [value, derivative] = self.derivative(at, signals, |source| match source {
+                Source::Sensor(other) if other == sensor => 1.0,
                 _ => 0.0,
             });
-            let off = x + amplitude * value - read;
-            slope = 1.0 + amplitude * by_itself;
-            // Nearer than this the difference is one of two roundings.
-            let near = off.abs() <= 4.0 * f64::EPSILON * (x.abs() + read.abs());
-            if near || !slope.is_finite() || slope == 0.0 {
+            let residual = x + amplitude * value - read;
+            slope = 1.0 + amplitude * derivative;
+            // A smaller residual is rounding.
+            let converged = residual.abs() <= 4.0 * f64::EPSILON * (x.abs() + read.abs());
+            if converged || !slope.is_finite() || slope == 0.0 {
                 break;
             }
-            signals.value[place] = x - off / slope;
+            signals.value[index] = x - residual / slope;
         }
-        // The reading's rate is that of the truth and of what is added, which is linear in it.
+        // The rate of the reading is the rate of the true value plus that of the expression, which
+        // is linear in it.
         let rates = signals.rate;
-        let mut without = rates;
-        without[place] = 0.0;
-        let [_, added] = self.in_time(at, signals, without);
-        signals.rate[place] = (rates[place] - amplitude * added) / slope;
+        let mut other_rates = rates;
+        other_rates[index] = 0.0;
+        let [_, added] = self.in_time(at, signals, other_rates);
+        signals.rate[index] = (rates[index] - amplitude * added) / slope;
     }
 
     fn sensor(&self, amplitude: f64) -> Option<Sensor> {
@@ -226,7 +226,7 @@ impl Custom {
         }
     }
 
-    /// The expression's value and its derivative by time [1/s], along these rates of the signals.
+    /// Value of the expression and its time derivative [1/s] for the given rates of the signals.
     fn in_time(
         &self,
         at: &OperatingPoint,
@@ -238,34 +238,34 @@ impl Custom {
             s: at.s + signals[Sensor::Speed],
             ..*at
         };
-        self.derivative(at, signals, |place| match place {
+        self.derivative(at, signals, |source| match source {
             // Time and distance grow steadily.
-            Place::Point(value) => value(&later) - value(at),
-            Place::Sensor(sensor) => rates[sensor as usize],
-            Place::Sled(_) | Place::Carried => 0.0,
+            Source::Point(value) => value(&later) - value(at),
+            Source::Sensor(sensor) => rates[sensor as usize],
+            Source::Sled(_) | Source::Carried => 0.0,
         })
     }
 
-    /// The expression's value and its derivative where its names change at these rates.
+    /// Value of the expression and its derivative for the given rates of its names.
     fn derivative(
         &self,
         at: &OperatingPoint,
         signals: &Signals,
-        rate: impl Fn(Place) -> f64,
+        rate: impl Fn(Source) -> f64,
     ) -> [f64; 2] {
         self.expression.derivative(|name| {
-            let place = self.places[name];
-            let value = match place {
-                Place::Point(value) => value(at),
-                Place::Sensor(sensor) => signals[sensor],
-                Place::Sled(_) | Place::Carried => f64::NAN,
+            let source = self.sources[name];
+            let value = match source {
+                Source::Point(value) => value(at),
+                Source::Sensor(sensor) => signals[sensor],
+                Source::Sled(_) | Source::Carried => f64::NAN,
             };
-            [value, rate(place)]
+            [value, rate(source)]
         })
     }
 }
 
-/// Where an effect that a person adds acts.
+/// Quantity on which a user-defined effect acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
     /// Force on the body, forward [N].
@@ -278,12 +278,12 @@ pub enum Channel {
     Friction,
     /// The side forces of both runners are multiplied by 1 + value * expression.
     Grip,
-    /// Added to what this sensor reads, in the unit of its column.
+    /// Added to the reading of this sensor, in the unit of its column.
     Sensor(Sensor),
 }
 
 impl Channel {
-    /// The channels that are no sensor's, by the names that a model gives them.
+    /// Channels other than sensors, by their names in a model.
     pub const NAMED: [(&'static str, Channel); 5] = [
         ("longitudinal", Channel::Longitudinal),
         ("lateral", Channel::Lateral),
@@ -310,7 +310,7 @@ impl Channel {
         known.map(|(_, channel)| *channel)
     }
 
-    /// The names that a model may give, in words.
+    /// List of the valid names, for errors.
     pub(super) fn expected() -> String {
         let sensors = Sensor::ALL.map(Sensor::name).join(", ");
         let names = Self::NAMED.map(|(name, _)| format!("\"{name}\""));
@@ -322,7 +322,7 @@ impl Channel {
 /// A column's name and its value.
 type NamedColumn<T> = (&'static str, fn(&T) -> f64);
 
-/// Columns that a friction coefficient may depend on without a sled around it.
+/// Columns of an operating point, which friction experiments have too.
 const OF_POINT: [NamedColumn<OperatingPoint>; 9] = [
     ("t_s", |at| at.t),
     ("s_m", |at| at.s),
@@ -335,7 +335,7 @@ const OF_POINT: [NamedColumn<OperatingPoint>; 9] = [
     ("distance_m", |at| at.conditions.distance_m),
 ];
 
-/// Further columns, of a sled.
+/// Columns of a sled.
 const OF_SLED: [NamedColumn<State>; 14] = [
     ("fz_f_n", |at| at.load[0]),
     ("fz_r_n", |at| at.load[1]),
@@ -363,8 +363,8 @@ pub fn columns_of_forces() -> Vec<&'static str> {
 
 /// Names of the columns that expressions on a sensor may use.
 pub fn columns_of_sensors() -> Vec<&'static str> {
-    let own = |name: &&str| Sensor::named(name).is_none() && *name != "fz_n";
-    let further = names(&OF_POINT).into_iter().filter(own);
+    let is_allowed = |name: &&str| Sensor::named(name).is_none() && *name != "fz_n";
+    let further = names(&OF_POINT).into_iter().filter(is_allowed);
     let sensors = Sensor::ALL.map(Sensor::name).into_iter();
     sensors.chain(further).collect()
 }
@@ -375,37 +375,37 @@ fn names<T>(columns: &[NamedColumn<T>]) -> Vec<&'static str> {
 
 /// Whether expressions on forces may use a column of this name.
 pub fn is_column(name: &str) -> bool {
-    Place::of_sled(name, None).is_some()
+    Source::of_sled(name, None).is_some()
 }
 
-/// Where the value of a name is found.
+/// Source of the value of a name.
 #[derive(Clone, Copy, Debug)]
-enum Place {
+enum Source {
     /// Among [`OF_POINT`].
     Point(fn(&OperatingPoint) -> f64),
     /// Among [`OF_SLED`].
     Sled(fn(&State) -> f64),
     /// A sensor.
     Sensor(Sensor),
-    /// A column that the model does not have.
+    /// The column `carried`.
     Carried,
 }
 
-impl Place {
-    /// The place of a column for an expression on forces.
-    fn of_sled(name: &str, carried: Option<&str>) -> Option<Place> {
+impl Source {
+    /// Source of a column's value in an expression on forces.
+    fn of_sled(name: &str, carried: Option<&str>) -> Option<Source> {
         if carried == Some(name) {
-            return Some(Place::Carried);
+            return Some(Source::Carried);
         }
-        let sled = value_of(&OF_SLED, name).map(Place::Sled);
-        sled.or_else(|| value_of(&OF_POINT, name).map(Place::Point))
+        let sled = value_of(&OF_SLED, name).map(Source::Sled);
+        sled.or_else(|| value_of(&OF_POINT, name).map(Source::Point))
     }
 
-    /// The place of a column for an expression on a sensor.
-    fn of_sensor(name: &str) -> Option<Place> {
-        let own = Sensor::named(name).map(Place::Sensor);
+    /// Source of a column's value in an expression on a sensor.
+    fn of_sensor(name: &str) -> Option<Source> {
+        let sensor = Sensor::named(name).map(Source::Sensor);
         let point = value_of(&OF_POINT, name).filter(|_| name != "fz_n");
-        own.or(point.map(Place::Point))
+        sensor.or(point.map(Source::Point))
     }
 }
 

@@ -1,5 +1,5 @@
-//! What is known of an effect before it is fitted: name, formula, parameters, columns it needs, and
-//! the test that decides on it.
+//! Description of an effect: name, formula, parameters, required columns, and the test that decides
+//! on it.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use serde::{Deserialize, Deserializer};
 use crate::column::Column;
 use crate::effects::Fault;
 
-/// What an effect acts on.
+/// Quantity on which an effect acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ActsOn {
@@ -19,7 +19,7 @@ pub enum ActsOn {
     Along,
     /// Forces across the sled.
     Across,
-    /// What a sensor reads.
+    /// The reading of a sensor.
     Sensor,
     /// Mass, inertia and places of the sled.
     Sled,
@@ -31,7 +31,7 @@ pub enum ActsOn {
     Map,
 }
 
-/// How far the effect's formula can be trusted with its size.
+/// Validity of the formula with growing size of the effect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Form {
@@ -40,11 +40,11 @@ pub enum Form {
     Exact,
     /// It holds to first order in the size.
     FirstOrder,
-    /// Its size is known to this relative standard deviation at best, whatever the noise.
+    /// Its size has at least this relative standard deviation, whatever the noise.
     Open(f64),
 }
 
-/// What is known of an effect.
+/// Description of an effect.
 ///
 /// Read from a built-in catalogue, whose texts and lists live as long as the program.
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -54,17 +54,17 @@ pub struct Info {
     pub name: &'static str,
     /// One line for reports.
     pub summary: &'static str,
-    /// The law as it is printed.
+    /// The law as printed in reports.
     pub formula: &'static str,
-    /// How it shows in data.
+    /// Its signature in data.
     pub signature: &'static str,
-    /// What it acts on.
+    /// Quantities that it acts on.
     #[serde(deserialize_with = "leaked")]
     pub acts_on: &'static [ActsOn],
     /// Parameters in the order in which they are passed.
     #[serde(deserialize_with = "leaked")]
     pub parameters: &'static [Parameter],
-    /// What must be recorded or stated for the effect to act and to be testable.
+    /// Columns that must be recorded or stated for the effect to act and to be testable.
     #[serde(default, deserialize_with = "leaked")]
     pub needs: &'static [Column],
     /// Which test decides about it on runs.
@@ -79,12 +79,12 @@ pub struct Info {
     /// Names of the effects with a similar signature.
     #[serde(default, deserialize_with = "leaked")]
     pub looks_like: &'static [&'static str],
-    /// What would distinguish it from those.
+    /// Measurement that would distinguish it from the effects of `looks_like`.
     pub decides: &'static str,
-    /// Where the formula is from.
+    /// Source of the formula.
     pub source: &'static str,
-    /// Parameters, known quantities and the number that the effect must give, by the names that
-    /// files use: `0.5, 1000: mu 0.004, fz_n 2250 -> mu 0.006`. Everything else is 0.
+    /// Parameters, known quantities and the expected result, by the names in files:
+    /// `0.5, 1000: mu 0.004, fz_n 2250 -> mu 0.006`. Everything else is 0.
     #[serde(default)]
     pub example: &'static str,
     /// Faults of sensors.
@@ -127,21 +127,22 @@ impl Info {
         first.unwrap_or(&self.parameters[0])
     }
 
-    /// The values of its parameters that change nothing.
+    /// Parameter values at which the effect changes nothing.
     pub fn off(&self) -> Vec<f64> {
         self.parameters.iter().map(|p| p.default).collect()
     }
 
-    /// Places among the parameters of the two ends of its stretch of distance, where it has one.
+    /// Indices of the parameters that are the two ends of its stretch of distance; `None` if it
+    /// acts everywhere.
     pub fn window(&self) -> Option<[usize; 2]> {
         let end = |edge| self.parameters.iter().position(|p| p.edge == Some(edge));
         Some([end(Edge::From)?, end(Edge::To)?])
     }
 
-    /// Columns that a table of friction experiments must have, or why it cannot test the effect.
+    /// Columns that a table of friction experiments must have to test the effect.
     ///
     /// # Errors
-    /// The reason in words.
+    /// The reason why friction experiments cannot test it.
     pub fn needs_in_experiments(&self) -> Result<&'static [Column], &'static str> {
         match self.experiments {
             Experiments::AsNeeded | Experiments::OverFilm => Ok(self.needs),
@@ -150,7 +151,7 @@ impl Info {
         }
     }
 
-    /// Whether it acts on none but the forces along the sled, the coefficient behind them, and the
+    /// Whether it acts only on the forces along the sled, on the friction coefficient, or on the
     /// track's slope.
     pub fn acts_only_along(&self) -> bool {
         self.acts_on
@@ -165,23 +166,23 @@ impl Info {
 pub struct Parameter {
     /// Key in the model or case file, with its unit as a suffix.
     pub name: &'static str,
-    /// Unit as it is printed; empty for a pure number.
+    /// Unit in print; empty for a dimensionless parameter.
     pub unit: &'static str,
     /// Smallest admissible value.
     pub low: f64,
     /// Largest admissible value.
     pub high: f64,
-    /// Value when the key is absent; 0 for an amplitude, which switches the effect off.
+    /// Value if the key is absent; 0 for an amplitude, which switches the effect off.
     #[serde(default)]
     pub default: f64,
-    /// Order of magnitude of a noticeable change; steps of differences are taken from it. 0 for a
-    /// setting that is not fitted.
+    /// Order of magnitude of a noticeable change, from which finite-difference steps follow. 0 for
+    /// a setting that is not fitted.
     #[serde(default)]
     pub typical: f64,
-    /// Values of a setting that a search tries in turn; the default alone where empty.
+    /// Values of a setting that a search tries in turn; if empty, only the default.
     #[serde(default, deserialize_with = "leaked")]
     pub tried: &'static [f64],
-    /// Which end of a window of distance the setting is, where it is one.
+    /// The end of the stretch of distance that the setting is; `None` for other parameters.
     pub edge: Option<Edge>,
 }
 
@@ -196,8 +197,8 @@ pub enum Edge {
 }
 
 impl Parameter {
-    /// The key of the standard deviation of an amplitude from run to run: where it is not 0 every
-    /// recorded run has its own.
+    /// Key of the standard deviation of an amplitude from run to run. If it is not 0, every
+    /// recorded run has its own amplitude.
     pub const SPREAD: &'static str = "spread_n";
 
     /// Whether the parameter is an amplitude, fitted to data.
@@ -219,16 +220,16 @@ pub enum Judged {
     BetweenRuns,
     /// By its level from session to session.
     BetweenSessions,
-    /// In the balance of speed and height, which is free of friction, as one size everywhere.
+    /// In the balance of speed and height, which does not depend on friction, with one size
+    /// everywhere.
     BySlope,
-    /// In the same balance, place by place.
+    /// In the balance of speed and height, place by place.
     ByProfile,
     /// By measured pressures: no effect on runs.
     ByPressure,
 }
 
-/// The level on which an effect varies, and with it the unit that randomisation must move as one
-/// piece.
+/// The level on which an effect varies, which is the unit of randomisation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
     /// Within a run, from sample to sample.
@@ -254,7 +255,7 @@ impl Level {
 }
 
 impl Judged {
-    /// What varies as one piece.
+    /// The level on which effects of this test vary.
     pub fn level(self) -> Level {
         match self {
             Judged::WithinRuns | Judged::ByPressure => Level::Sample,
@@ -269,13 +270,13 @@ impl Judged {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Experiments {
-    /// It can be tested where the columns that it needs are there and vary.
+    /// It can be tested if the columns that it needs are present and vary.
     #[default]
     AsNeeded,
-    /// It can be tested where these columns are there and vary.
+    /// It can be tested if these columns are present and vary.
     Needs(#[serde(deserialize_with = "leaked")] &'static [Column]),
-    /// It can be tested where the melt film is the base law and the columns that it needs are there,
-    /// one of them varying.
+    /// It can be tested if the melt film is the base law, the columns that it needs are present and
+    /// one of them varies.
     OverFilm,
     /// It cannot be tested, for this reason.
     Never(&'static str),

@@ -1,4 +1,4 @@
-//! An effect as a value: a plain description with plain functions.
+//! An effect: its description and the functions of its laws.
 
 use serde::Deserialize;
 
@@ -7,8 +7,8 @@ use crate::effects::catalogue::{ON_FORCES, ON_FRICTION, ON_SLED, ON_SLOPE};
 use crate::effects::{Forces, Info, OperatingPoint, Signals, State};
 use crate::sled::Sled;
 
-/// The friction coefficient from an effect's parameters, the coefficient without it, and the
-/// operating point.
+/// The friction coefficient with an effect, from the effect's parameters, the coefficient without
+/// it, and the operating point.
 pub type FrictionLaw = fn(&[f64], f64, &OperatingPoint) -> f64;
 
 /// A law for the forces, from parameters and state.
@@ -17,14 +17,14 @@ pub type ForceLaw = fn(&[f64], &State, &mut Forces);
 /// Changes the constants of the sled, from parameters.
 pub type SledLaw = fn(&[f64], &mut Sled);
 
-/// What is added to the track's slope [rad], from parameters and distance [m].
+/// Addition to the track's slope [rad], from parameters and distance [m].
 pub type SlopeLaw = fn(&[f64], f64) -> f64;
 
 /// A switchable part of the model; parameters come in the order of [`Info::parameters`].
 ///
 /// At default parameters it changes nothing. A law that an effect does not have is `None`.
 pub struct Effect {
-    /// Name, formula, parameters, what it needs and how it is judged.
+    /// Name, formula, parameters, required columns and the test that decides on it.
     pub info: Info,
     /// The friction coefficient with the effect.
     ///
@@ -34,21 +34,21 @@ pub struct Effect {
     pub on_forces: Option<ForceLaw>,
     /// Faults of sensors.
     pub on_sensors: &'static [Fault],
-    /// The parameter that is a distance after which forces follow the slip
-    /// ([`Relaxed`](crate::effects::Relaxed)).
+    /// Index of the parameter that is a relaxation length ([`Relaxed`](crate::effects::Relaxed)).
     pub relaxes: Option<usize>,
     /// Changes the stated constants of the sled to the true ones.
     pub on_sled: Option<SledLaw>,
-    /// What is added to the track's slope at a distance [m], downhill positive [rad].
+    /// Addition to the track's slope at a distance [m], downhill positive [rad].
     pub on_slope: Option<SlopeLaw>,
 }
 
 impl Effect {
-    /// The effect of an entry, with its laws by its name in the tables of the catalogue.
+    /// The effect of an entry. Its laws are looked up by its name in the tables of the catalogue; a
+    /// fault of several sensors and a relaxation length are recognised here by name.
     pub(crate) fn new(info: Info) -> Effect {
         fn law<T: Copy>(laws: &[(&str, T)], name: &str) -> Option<T> {
-            let own = laws.iter().find(|(known, _)| *known == name);
-            own.map(|(_, law)| *law)
+            let entry = laws.iter().find(|(known, _)| *known == name);
+            entry.map(|(_, law)| *law)
         }
         Effect {
             info,
@@ -64,13 +64,12 @@ impl Effect {
         }
     }
 
-    /// What is known of it.
+    /// Its description.
     pub fn info(&'static self) -> &'static Info {
         &self.info
     }
 
-    /// The coefficient with the effect, from the coefficient without it; the same where it does not
-    /// act on it.
+    /// The friction coefficient with the effect, from the coefficient `mu` without it.
     pub fn coefficient(&self, parameters: &[f64], mu: f64, at: &OperatingPoint) -> f64 {
         self.on_friction.map_or(mu, |law| law(parameters, mu, at))
     }
@@ -128,7 +127,7 @@ impl Effect {
         }
     }
 
-    /// What is added to the track's slope at `s` [m], downhill positive [rad].
+    /// Addition to the track's slope at `s` [m], downhill positive [rad].
     pub fn slope(&self, parameters: &[f64], s: f64) -> f64 {
         self.on_slope.map_or(0.0, |law| law(parameters, s))
     }
@@ -140,7 +139,7 @@ impl std::fmt::Debug for Effect {
     }
 }
 
-/// How a reading departs from the truth by a size k.
+/// Law of a reading with a fault of size k.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Reading {
@@ -148,19 +147,19 @@ pub enum Reading {
     Biased,
     /// `read = (1 + k) true`.
     Scaled,
-    /// `read(t) = true(t - k)`: late by k [s]. Of one instant, whose rate alone is known, to first
-    /// order: `true - k dtrue/dt`.
+    /// `read(t) = true(t - k)`: late by k [s]. At a single instant to first order:
+    /// `true - k dtrue/dt`.
     Late,
-    /// `read = true + factor k other`: the sensor picks up another one.
+    /// `read = true + factor k other`: the sensor picks up another quantity.
     PicksUp {
-        /// The other sensor.
+        /// Sensor of the other quantity.
         other: Sensor,
         /// Sign and size at k = 1.
         factor: f64,
     },
 }
 
-/// A fault of one sensor with one parameter of an effect as its size.
+/// A fault of one sensor. Its size is a parameter of an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fault {
@@ -168,7 +167,7 @@ pub struct Fault {
     pub of: Sensor,
     /// Its law.
     pub reading: Reading,
-    /// Place of the size among the effect's parameters.
+    /// Index of the size among the parameters of the effect.
     #[serde(default)]
     pub parameter: usize,
 }
@@ -183,9 +182,9 @@ impl Fault {
         }
     }
 
-    /// The inertial unit turned by a small angle about x (left side up), y (nose down) and z (to
-    /// the left): both of its sensors read their own axes. To second order the angle about each
-    /// axis is a rotation.
+    /// The inertial unit turned by a small angle about x (left side up), y (nose down) or z (to the
+    /// left): accelerometer and gyroscope read their own turned axes. The readings are those of a
+    /// rotation up to the second order in the angle.
     pub fn misaligned(axis: usize) -> [Self; 4] {
         let (a, b, sign) = [(1, 2, 1.0), (0, 2, -1.0), (0, 1, 1.0)][axis];
         let [force, rate] = [Sensor::ACCELEROMETER, Sensor::GYROSCOPE];
@@ -231,8 +230,8 @@ impl Fault {
 mod tests {
     use super::*;
 
-    /// Length and angle of the accelerations are those of a turned unit but for the square of the
-    /// angle, and what is corrected is what was true.
+    /// Length and angle of the accelerations are those of a turned unit up to the square of the
+    /// angle, and corrected readings are the true values.
     #[test]
     fn a_misaligned_unit_reads_rotated_axes_and_is_corrected_exactly() {
         let angle = 0.01;

@@ -1,17 +1,17 @@
-//! A formula of named columns, for effects that a person adds.
+//! A formula of named columns, for user-defined effects.
 //!
-//! Grammar: numbers, names (in brackets where they are no plain words, a closing bracket of a name
-//! twice), `+ - * / ^`, parentheses, unary minus, and the functions
-//! `abs sqrt exp log sin cos tan atan sign step min max`.
-//! `^` binds to the right and tighter than unary minus: `-x^2` is `-(x^2)`.
+//! Grammar: numbers, names (in brackets if they are not plain words, with closing brackets inside a
+//! name doubled), `+ - * / ^`, parentheses, unary minus, and the functions
+//! `abs sqrt exp log sin cos tan atan sign step min max`. `^` binds to the right and tighter than
+//! unary minus: `-x^2` is `-(x^2)`.
 
 /// A parsed formula.
 #[derive(Clone, Debug)]
 pub struct Expression {
     nodes: Vec<Node>,
     names: Vec<String>,
-    /// Values that wait at a time, at most.
-    deepest: usize,
+    /// Largest number of values on the stack.
+    max_depth: usize,
 }
 
 /// Postfix operations.
@@ -25,7 +25,7 @@ enum Node {
 
 /// A function and its derivative.
 type Unary = (fn(f64) -> f64, fn(f64) -> f64);
-/// A function and its derivatives by both arguments.
+/// A function and its derivatives with respect to both arguments.
 type Binary = (fn(f64, f64) -> f64, fn(f64, f64) -> [f64; 2]);
 
 const FUNCTIONS: [(&str, Node); 12] = [
@@ -42,8 +42,8 @@ const FUNCTIONS: [(&str, Node); 12] = [
         "step",
         Node::Unary((|a| f64::from(u8::from(a > 0.0)), |_| 0.0)),
     ),
-    ("min", Node::Binary((f64::min, |a, b| first_if(a <= b)))),
-    ("max", Node::Binary((f64::max, |a, b| first_if(a >= b)))),
+    ("min", Node::Binary((f64::min, |a, b| choice(a <= b)))),
+    ("max", Node::Binary((f64::max, |a, b| choice(a >= b)))),
 ];
 
 const NEGATE: Node = Node::Unary((|a| -a, |_| -1.0));
@@ -52,7 +52,7 @@ const POWER: Node = Node::Binary((
     |a, b| [b * a.powf(b - 1.0), a.powf(b) * a.ln()],
 ));
 
-/// Operators between two operands, those that bind tighter last.
+/// Binary operators in order of rising precedence.
 const OPERATORS: [[(u8, Node); 2]; 2] = [
     [
         (b'+', Node::Binary((|a, b| a + b, |_, _| [1.0, 1.0]))),
@@ -67,15 +67,15 @@ const OPERATORS: [[(u8, Node); 2]; 2] = [
     ],
 ];
 
-/// Derivatives of what is one of two arguments.
-fn first_if(first: bool) -> [f64; 2] {
+/// Derivatives of `min` and `max`: of the function that is one of its two arguments.
+fn choice(first: bool) -> [f64; 2] {
     let share = f64::from(u8::from(first));
     [share, 1.0 - share]
 }
 
 impl Expression {
-    /// A column's name as a formula has it: in brackets where it is no plain word, with its own
-    /// closing brackets twice.
+    /// The name of a column as written in a formula: in brackets if it is not a plain word, with
+    /// closing brackets doubled.
     ///
     /// ```
     /// use kufe_sled::effects::Expression;
@@ -98,8 +98,8 @@ impl Expression {
         &self.names
     }
 
-    /// The formula's value, `value_of` giving that of a name by its place in [`Expression::names`];
-    /// NaN for an unknown one.
+    /// Value of the formula. `value_of` gives the value of a name by its index in
+    /// [`Expression::names`], NaN for an unknown one.
     pub fn evaluate(&self, value_of: impl Fn(usize) -> f64) -> f64 {
         self.run(
             |number| number,
@@ -109,9 +109,10 @@ impl Expression {
         )
     }
 
-    /// The formula's value and its derivative along a direction, `value_of` giving both of a name.
+    /// Value of the formula and its directional derivative; `value_of` gives value and derivative
+    /// of a name.
     ///
-    /// Forward-mode differentiation; where a function has a kink, the derivative of one side.
+    /// By forward-mode differentiation; at a kink of a function, the derivative of one side.
     ///
     /// ```
     /// use kufe_sled::effects::Expression;
@@ -120,20 +121,20 @@ impl Expression {
     /// assert_eq!(formula.derivative(|name| [v, s][name]), [40.0, 60.0]);
     /// ```
     pub fn derivative(&self, value_of: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
-        // A derivative that does not exist is no matter where nothing changes.
-        let moved = |by: f64, change: f64| if change == 0.0 { 0.0 } else { by * change };
+        // A derivative that does not exist must not matter if the argument does not change.
+        let product = |slope: f64, change: f64| if change == 0.0 { 0.0 } else { slope * change };
         self.run(
             |number| [number, 0.0],
             value_of,
-            |(function, derivative), [a, da]| [function(a), moved(derivative(a), da)],
+            |(function, derivative), [a, da]| [function(a), product(derivative(a), da)],
             |(function, derivatives), [a, da], [b, db]| {
                 let [by_a, by_b] = derivatives(a, b);
-                [function(a, b), moved(by_a, da) + moved(by_b, db)]
+                [function(a, b), product(by_a, da) + product(by_b, db)]
             },
         )
     }
 
-    /// Runs the operations on numbers of any kind.
+    /// Evaluates the formula on values, or on pairs of value and derivative.
     fn run<T: Copy + Default>(
         &self,
         number: impl Fn(f64) -> T,
@@ -141,12 +142,12 @@ impl Expression {
         unary: impl Fn(Unary, T) -> T,
         binary: impl Fn(Binary, T, T) -> T,
     ) -> T {
-        // Nearly every formula fits the small stack, which costs no allocation a sample.
+        // Nearly every formula fits the small stack, which avoids an allocation per sample.
         let (mut small, mut large) = ([T::default(); 16], Vec::new());
-        let stack = match self.deepest <= small.len() {
+        let stack = match self.max_depth <= small.len() {
             true => &mut small[..],
             false => {
-                large.resize(self.deepest, T::default());
+                large.resize(self.max_depth, T::default());
                 &mut large
             }
         };
@@ -177,7 +178,7 @@ impl Expression {
 pub struct ExpressionError {
     /// The whole formula.
     pub text: String,
-    /// Position of the trouble, from 1.
+    /// Position of the error, from 1.
     pub at: usize,
     /// What was found.
     pub found: String,
@@ -206,24 +207,24 @@ impl Expression {
             nodes: Vec::new(),
             names: Vec::new(),
         };
-        parser.sum()?;
-        parser.space();
+        parser.expression()?;
+        parser.skip_space();
         if parser.at < parser.bytes.len() {
             return Err(parser.error("an operator or the end"));
         }
-        let (mut waiting, mut deepest) = (0_usize, 0);
+        let (mut depth, mut max_depth) = (0_usize, 0);
         for node in &parser.nodes {
             match node {
-                Node::Number(_) | Node::Name(_) => waiting += 1,
+                Node::Number(_) | Node::Name(_) => depth += 1,
                 Node::Unary(_) => {}
-                Node::Binary(_) => waiting -= 1,
+                Node::Binary(_) => depth -= 1,
             }
-            deepest = deepest.max(waiting);
+            max_depth = max_depth.max(depth);
         }
         Ok(Expression {
             nodes: parser.nodes,
             names: parser.names,
-            deepest,
+            max_depth,
         })
     }
 }
@@ -249,28 +250,29 @@ impl Parser<'_> {
         }
     }
 
-    fn space(&mut self) {
+    fn skip_space(&mut self) {
         while self.bytes.get(self.at).is_some_and(u8::is_ascii_whitespace) {
             self.at += 1;
         }
     }
 
-    /// Whether this byte is next; it is then passed over.
+    /// Skips the byte `wanted` if it is next, and returns whether it was.
     fn take(&mut self, wanted: u8) -> bool {
-        self.space();
-        let there = self.bytes.get(self.at) == Some(&wanted);
-        self.at += usize::from(there);
-        there
+        self.skip_space();
+        let is_next = self.bytes.get(self.at) == Some(&wanted);
+        self.at += usize::from(is_next);
+        is_next
     }
 
-    fn sum(&mut self) -> Result<(), ExpressionError> {
+    fn expression(&mut self) -> Result<(), ExpressionError> {
         self.operation(&OPERATORS)
     }
 
-    /// Operands with the first of these operators between them, or with those that bind tighter.
+    /// Reads operands with the operators of the first of these levels between them; operands
+    /// consist of the tighter levels.
     fn operation(&mut self, levels: &[[(u8, Node); 2]]) -> Result<(), ExpressionError> {
         let Some((operators, tighter)) = levels.split_first() else {
-            return self.signed();
+            return self.factor();
         };
         self.operation(tighter)?;
         while let Some((_, operator)) = operators.iter().find(|(byte, _)| self.take(*byte)) {
@@ -280,25 +282,25 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// Passes over this byte, which must be next.
+    /// Skips the byte `wanted`, which must be next.
     fn close(&mut self, wanted: u8, expected: &'static str) -> Result<(), ExpressionError> {
-        let there = self.take(wanted);
-        there.then_some(()).ok_or_else(|| self.error(expected))
+        let is_next = self.take(wanted);
+        is_next.then_some(()).ok_or_else(|| self.error(expected))
     }
 
-    fn signed(&mut self) -> Result<(), ExpressionError> {
+    fn factor(&mut self) -> Result<(), ExpressionError> {
         // Deeply nested input must not exhaust the stack.
         self.depth += 1;
         if self.depth > 200 {
             return Err(self.error("at most 200 levels of nesting"));
         }
         if self.take(b'-') {
-            self.signed()?;
+            self.factor()?;
             self.nodes.push(NEGATE);
         } else {
             self.atom()?;
             if self.take(b'^') {
-                self.signed()?;
+                self.factor()?;
                 self.nodes.push(POWER);
             }
         }
@@ -308,10 +310,10 @@ impl Parser<'_> {
 
     fn atom(&mut self) -> Result<(), ExpressionError> {
         if self.take(b'(') {
-            self.sum()?;
+            self.expression()?;
             return self.close(b')', "`)`");
         }
-        self.space();
+        self.skip_space();
         let start = self.at;
         match self.bytes.get(self.at) {
             Some(byte) if byte.is_ascii_digit() || *byte == b'.' => self.number(start),
@@ -328,7 +330,7 @@ impl Parser<'_> {
             }
             Some(b'[') => {
                 let mut end = start + 1;
-                // Twice it is a bracket of the name.
+                // A doubled bracket belongs to the name.
                 while self.bytes.get(end) != Some(&b']') || self.bytes.get(end + 1) == Some(&b']') {
                     end += match self.bytes.get(end) {
                         None => {
@@ -382,10 +384,10 @@ impl Parser<'_> {
                 self.error("abs, sqrt, exp, log, sin, cos, tan, atan, sign, step, min or max")
             );
         };
-        self.sum()?;
+        self.expression()?;
         if let Node::Binary(_) = function {
             self.close(b',', "`,` and a second argument")?;
-            self.sum()?;
+            self.expression()?;
         }
         self.close(b')', "`)`")?;
         self.nodes.push(*function);

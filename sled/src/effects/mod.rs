@@ -1,20 +1,20 @@
-//! What can be missing from a model of a sled on ice: effects, each with a switch.
+//! Effects: physics that can be added to the base model of a sled on ice, each with a switch.
 //!
-//! An effect is one entry of the catalogue: law, formula, source, an example with the number that
-//! it must give, and how data show it. The same code acts in the driving simulation and in the
+//! An effect is one entry of the catalogue: law, formula, source, an example with its expected
+//! number, and its signature in data. The same code acts in the driving simulation and in the
 //! inverse model: an effect changes the friction coefficient or the forces of the base law, is a
 //! fault of a sensor, changes a constant of the sled or the track's slope. At default parameters it
 //! changes nothing.
 //!
-//! Pressure effects change a contact problem, which this crate does not know; the crate `kufe`
-//! has them, with the same [`Info`].
+//! Effects on pressures change a contact problem. They are in the crate `kufe`, with the same
+//! [`Info`].
 //!
-//! | type | what it is |
+//! | type | purpose |
 //! |---|---|
 //! | [`Effect`], [`Info`], [`CATALOGUE`] | one effect, its description, all of them |
 //! | [`OperatingPoint`], [`State`], [`Signals`] | input of an effect: of a runner, of a sled, of the sensors |
-//! | [`Forces`], [`Sled`](crate::Sled) | what it may change besides signals |
-//! | [`Effects`], [`Active`], [`Custom`] | the effects that a model switches on, expressions among them |
+//! | [`Forces`], [`Sled`](crate::Sled) | quantities that it may change besides signals |
+//! | [`Effects`], [`Active`], [`Custom`] | the effects that a model switches on, including expressions |
 //!
 //! ```
 //! use kufe_sled::effects::{Sensor, Signals, find};

@@ -1,9 +1,10 @@
-//! Delays in time and in distance: a series read at a later time, and forces that follow the slip.
+//! Delays in time and in distance: a series shifted in time, and forces that lag behind the slip.
 
-/// A series read so many samples ahead, between samples too; constant outside its ends.
+/// A series shifted by `samples`, not necessarily a whole number:
+/// `result[i] = series[i + samples]`. Constant outside the ends.
 ///
-/// By the polynomial of fifth order through the six nearest samples: a wave of twelve samples is
-/// right to 1e-4 of its height, one of six to 5e-3.
+/// Interpolates by the polynomial of degree 5 through the six nearest samples. The error of a sine
+/// with a period of twelve samples is 1e-4 of its amplitude, of six samples 5e-3.
 ///
 /// ```
 /// let ramp: Vec<f64> = (0..20).map(f64::from).collect();
@@ -13,7 +14,7 @@
 pub fn ahead(series: &[f64], samples: f64) -> Vec<f64> {
     const FIRST: isize = -2;
     let last = series.len() as isize - 1;
-    // Further than all of it is the end, and no number is too large to be one.
+    // A larger shift has the same result, and could overflow.
     let samples = samples.clamp(-(series.len() as f64), series.len() as f64);
     let whole = samples.floor();
     let part = samples - whole;
@@ -45,33 +46,33 @@ pub fn ahead(series: &[f64], samples: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Slip angles as forces follow them, front and rear, sample after sample:
+/// Slip angles with a relaxation length sigma, front and rear, sample by sample:
 ///
 /// ```text
 /// (sigma/v) da'/dt + a' = a
 /// ```
 ///
-/// Between samples the slip goes as the cubic through its values and rates, for which the solution
-/// is exact.
+/// The solution is exact for a slip that is the cubic Hermite interpolant of its values and rates
+/// between samples.
 ///
 /// Source: H.B. Pacejka, Tire and Vehicle Dynamics, 3rd ed. (2012), ch. 7.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Relaxed {
-    last: Option<[Followed; 2]>,
+    last: Option<[RelaxedSlip; 2]>,
 }
 
-/// A slip at a sample [rad], its rate [rad/s], and how far what forces follow is behind [rad].
+/// Slip at a sample [rad], its rate [rad/s], and the lag of the relaxed slip [rad].
 #[derive(Clone, Copy, Debug)]
-struct Followed {
+struct RelaxedSlip {
     slip: f64,
     rate: f64,
-    behind: f64,
+    lag: f64,
 }
 
 impl Relaxed {
-    /// Rates of the followed slips [rad/s] at the next sample, `dt_s` after the last: slips [rad]
-    /// and their rates [rad/s], the speed \[m/s\] and the distance \[m\], which is positive. At the
-    /// first sample forces follow at the slip's own rate.
+    /// Rates of the relaxed slips [rad/s] at the next sample, `dt_s` after the previous one, from
+    /// the slips [rad], their rates [rad/s], the speed `v` \[m/s\] and the relaxation length
+    /// `distance` \[m\], which is positive. At the first sample the rate is that of the slip.
     pub fn rates(
         &mut self,
         slip: [f64; 2],
@@ -81,29 +82,29 @@ impl Relaxed {
         distance: f64,
     ) -> [f64; 2] {
         let per_s = v / distance;
-        let behind = |k: usize| {
+        let lag = |k: usize| {
             let Some(last) = &self.last else {
                 return rate[k] / per_s;
             };
             let then = &last[k];
-            let grown = (slip[k] - then.slip) / dt_s;
-            let of = [then.rate, grown, rate[k]];
-            then.behind * (-per_s * dt_s).exp() + dt_s * gathered(of, per_s * dt_s)
+            let mean_rate = (slip[k] - then.slip) / dt_s;
+            let slopes = [then.rate, mean_rate, rate[k]];
+            then.lag * (-per_s * dt_s).exp() + dt_s * lag_integral(slopes, per_s * dt_s)
         };
-        let now = [0, 1].map(|k| Followed {
+        let now = [0, 1].map(|k| RelaxedSlip {
             slip: slip[k],
             rate: rate[k],
-            behind: behind(k),
+            lag: lag(k),
         });
         self.last = Some(now);
-        now.map(|now| per_s * now.behind)
+        now.map(|now| per_s * now.lag)
     }
 }
 
-/// The integral of the cubic's slope times `e^(-x (1 - u))` over u from 0 to 1, the slopes at the
-/// start, on the mean and at the end given.
-fn gathered([start, mean, end]: [f64; 3], x: f64) -> f64 {
-    /// Below it the recursion loses digits.
+/// Integral of the cubic's slope times `e^(-x (1 - u))` over u from 0 to 1, from the slope at the
+/// start, its mean and the slope at the end.
+fn lag_integral([start, mean, end]: [f64; 3], x: f64) -> f64 {
+    // Below this value the recursion loses digits.
     const SMALL: f64 = 0.02;
     let [one, u, squared] = if x < SMALL {
         [

@@ -5,20 +5,20 @@ use crate::conditions::Conditions;
 use crate::friction::film::Patch;
 use crate::sled::Sled;
 
-/// The sled at one instant, true as far as the effects on sensors have been taken out.
+/// True state of the sled at one instant, i.e. without the active faults of sensors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
     /// Time, place, speed and weather; `fz` and `film` are set for each runner in turn.
     pub point: OperatingPoint,
     /// Slip angle, front and rear [rad].
     pub slip: [f64; 2],
-    /// Rate of the slip angle, front and rear [rad/s]; where an effect delays the forces, that of
-    /// the slip that they follow.
+    /// Rate of the slip angle, front and rear [rad/s]; if an effect delays the forces, the rate of
+    /// the delayed slip.
     pub slip_rate: [f64; 2],
     /// Normal force, front and rear [N].
     pub load: [f64; 2],
-    /// Friction of groove and film by the tables, front and rear, over each table's mean; NaN
-    /// where a model names none.
+    /// Ratio of the friction of groove and film, read from the table, to the mean of the table,
+    /// front and rear; NaN without a table.
     pub film: [f64; 2],
     /// Chassis slip at the centre of gravity [rad].
     pub chassis_slip: f64,
@@ -42,14 +42,14 @@ pub struct State {
     pub carried: f64,
 }
 
-/// The forces on the sled; effects change what the base law gave.
+/// The forces on the sled: those of the base law, as changed by effects.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Forces {
     /// Along each runner, front and rear, negative when braking [N].
     pub along: [f64; 2],
     /// Across each runner, front and rear, positive to the left [N].
     pub across: [f64; 2],
-    /// Slope of the lateral law over slip, front and rear [N/rad].
+    /// Derivative of the lateral law with respect to slip, front and rear [N/rad].
     pub stiffness: [f64; 2],
     /// Air and other forces on the body, forward [N].
     pub body_along: f64,
@@ -59,7 +59,7 @@ pub struct Forces {
     pub body_yaw: f64,
 }
 
-/// What a friction coefficient may depend on; NaN where a quantity is not known.
+/// Quantities that a friction coefficient may depend on; NaN for an unknown quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OperatingPoint {
     /// Time since the start of the run [s].
@@ -68,7 +68,7 @@ pub struct OperatingPoint {
     pub s: f64,
     /// Speed [m/s].
     pub v: f64,
-    /// Normal force of the runner, or of the whole sled for a glide [N].
+    /// Normal force of the runner, or of the whole sled in a gliding run [N].
     pub fz: f64,
     /// Ice, air and finish of the runners.
     pub conditions: Conditions,
@@ -76,27 +76,28 @@ pub struct OperatingPoint {
     pub air_density: f64,
     /// Drag area of the base model [m2].
     pub drag_area: f64,
-    /// Friction of groove and film as the runner's table has it, over the table's mean.
+    /// Ratio of the friction of groove and film, read from the runner's table, to the mean of the
+    /// table.
     pub film: f64,
     /// The contact of a friction experiment.
     pub patch: Patch,
 }
 
-/// The readings of all sensors, or the true values: the faults of sensors lie between the two.
+/// Readings of all sensors, or the true values; faults of sensors convert between the two.
 ///
 /// Indexed by [`Sensor`]: `signals[Sensor::YawRate]` [rad/s].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Signals {
     /// Values, in the order of [`Sensor::ALL`].
     pub value: [f64; SENSORS],
-    /// Their derivatives by time [1/s], where they are known; 0 elsewhere.
+    /// Time derivatives of the values [1/s]; 0 where unknown.
     pub rate: [f64; SENSORS],
     /// The sled that carries the sensors.
     pub sled: Sled,
 }
 
 impl Signals {
-    /// Derivative of a sensor's value by time.
+    /// Time derivative of the value of sensor `of`.
     pub fn rate(&self, of: Sensor) -> f64 {
         self.rate[of as usize]
     }

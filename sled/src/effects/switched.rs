@@ -1,4 +1,4 @@
-//! The effects that a model switches on: read from its tables, checked, and acting one after the
+//! The effects that a model switches on: reading from its tables, checks, and action one after the
 //! other.
 
 use std::collections::BTreeMap;
@@ -46,23 +46,23 @@ impl Effects {
         self.active.is_empty()
     }
 
-    /// Those that act on this track, freed of its name.
+    /// The effects that act on this track, with `track` set to `None`.
     pub fn on_track(&self, track: &str) -> Self {
-        let own = self.active.iter().filter(|effect| effect.acts_on(track));
-        let free = |effect: &Active| Active {
+        let acting = self.active.iter().filter(|effect| effect.acts_on(track));
+        let without_track = |effect: &Active| Active {
             track: None,
             ..effect.clone()
         };
         Self {
-            active: own.map(free).collect(),
+            active: acting.map(without_track).collect(),
         }
     }
 
-    /// Refuses effects that need a column which is not `available`; an effect whose amplitudes are
-    /// 0 needs none.
+    /// Refuses effects that need a column which is not in `available`. Effects with amplitudes of 0
+    /// are not checked.
     ///
     /// # Errors
-    /// [`EffectError::MissingColumn`] with the effect, the column and what there is.
+    /// [`EffectError::MissingColumn`] with the effect, the column and the available columns.
     ///
     /// ```
     /// use kufe_sled::effects::{Active, Effects, Kind, find};
@@ -91,7 +91,7 @@ impl Effects {
         Ok(())
     }
 
-    /// How late each sensor is [s], in the order of [`Sensor::ALL`].
+    /// Delay of each sensor [s], in the order of [`Sensor::ALL`].
     ///
     /// A delay belongs to a whole series: a series is read [`ahead`](crate::effects::ahead) by it,
     /// and its instants are corrected by [`Effects::in_time`].
@@ -105,13 +105,13 @@ impl Effects {
         delays
     }
 
-    /// The distance after which forces follow the slip [m], where there is one.
+    /// Relaxation length of the lateral forces [m]; `None` if they follow the slip at once.
     pub fn relaxation(&self) -> Option<f64> {
         let distance: f64 = self.active.iter().map(Active::relaxation).sum();
         (distance > 0.0).then_some(distance)
     }
 
-    /// The same effects with every sensor in time.
+    /// The effects with all delays of sensors set to 0.
     pub fn in_time(self) -> Self {
         Self {
             active: self.active.into_iter().map(Active::in_time).collect(),
@@ -120,7 +120,7 @@ impl Effects {
 
     /// From readings to true values, and from the stated constants of the sled to the true ones.
     ///
-    /// `at` states time, place and weather, for expressions of them.
+    /// `at` states time, place and weather for expressions.
     pub fn correct(&self, at: &OperatingPoint, signals: &mut Signals) {
         for effect in &self.active {
             effect.correct(at, signals);
@@ -145,14 +145,14 @@ impl Effects {
 
     /// Changes the forces of the base law.
     ///
-    /// An effect of one track does not act here: [`Effects::on_track`] frees it of its name.
+    /// An effect of one track acts only after [`Effects::on_track`].
     pub fn act(&self, at: &State, forces: &mut Forces) {
         for effect in self.everywhere() {
             effect.act(at, forces);
         }
     }
 
-    /// What is added to the track's slope at `s` [m], downhill positive [rad]; as [`Effects::act`].
+    /// Addition to the track's slope at `s` [m], downhill positive [rad]; as [`Effects::act`].
     pub fn slope(&self, s: f64) -> f64 {
         self.everywhere().map(|effect| effect.slope(s)).sum()
     }
@@ -162,30 +162,30 @@ impl Effects {
     }
 }
 
-/// What kind of effect is active.
+/// Kind of an active effect.
 #[derive(Clone, Debug)]
 pub enum Kind {
     /// From the catalogue.
     Catalogue(&'static Effect),
-    /// An expression that a person adds.
+    /// A user-defined expression.
     Custom(Custom),
 }
 
 /// One effect with its parameters.
 #[derive(Clone, Debug)]
 pub struct Active {
-    /// The table's name; what follows an `@` distinguishes several of one effect.
+    /// Name of the table; a suffix after `@` distinguishes several tables of one effect.
     pub name: String,
-    /// What it does.
+    /// The effect.
     pub kind: Kind,
-    /// Parameters in the effect's order; the amplitude alone for an expression.
+    /// Parameters in the effect's order; for an expression only the amplitude.
     pub values: Vec<f64>,
-    /// The only track on which it acts; everywhere where absent.
+    /// The only track on which it acts; `None` for all tracks.
     pub track: Option<String>,
 }
 
 impl Active {
-    /// The effect's name without what follows an `@`.
+    /// The name without the suffix after `@`.
     pub fn effect_name(&self) -> &str {
         self.name.split('@').next().unwrap_or(&self.name)
     }
@@ -195,7 +195,7 @@ impl Active {
         self.track.as_deref().is_none_or(|only| only == track)
     }
 
-    /// Whether an amplitude is not 0.
+    /// Whether any amplitude is not 0.
     pub fn is_on(&self) -> bool {
         match self.catalogue() {
             None => self.values[0] != 0.0,
@@ -205,7 +205,7 @@ impl Active {
         }
     }
 
-    /// The effect, where it is one of the catalogue.
+    /// The effect of the catalogue; `None` for an expression.
     fn catalogue(&self) -> Option<&'static Effect> {
         match &self.kind {
             Kind::Catalogue(effect) => Some(effect),
@@ -221,7 +221,7 @@ impl Active {
         parameters.iter().zip(self.values.iter().copied())
     }
 
-    /// Whether its size and place are each recorded run's own: its spread from run to run is not 0.
+    /// Whether size and place differ from run to run: the spread is not 0.
     pub fn varies(&self) -> bool {
         let varies = |(p, value): (&Parameter, f64)| p.name == Parameter::SPREAD && value > 0.0;
         self.parameters().any(varies)
@@ -243,13 +243,14 @@ impl Active {
         }
     }
 
-    /// The distance after which forces follow the slip by it [m]; 0 where they do so at once.
+    /// Relaxation length of the lateral forces by this effect [m]; 0 if they follow the slip at
+    /// once.
     pub fn relaxation(&self) -> f64 {
         let relaxes = self.catalogue().and_then(|effect| effect.relaxes);
         relaxes.map_or(0.0, |p| self.values[p])
     }
 
-    /// How late each sensor is by it [s], in the order of [`Sensor::ALL`].
+    /// Delay of each sensor by this effect [s], in the order of [`Sensor::ALL`].
     pub fn delays(&self) -> [f64; SENSORS] {
         let mut delays = [0.0; SENSORS];
         for fault in self.late_faults() {
@@ -263,12 +264,12 @@ impl Active {
         faults.iter().filter(|fault| fault.reading == Reading::Late)
     }
 
-    /// Whether it makes a sensor late.
+    /// Whether it delays a sensor.
     pub fn is_late(&self) -> bool {
         self.delays().iter().any(|delay| *delay != 0.0)
     }
 
-    /// The same with every sensor in time.
+    /// The effect with all delays of sensors set to 0.
     pub(super) fn in_time(mut self) -> Self {
         for fault in self.late_faults() {
             self.values[fault.parameter] = 0.0;
@@ -300,11 +301,11 @@ impl Active {
         }
     }
 
-    /// The coefficient with the effect, from that without it, of a specimen of which only the
-    /// operating point is known.
+    /// The friction coefficient of a specimen with the effect, from the coefficient `mu` without
+    /// it.
     ///
-    /// `None` where it does not act on a friction coefficient; NaN where a condition that it needs
-    /// is not known.
+    /// `None` if it does not act on a friction coefficient; NaN if a condition that it needs is
+    /// unknown.
     pub fn coefficient(&self, mu: f64, at: &OperatingPoint) -> Option<f64> {
         match &self.kind {
             Kind::Catalogue(effect) => effect.on_friction.map(|law| law(&self.values, mu, at)),
@@ -314,7 +315,7 @@ impl Active {
         }
     }
 
-    /// What is added to the track's slope at `s` [m], downhill positive [rad].
+    /// Addition to the track's slope at `s` [m], downhill positive [rad].
     pub fn slope(&self, s: f64) -> f64 {
         let effect = self.catalogue();
         effect.map_or(0.0, |effect| effect.slope(&self.values, s))
@@ -509,13 +510,13 @@ pub enum EffectError {
         name: String,
         /// The column.
         column: String,
-        /// The columns that there are.
+        /// The available columns.
         found: String,
     },
 }
 
-/// A table for each effect of the catalogue, once or by place (`NAME@PLACE`), and tables with an
-/// expression.
+/// JSON schema of `[effects]`: a table for each effect of the catalogue, once or by place
+/// (`NAME@PLACE`), and tables with an expression.
 pub fn schema(_: &mut SchemaGenerator) -> Schema {
     let known: BTreeMap<String, Schema> = CATALOGUE
         .iter()
@@ -529,16 +530,16 @@ pub fn schema(_: &mut SchemaGenerator) -> Schema {
                 "properties": keys,
                 "additionalProperties": false,
             });
-            // A table with an expression is one's own effect, whatever its name.
-            let either = json_schema!({ "anyOf": [table, own()] });
-            (format!("^{}(@.*)?$", info.name), either)
+            // A table with an expression is a user-defined effect, whatever its name.
+            let table_or_custom = json_schema!({ "anyOf": [table, custom_schema()] });
+            (format!("^{}(@.*)?$", info.name), table_or_custom)
         })
         .collect();
     json_schema!({
         "description": "Effects in addition to the base model, by name; an absent one is off.",
         "type": "object",
         "patternProperties": known,
-        "additionalProperties": own(),
+        "additionalProperties": custom_schema(),
     })
 }
 
@@ -546,7 +547,7 @@ fn track() -> Schema {
     json_schema!({ "description": "Acts on this track only.", "type": "string" })
 }
 
-fn own() -> Schema {
+fn custom_schema() -> Schema {
     let sensors = Sensor::ALL.map(Channel::Sensor);
     let channels = Channel::NAMED.map(|(_, channel)| channel).into_iter();
     let channels: Vec<_> = channels.chain(sensors).map(Channel::name).collect();

@@ -1,4 +1,4 @@
-//! A driver's score: energy lost in addition to what a straight glide would lose.
+//! A driver's score: energy lost in addition to the loss of a straight glide.
 
 use std::ops::Range;
 
@@ -32,8 +32,8 @@ pub struct RunEvaluation {
     pub session: String,
     /// Run time [s].
     pub time_s: f64,
-    /// Least loss, `E_tot_loss` of a straight glide [J]; negative, as energy is taken from the
-    /// sled.
+    /// Loss of a straight glide, the smallest possible, `E_tot_loss` [J]; negative, since the sled
+    /// loses energy.
     pub e_tot_loss_j: f64,
     /// Relative increase at the front runner.
     pub increase_front: f64,
@@ -43,8 +43,7 @@ pub struct RunEvaluation {
     pub increase_aero: f64,
     /// Sum of the three: the score, smaller is better.
     pub increase_total: f64,
-    /// Root mean square residuals of the balances: how well the model explains the run that it
-    /// judges.
+    /// Root mean square residuals of the balances: the quality of the model for this run.
     pub left_rms: BalanceResidual,
     /// Steering angle.
     pub steering: Angles,
@@ -54,7 +53,7 @@ pub struct RunEvaluation {
     pub slip_rear: Angles,
     /// Chassis slip angle.
     pub chassis_slip: Angles,
-    /// Where along the track these losses are, and the time that they cost.
+    /// Losses by stretch of the track, with the time that they cost.
     #[serde(default)]
     pub losses: Vec<TrackLoss>,
     /// Forces over the run; not part of the report.
@@ -87,9 +86,9 @@ pub struct DrivingForce {
     pub t_s: f64,
     /// Distance [m].
     pub s_m: f64,
-    /// `F_x~`: along the driving direction, slips as driven.
+    /// `F_x~`: along the driving direction, with the actual slips.
     pub actual_n: f64,
-    /// `F_x`: the least possible, without slip.
+    /// `F_x`: the smallest possible, without slip.
     pub ideal_n: f64,
     /// Slip angle at the front runner [rad].
     pub alpha_f_rad: f64,
@@ -110,11 +109,10 @@ pub struct DrivingForce {
 /// Delta E_aero  = int F_x~,aero - F_x,aero ds / E_tot_loss
 /// ```
 ///
-/// What effects put on the body counts with the air. Forces are those of the friction laws at the
+/// Forces of effects on the body count as air drag. Forces are those of the friction laws at the
 /// measured slips and normal forces; `alpha` is the slip at the centre of gravity for both axles,
-/// as in the paper. `ds = v dt` by the trapezoidal rule, over the stretches that take part: across
-/// a gap nothing is lost, neither of a straight glide nor in addition, so that the increases are
-/// those of what was seen.
+/// as in the paper. `ds = v dt` by the trapezoidal rule, over the stretches without gaps. A gap
+/// contributes to neither loss, so that the increases are those of the recorded part.
 pub fn evaluate(runs: &[Prepared], vehicle: &Vehicle) -> Vec<RunEvaluation> {
     runs.par_iter()
         .map(|run| evaluate_run(run, vehicle))
@@ -125,7 +123,7 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
     let vehicle = &with_own_contacts(run, vehicle);
     let sled = &vehicle.sled;
     let mut series = Vec::with_capacity(run.states.len());
-    // Of a straight glide, and what front, rear and air take in addition.
+    // Power of a straight glide, and the additional power at front, rear and air [W].
     let mut powers: Vec<[f64; 4]> = Vec::with_capacity(run.states.len());
     for state in &run.states {
         let at = Balance::new(sled, state, &Motion::default());
@@ -153,15 +151,15 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
         let [front, rear, aero] = std::array::from_fn(|k| actual[k] - ideal[k]);
         powers.push([ideal_n, front, rear, aero].map(|force: f64| force * state.v_mps));
     }
-    let price = seconds_per_joule(sled, &run.states);
+    let delay = seconds_per_joule(sled, &run.states);
     let (mut energies, mut losses) = ([0.0; 4], Stretches::new());
     for i in run.pieces.iter().flat_map(|p| p.start + 1..p.end) {
         let [before, power] = [powers[i - 1], powers[i]];
-        let taken: [f64; 4] = std::array::from_fn(|k| 0.5 * run.dt_s * (before[k] + power[k]));
-        energies = std::array::from_fn(|k| energies[k] + taken[k]);
-        let lost = [-taken[1], -taken[2], -taken[3]];
+        let work: [f64; 4] = std::array::from_fn(|k| 0.5 * run.dt_s * (before[k] + power[k]));
+        energies = std::array::from_fn(|k| energies[k] + work[k]);
+        let lost = [-work[1], -work[2], -work[3]];
         let s_m = 0.5 * (run.states[i - 1].s_m + run.states[i].s_m);
-        add_loss(&mut losses, s_m, lost, 0.5 * (price[i - 1] + price[i]));
+        add_loss(&mut losses, s_m, lost, 0.5 * (delay[i - 1] + delay[i]));
     }
     let [least, front, rear, aero] = energies;
     let angles = |pick: fn(&DrivingForce) -> f64| distribution(series.iter().map(pick));
@@ -188,11 +186,10 @@ fn evaluate_run(run: &Prepared, vehicle: &Vehicle) -> RunEvaluation {
     }
 }
 
-/// The forces along the sled, effects included, where it glides straight, without slip,
-/// steering and roll-split.
+/// Forces along the sled in a straight glide, without slip, steering and roll-split, with effects.
 ///
-/// Without effects these are the base laws' forces along the runners at the slips as driven, as in
-/// the paper.
+/// Without effects these are the base laws' forces along the runners at the actual slips, as in the
+/// paper.
 fn straight_glide(vehicle: &Vehicle, at: &Balance, forces: &AxleForces) -> Forces {
     if vehicle.effects.is_empty() {
         return Forces {

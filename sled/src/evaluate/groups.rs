@@ -11,11 +11,11 @@ use crate::series::distinct;
 /// Scores of a group of runs, each with its interval over runs.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Group {
-    /// What the runs share: `driver`, `class` or `track`.
+    /// Criterion of the group: `driver`, `class` or `track`.
     pub by: String,
-    /// Its name.
+    /// Name of the driver, class or track.
     pub name: String,
-    /// The track, where only its runs count.
+    /// The track to which the group is limited; `None` for all tracks.
     pub track: Option<String>,
     /// Number of runs.
     pub runs: usize,
@@ -37,8 +37,8 @@ pub struct Group {
     pub slip_rear_above_2deg: Summary,
 }
 
-/// Groups by driver and by class, on each track and over all, and by track; in the order of first
-/// appearance.
+/// Groups by driver and by class, over all tracks and on each, and groups by track; in the order of
+/// first appearance.
 pub fn groups(runs: &[RunEvaluation], seed: u64) -> Vec<Group> {
     let tracks = distinct(runs.iter().map(|run| run.track.as_str()));
     let mut places: Vec<Option<&str>> = vec![None];
@@ -54,19 +54,19 @@ pub fn groups(runs: &[RunEvaluation], seed: u64) -> Vec<Group> {
         let is_here = |run: &&RunEvaluation| place.is_none_or(|track| run.track == track);
         for (by, key) in keys {
             for name in distinct(runs.iter().map(key)) {
-                let of = runs.iter().filter(is_here).filter(|run| key(run) == name);
-                groups.extend(group(by, name, place, of.collect(), seed));
+                let members = runs.iter().filter(is_here).filter(|run| key(run) == name);
+                groups.extend(group(by, name, place, members.collect(), seed));
             }
         }
     }
     for track in tracks {
-        let of = runs.iter().filter(|run| run.track == track);
-        groups.extend(group("track", track, None, of.collect(), seed));
+        let members = runs.iter().filter(|run| run.track == track);
+        groups.extend(group("track", track, None, members.collect(), seed));
     }
     groups
 }
 
-/// What runs are grouped by.
+/// The key of a group.
 type Key = fn(&RunEvaluation) -> &String;
 
 fn group(
@@ -79,7 +79,7 @@ fn group(
     if runs.is_empty() {
         return None;
     }
-    let of = |pick: fn(&RunEvaluation) -> f64| {
+    let summary = |pick: fn(&RunEvaluation) -> f64| {
         let values: Vec<f64> = runs.iter().map(|run| pick(run)).collect();
         summarise(&values, seed)
     };
@@ -88,14 +88,14 @@ fn group(
         name: name.to_string(),
         track: track.map(str::to_string),
         runs: runs.len(),
-        increase_front: of(|run| run.increase_front),
-        increase_rear: of(|run| run.increase_rear),
-        increase_aero: of(|run| run.increase_aero),
-        increase_total: of(|run| run.increase_total),
-        steering_above_2deg: of(|run| run.steering.share_above_2deg),
-        steering_above_4deg: of(|run| run.steering.share_above_4deg),
-        slip_front_above_2deg: of(|run| run.slip_front.share_above_2deg),
-        slip_rear_above_2deg: of(|run| run.slip_rear.share_above_2deg),
+        increase_front: summary(|run| run.increase_front),
+        increase_rear: summary(|run| run.increase_rear),
+        increase_aero: summary(|run| run.increase_aero),
+        increase_total: summary(|run| run.increase_total),
+        steering_above_2deg: summary(|run| run.steering.share_above_2deg),
+        steering_above_4deg: summary(|run| run.steering.share_above_4deg),
+        slip_front_above_2deg: summary(|run| run.slip_front.share_above_2deg),
+        slip_rear_above_2deg: summary(|run| run.slip_rear.share_above_2deg),
     })
 }
 
@@ -106,23 +106,23 @@ pub struct Summary {
     pub mean: f64,
     /// Median.
     pub median: f64,
-    /// Lower end of the mean's interval; absent for a single value.
+    /// Lower end of the mean's interval; `None` for a single value.
     pub low: Option<f64>,
-    /// Upper end of the mean's interval; absent for a single value.
+    /// Upper end of the mean's interval; `None` for a single value.
     pub high: Option<f64>,
 }
 
-/// Resamples that an interval rests on.
+/// Number of bootstrap resamples.
 const RESAMPLES: usize = 4000;
 
-/// Summarises values, one a run, with a percentile bootstrap over runs.
+/// Summarises values, one per run, with a percentile bootstrap over runs.
 ///
-/// Resampled means scatter with `(n-1)/n` of the mean's variance; their spread is widened by
-/// `sqrt(n/(n-1))` for that. With fewer than about eight runs the interval is still somewhat too
-/// narrow. The same seed gives the same interval.
+/// Resampled means have `(n-1)/n` of the variance of the mean; their spread is therefore multiplied
+/// by `sqrt(n/(n-1))`. With fewer than about eight runs the interval is still too narrow. The same
+/// seed gives the same interval.
 ///
 /// # Panics
-/// Where there are no values.
+/// Panics without values.
 fn summarise(values: &[f64], seed: u64) -> Summary {
     assert!(!values.is_empty(), "no values to summarise");
     let n = values.len();
@@ -152,10 +152,10 @@ fn summarise(values: &[f64], seed: u64) -> Summary {
     summary
 }
 
-/// Quantile of sorted values, linear between order statistics.
+/// Quantile of sorted values at the probability `share`, linear between order statistics.
 ///
 /// # Panics
-/// Where there are no values.
+/// Panics without values.
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     let position = share.clamp(0.0, 1.0) * (sorted.len() - 1) as f64;
     let low = position as usize;

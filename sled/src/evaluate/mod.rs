@@ -1,4 +1,4 @@
-//! How well a model explains runs, and how well runs were driven.
+//! Validation of a model by runs, and evaluation of drivers.
 
 pub(crate) mod driving;
 pub(crate) mod groups;

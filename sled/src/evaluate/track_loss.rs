@@ -1,4 +1,4 @@
-//! Where along the track a driver loses, and how many seconds it costs.
+//! Losses of a driver by stretch of the track, in energy and time.
 
 use std::collections::BTreeMap;
 
@@ -10,15 +10,15 @@ use crate::motion::state::State;
 use crate::series::distinct;
 use crate::sled::Sled;
 
-/// Length of the stretches [m], which begin at its multiples: a third of a curve.
+/// Length of the stretches [m], about a third of a curve. They begin at multiples of it.
 const STRETCH_M: f64 = 25.0;
 
-/// What a stretch of the track costs more than a straight glide.
+/// Losses on a stretch of the track relative to a straight glide.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TrackLoss {
-    /// Where it begins [m].
+    /// Start of the stretch [m].
     pub from_m: f64,
-    /// Where it ends [m].
+    /// End of the stretch [m].
     pub to_m: f64,
     /// Energy lost at the front runner [J].
     pub front_j: f64,
@@ -41,32 +41,32 @@ pub struct DriverLosses {
     pub runs: usize,
     /// Sum over the stretches [s].
     pub lost_s: f64,
-    /// Stretch by stretch; of runs that a stretch is measured in.
+    /// Mean losses by stretch, over the runs that measured it.
     pub stretches: Vec<TrackLoss>,
 }
 
-/// The time by which a joule lost at each state delays the last of them [s/J].
+/// Delay at the last state per joule lost at each state [s/J].
 ///
-/// A loss of energy E lowers the speed by `E / (m v)` until the end; a slower sled has less drag,
-/// by which the loss decays:
+/// A loss of energy E lowers the speed by `E / (m v)` until the end. A slower sled has less drag,
+/// so that the loss decays:
 ///
 /// ```text
 /// dt/ds = E / (m v^3)        dE/ds = - (rho c_d A / m) E
 /// ```
 ///
-/// Friction is taken to be the same at both speeds.
+/// Friction is assumed equal at both speeds.
 pub(crate) fn seconds_per_joule(sled: &Sled, states: &[State]) -> Vec<f64> {
-    let mut price = vec![0.0; states.len()];
+    let mut delay_per_j = vec![0.0; states.len()];
     for i in (1..states.len()).rev() {
         let [before, after] = [&states[i - 1], &states[i]];
         let step_s = after.t_s - before.t_s;
         let v_mps = 0.5 * (before.v_mps + after.v_mps);
         let decay = before.air_density_kgpm3 * sled.cda_m2 / sled.mass_kg;
-        let now = step_s / (sled.mass_kg * v_mps * v_mps);
+        let local = step_s / (sled.mass_kg * v_mps * v_mps);
         let share = (-decay * v_mps * step_s).exp();
-        price[i - 1] = 0.5 * now * (1.0 + share) + share * price[i];
+        delay_per_j[i - 1] = 0.5 * local * (1.0 + share) + share * delay_per_j[i];
     }
-    price
+    delay_per_j
 }
 
 impl TrackLoss {
@@ -86,16 +86,16 @@ impl TrackLoss {
     }
 }
 
-/// Stretches by their number from the start of the track.
+/// Stretches by their number from distance 0.
 pub(crate) type Stretches = BTreeMap<i64, TrackLoss>;
 
-/// Adds losses [J] of front runner, rear runner and air at a place to its stretch.
-pub(crate) fn add_loss(stretches: &mut Stretches, s_m: f64, lost_j: [f64; 3], price: f64) {
+/// Adds losses [J] of front runner, rear runner and air at the distance `s_m` to its stretch.
+pub(crate) fn add_loss(stretches: &mut Stretches, s_m: f64, lost_j: [f64; 3], delay_per_j: f64) {
     let number = (s_m / STRETCH_M).floor() as i64;
     let stretch = stretches.entry(number);
     let stretch = stretch.or_insert_with(|| TrackLoss::at(number));
     let [front, rear, aero] = lost_j;
-    stretch.add([front, rear, aero, price * (front + rear + aero)]);
+    stretch.add([front, rear, aero, delay_per_j * (front + rear + aero)]);
 }
 
 /// The losses of each driver on each track, in the order of the runs.
@@ -107,8 +107,8 @@ pub fn losses_by_driver(runs: &[RunEvaluation]) -> Vec<DriverLosses> {
             .into_iter()
             .filter(|pair| pair.0 == track)
         {
-            let own = runs.iter().filter(|run| (&run.track, &run.driver) == pair);
-            all.push(mean(pair.1, track, &own.collect::<Vec<_>>()));
+            let members = runs.iter().filter(|run| (&run.track, &run.driver) == pair);
+            all.push(mean(pair.1, track, &members.collect::<Vec<_>>()));
         }
     }
     all
@@ -182,13 +182,13 @@ mod tests {
         let force = 80.0;
         let [free, braked] = [0.0, force].map(|force| driven(&sled, force));
         let delay = braked[braked.len() - 1].t_s - free[free.len() - 1].t_s;
-        let price = seconds_per_joule(&sled, &free);
+        let delay_per_j = seconds_per_joule(&sled, &free);
         let lost = free
             .iter()
-            .zip(&price)
+            .zip(&delay_per_j)
             .filter(|(at, _)| (300.0..325.0).contains(&at.s_m));
         // Samples are 0.2 m apart.
-        let stated: f64 = lost.map(|(_, price)| force * 0.2 * price).sum();
+        let stated: f64 = lost.map(|(_, delay_per_j)| force * 0.2 * delay_per_j).sum();
         // Of 80 N over 25 m the speed falls by some 1 %, of which the linear form omits the square.
         assert!((stated / delay - 1.0).abs() < 0.03, "{stated} s, {delay} s");
     }

@@ -1,4 +1,4 @@
-//! The friction model against measured runs: the lateral force at the centre of gravity.
+//! Validation of the friction model by measured runs: the lateral force at the centre of gravity.
 
 use std::ops::Range;
 
@@ -26,13 +26,13 @@ pub struct RunValidation {
     pub driver: String,
     /// Session.
     pub session: String,
-    /// Root mean square difference of the model [N].
+    /// Root mean square error of the model [N].
     pub rmse_n: f64,
-    /// The same for Braghin's law with its published parameters [N].
+    /// Root mean square error of Braghin's law with its published parameters [N].
     pub rmse_braghin_n: f64,
     /// Root mean square residuals of all balances.
     pub left_rms: BalanceResidual,
-    /// Where model and measurement differ most, worst first.
+    /// Stretches with the largest differences between model and measurement, largest first.
     pub largest: Vec<Disagreement>,
     /// The lateral force over time; not part of the report.
     #[serde(skip)]
@@ -51,7 +51,7 @@ pub struct Disagreement {
     pub s_m: f64,
     /// Root mean square difference over half a second [N].
     pub rms_n: f64,
-    /// Times the run's own root mean square difference.
+    /// Ratio of `rms_n` to the root mean square error of the run.
     pub times_rmse: f64,
 }
 
@@ -77,16 +77,17 @@ pub struct TrackValidation {
     pub track: String,
     /// Number of runs.
     pub runs: usize,
-    /// Over all samples of all runs [N].
+    /// Root mean square error of the model over all samples [N].
     pub rmse_n: f64,
-    /// The same for Braghin's law [N].
+    /// Root mean square error of Braghin's law over all samples [N].
     pub rmse_braghin_n: f64,
 }
 
 /// Compares every run, in parallel and in order.
 ///
-/// Measured is `m a_y` at the centre of gravity, modelled the sum of both runners' forces in the
-/// body frame and the air's side force, from slips and normal forces alone.
+/// The measured force is `m a_y` at the centre of gravity. The modelled force is the sum of both
+/// runners' forces in the body frame and the side force of the air, from slips and normal forces
+/// alone.
 pub fn validate(runs: &[Prepared], vehicle: &Vehicle) -> Vec<RunValidation> {
     runs.par_iter()
         .map(|run| validate_run(run, vehicle))
@@ -123,8 +124,8 @@ fn validate_run(run: &Prepared, vehicle: &Vehicle) -> RunValidation {
     }
 }
 
-/// Up to five stretches of half a second without a gap, at least two seconds apart, whose
-/// difference is twice the run's or more.
+/// Up to five stretches of half a second without a gap, at least two seconds apart, with at least
+/// twice the root mean square error `rmse` of the run.
 fn largest_disagreements(series: &[LateralForce], run: &Prepared, rmse: f64) -> Vec<Disagreement> {
     let window = ((0.5 / run.dt_s) as usize).clamp(1, series.len());
     let mut sums = vec![0.0];
@@ -162,20 +163,20 @@ fn largest_disagreements(series: &[LateralForce], run: &Prepared, rmse: f64) -> 
     largest
 }
 
-/// Errors over all samples, track by track in the order of their first run.
+/// Root mean square errors by track, in the order of the tracks' first runs.
 pub fn by_track(runs: &[RunValidation]) -> Vec<TrackValidation> {
     let validation = |track: &str| {
-        let of: Vec<&RunValidation> = runs.iter().filter(|run| run.track == track).collect();
-        let samples: f64 = of.iter().map(|run| run.series.len() as f64).sum();
+        let on_track: Vec<&RunValidation> = runs.iter().filter(|run| run.track == track).collect();
+        let samples: f64 = on_track.iter().map(|run| run.series.len() as f64).sum();
         let pooled = |rmse: fn(&RunValidation) -> f64| {
-            let squares = of
+            let squares = on_track
                 .iter()
                 .map(|run| run.series.len() as f64 * rmse(run).powi(2));
             (squares.sum::<f64>() / samples).sqrt()
         };
         TrackValidation {
             track: track.to_string(),
-            runs: of.len(),
+            runs: on_track.len(),
             rmse_n: pooled(|run| run.rmse_n),
             rmse_braghin_n: pooled(|run| run.rmse_braghin_n),
         }
@@ -184,7 +185,7 @@ pub fn by_track(runs: &[RunValidation]) -> Vec<TrackValidation> {
     tracks.into_iter().map(validation).collect()
 }
 
-/// Residuals of the balances of one run, one a state.
+/// Residuals of the balances of one run, one per state.
 pub fn residuals(run: &Prepared, vehicle: &Vehicle) -> Vec<BalanceResidual> {
     let vehicle = &with_own_contacts(run, vehicle);
     let residual = |(state, motion): (&State, &Motion)| {
@@ -195,7 +196,7 @@ pub fn residuals(run: &Prepared, vehicle: &Vehicle) -> Vec<BalanceResidual> {
     instants.map(residual).collect()
 }
 
-/// Root mean square of each balance over the samples; 0 where there are none.
+/// Root mean square of each balance over the samples; 0 without samples.
 pub fn root_mean_square(residuals: &[BalanceResidual]) -> BalanceResidual {
     if residuals.is_empty() {
         return BalanceResidual::default();

@@ -1,4 +1,4 @@
-//! Estimates with intervals, and the least of what is computed point by point.
+//! Estimates with intervals, and response surfaces for minimisation of an expensive function.
 
 use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
@@ -7,7 +7,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::error::{Error, in_range};
 
-/// What a parameter may be; steps in it are ratios.
+/// Bounds of a parameter on a logarithmic scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
     low: f64,
@@ -18,8 +18,8 @@ impl Span {
     /// From `low` to `high`.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a lower bound that is not positive, and an upper one that is not
-    /// above it.
+    /// [`Error::OutOfRange`] for a lower bound that is not positive, and for an upper bound that is
+    /// not above it.
     pub fn new(low: f64, high: f64) -> Result<Self, Error> {
         in_range("lower bound", low, low > 0.0, "a positive number")?;
         let expected = "a number above the lower bound";
@@ -41,18 +41,18 @@ impl Span {
         }
     }
 
-    fn place(&self, value: f64) -> f64 {
+    fn coordinate(&self, value: f64) -> f64 {
         2.0 * (value / self.low).ln() / (self.high / self.low).ln() - 1.0
     }
 }
 
-/// A smooth surface through values that scatter.
+/// A response surface: a smooth approximation of values with scatter.
 ///
 /// The logarithm of the response is a polynomial of degree 4 in the logarithms of the parameters,
-/// fitted by least squares to 7 places of one parameter and to 25 of two (Chebyshev's, the bounds
-/// among them): five and fifteen coefficients. A mesh's scatter of some thousandths would lead a
-/// search astray that goes from point to point; the surface averages it, and the residual states how
-/// rough it is.
+/// fitted by least squares at Chebyshev points that include the bounds: 5 coefficients to 7 points
+/// of one parameter, 15 coefficients to 25 points of two. A scatter of some thousandths between
+/// meshes would mislead a search from point to point; the surface averages it, and the residual
+/// measures it.
 #[derive(Clone, Debug)]
 pub struct Response {
     spans: Vec<Span>,
@@ -61,14 +61,14 @@ pub struct Response {
 }
 
 const DEGREE: i32 = 4;
-/// Steps of a parameter's scan on the surface.
+/// Grid intervals of a parameter in a scan of the surface.
 const SCAN: usize = 400;
 
 impl Response {
-    /// Where the response is evaluated, parameter by parameter: the first runs fastest.
+    /// Points at which the response is to be evaluated; the first parameter varies fastest.
     ///
     /// # Panics
-    /// Unless there are one or two spans.
+    /// Panics unless there are one or two spans.
     pub fn places(spans: &[Span]) -> Vec<Vec<f64>> {
         let chebyshev = |n: usize| {
             let at = |k: usize| -(std::f64::consts::PI * k as f64 / (n - 1) as f64).cos();
@@ -89,8 +89,8 @@ impl Response {
     /// The surface through `values` at [`places`](Self::places).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a value that is not positive, [`Error::TooFew`] where places and
-    /// values do not go together.
+    /// [`Error::OutOfRange`] for a value that is not positive, [`Error::TooFew`] if the number of
+    /// values is not that of the points.
     pub fn fit(spans: &[Span], values: &[f64]) -> Result<Self, Error> {
         let places = Self::places(spans);
         if places.len() != values.len() {
@@ -118,17 +118,18 @@ impl Response {
         })
     }
 
-    /// Scatter of the values about the surface, over themselves.
+    /// Relative scatter of the values about the surface: standard deviation of the logarithms'
+    /// residuals.
     pub fn misfit(&self) -> f64 {
         self.misfit
     }
 
-    /// The surface at a place.
+    /// The surface at a point.
     pub fn at(&self, place: &[f64]) -> f64 {
         self.logarithm(&scaled(&self.spans, place)).exp()
     }
 
-    /// Where the surface is lowest within the bounds.
+    /// The minimum of the surface within the bounds.
     pub fn least(&self) -> Vec<f64> {
         let lowest = self.scan().min_by(|a, b| a.1.total_cmp(&b.1));
         let lowest = lowest.map_or_else(Vec::new, |(u, _)| u);
@@ -136,8 +137,8 @@ impl Response {
         pairs.map(|(span, u)| span.value(u)).collect()
     }
 
-    /// From where to where each parameter goes over all places at which the surface is within
-    /// `share` of its least value: how flat it is.
+    /// Range of each parameter over all points at which the surface exceeds its minimum by at most
+    /// the relative amount `share`.
     pub fn flat(&self, share: f64) -> Vec<[f64; 2]> {
         let values = self.scan().map(|(_, value)| value);
         let least = values.fold(f64::INFINITY, f64::min);
@@ -152,7 +153,7 @@ impl Response {
         values.collect()
     }
 
-    /// Places on an even grid with the surface's logarithm.
+    /// Scaled points of an even grid with the logarithm of the surface.
     fn scan(&self) -> impl Iterator<Item = (Vec<f64>, f64)> + '_ {
         let u = |k: usize| 2.0 * k as f64 / SCAN as f64 - 1.0;
         let two = self.spans.len() == 2;
@@ -174,10 +175,10 @@ impl Response {
 
 fn scaled(spans: &[Span], place: &[f64]) -> Vec<f64> {
     let pairs = spans.iter().zip(place);
-    pairs.map(|(span, &value)| span.place(value)).collect()
+    pairs.map(|(span, &value)| span.coordinate(value)).collect()
 }
 
-/// Powers of one or products of two parameters up to the degree.
+/// Monomials of one or two scaled parameters up to the total degree.
 fn terms(u: &[f64]) -> Vec<f64> {
     match *u {
         [u] => (0..=DEGREE).map(|k| u.powi(k)).collect(),
@@ -200,7 +201,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// A value give or take `half`.
+    /// The interval `value` +- `half`.
     pub(crate) fn about(value: f64, half: f64) -> Self {
         Estimate {
             value,

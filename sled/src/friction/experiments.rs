@@ -1,4 +1,4 @@
-//! Friction experiments: one row a specimen or condition.
+//! Friction experiments: one row per specimen or condition.
 
 use std::io::{Read, Write};
 
@@ -72,12 +72,12 @@ pub fn read_experiments(file: &str, reader: impl Read) -> Result<Vec<Experiment>
     (0..table.rows()).map(experiment).collect()
 }
 
-/// Writes `experiments.csv` with the columns that any row fills.
+/// Writes `experiments.csv` with the required columns and those that at least one row states.
 ///
-/// A pressure that is NaN (not known yet) leaves its cells empty, so that a reader reports the gap.
+/// A pressure that is NaN (not known yet) gives an empty cell, which a reader reports.
 ///
 /// # Errors
-/// The writer's.
+/// Errors of the writer.
 pub fn write_experiments(experiments: &[Experiment], writer: impl Write) -> std::io::Result<()> {
     let mut csv = csv::Writer::from_writer(writer);
     let cells = |e: &Experiment| {

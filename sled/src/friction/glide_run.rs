@@ -1,4 +1,4 @@
-//! One gliding run: energies over distance and the resistance that they show.
+//! One gliding run: its energies over the distance, and the resistance from their slope.
 
 use crate::error::{Error, in_range};
 use crate::friction::specimens::{GlideEntry, GlideTrace, integrate};
@@ -6,10 +6,11 @@ use crate::series::root_mean_square;
 
 /// Specific gas constant of dry air [J/(kg K)].
 const GAS_CONSTANT_OF_AIR: f64 = 287.05;
-/// Gravity as the formats have it: an accelerometer at rest on level ice reads it [m/s2].
+/// Acceleration of gravity in all formats: the reading of an accelerometer at rest on level ice
+/// [m/s2].
 pub const GRAVITY: f64 = 9.81;
-/// Share of the glided distance at either end that is not used, in which the athlete lies down and
-/// sits up.
+/// Share of the glided distance at each end that is not used: there the athlete lies down or sits
+/// up.
 pub const SHARE_LEFT_OUT: f64 = 0.2;
 
 /// Air density [kg/m3]: `rho = p / (R T)` with the specific gas constant of air and T in kelvin.
@@ -30,11 +31,11 @@ pub struct GlideRun {
     pub s: Vec<f64>,
     /// Kinetic energy [J].
     pub kinetic: Vec<f64>,
-    /// Energy given to the air since the start of the glide [J].
+    /// Work of the air drag since the start of the glide [J].
     pub aero: Vec<f64>,
-    /// First and past-the-last sample of the middle section.
+    /// Samples of the middle section.
     pub section: std::ops::Range<usize>,
-    /// Line through kinetic energy plus energy given to the air over distance, in the middle
+    /// Line fitted to kinetic energy plus work of the air drag over the distance, in the middle
     /// section.
     pub line: LineFit,
     /// Mean speed in the middle section [m/s].
@@ -44,7 +45,7 @@ pub struct GlideRun {
 }
 
 impl GlideRun {
-    /// Ice friction plus the slope's share of the weight, over the weight:
+    /// Ratio of ice friction plus the downhill component of the weight to the weight:
     /// `mu cos(kappa) +- sin(kappa)`.
     pub fn resistance(&self) -> f64 {
         -self.line.slope / (self.entry.conditions.mass_kg * GRAVITY)
@@ -62,22 +63,22 @@ impl GlideRun {
 /// E_kin = m v^2 / 2,   W_aero(s) = integral of c_d A rho v^2 / 2 ds,   F = -d(E_kin + W_aero)/ds
 /// ```
 ///
-/// What kinetic energy loses and the air does not take goes to the ice and, on a slope, into
-/// height. The line is fitted over the middle section: the glide starts at the greatest speed (mean
-/// over half a second), and of the distance from there to the end the central 60 % is used.
+/// Kinetic energy that the air does not take goes into ice friction and, on a slope, into height.
+/// The line is fitted over the middle section: the glide starts at the largest speed (mean over
+/// half a second), and the central 60 % of the distance from there to the end is used.
 ///
 /// # Errors
 /// [`Error::TooFew`] below thirty samples in the section, [`Error::OutOfRange`] for a glide shorter
-/// than 1 m or one that gets faster.
+/// than 1 m or one that accelerates.
 pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun, Error> {
-    const FEWEST: usize = 30;
+    const MIN_SAMPLES: usize = 30;
     let start = fastest(trace);
     let (t, v) = (&trace.t[start..], &trace.v[start..]);
     let glided = trace.s[start..].iter().map(|s| s - trace.s[start]);
     let s: Vec<f64> = glided.collect();
-    let whole = s.iter().copied().fold(0.0, f64::max);
-    let holds = whole >= 1.0;
-    in_range("distance glided [m]", whole, holds, "at least 1 m")?;
+    let total_m = s.iter().copied().fold(0.0, f64::max);
+    let is_long = total_m >= 1.0;
+    in_range("distance glided [m]", total_m, is_long, "at least 1 m")?;
     let density = entry.conditions.air_density();
     let over_square = |factor: f64| v.iter().map(|v| factor * v * v).collect::<Vec<f64>>();
     let kinetic = over_square(0.5 * entry.conditions.mass_kg);
@@ -88,14 +89,14 @@ pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun
         let power: Vec<f64> = drag.iter().zip(v).map(|(f, v)| f * v).collect();
         integrate(t, &power)
     };
-    let reaches = |share: f64| {
-        let there = s.iter().position(|s| *s >= share * whole);
-        there.unwrap_or(s.len())
+    let first_at = |share: f64| {
+        let index = s.iter().position(|s| *s >= share * total_m);
+        index.unwrap_or(s.len())
     };
-    let section = reaches(SHARE_LEFT_OUT)..reaches(1.0 - SHARE_LEFT_OUT);
-    if section.len() < FEWEST {
+    let section = first_at(SHARE_LEFT_OUT)..first_at(1.0 - SHARE_LEFT_OUT);
+    if section.len() < MIN_SAMPLES {
         let what = format!("run {}: samples in the middle section", entry.run);
-        return Err(Error::too_few(what, section.len(), FEWEST));
+        return Err(Error::too_few(what, section.len(), MIN_SAMPLES));
     }
     let line_of = |energy: Vec<f64>| fit_line(&s[section.clone()], &energy);
     let kinetic_line = line_of(kinetic[section.clone()].to_vec());
@@ -107,11 +108,11 @@ pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun
             expected: "a positive distance",
         });
     };
-    // By more than the line's own scatter: a rink that is level does not push.
+    // Within six standard errors a glide on a level rink may seem to accelerate.
     let force = kinetic_line.slope;
-    let slows = force <= LEAST_GROWTH.max(6.0 * kinetic_line.slope_se);
+    let slows = force <= MIN_PUSH_N.max(6.0 * kinetic_line.slope_se);
     let expected =
-        "a glide that slows down, a negative one: this one gets faster through its middle section";
+        "a negative force, of a glide that slows down: this one accelerates in its middle section";
     in_range("force along the glide [N]", force, slows, expected)?;
     Ok(GlideRun {
         entry: entry.clone(),
@@ -125,11 +126,11 @@ pub fn evaluate_glide(entry: &GlideEntry, trace: &GlideTrace) -> Result<GlideRun
     })
 }
 
-/// Force [N] below which a glide does not count as pushed, a tenth of what ice takes of the
+/// Accelerating force [N] up to which a glide is accepted: a tenth of the ice friction of the
 /// lightest rider.
-const LEAST_GROWTH: f64 = 0.3;
+const MIN_PUSH_N: f64 = 0.3;
 
-/// Sample of the greatest speed, averaged over half a second.
+/// Index of the first sample of the half second with the largest mean speed.
 fn fastest(trace: &GlideTrace) -> usize {
     let distance = integrate(&trace.t, &trace.v);
     let mut best = (0, f64::NEG_INFINITY);
@@ -172,14 +173,14 @@ impl LineFit {
     }
 }
 
-/// Fits a line to points in the order they were measured.
+/// Fits a line to points in the order of measurement, by least squares.
 ///
 /// The standard error is that of Andrews and Monahan (Econometrica 60 (1992) 953): the products of
-/// deviation and residual are whitened by a first-order autoregression (its coefficient r corrected
-/// by `(1 + 4 r)/n` after Kendall, Biometrika 41 (1954) 403, and limited to below 0.999), their
-/// long-run variance is taken with Bartlett weights over `4 (n/100)^(2/9)` lags, and coloured back.
-/// It falls short where errors stay correlated over more than about a tenth of the points. `None`
-/// below three points or without spread in x.
+/// the deviation in x and the residual are whitened by a first-order autoregression (its
+/// coefficient r corrected by `(1 + 4 r)/n` after Kendall, Biometrika 41 (1954) 403, and limited to
+/// below 0.999), their long-run variance is taken with Bartlett weights over `4 (n/100)^(2/9)`
+/// lags, and coloured back. It is too small if errors are correlated over more than about a tenth
+/// of the points. `None` below three points or without spread in x.
 pub fn fit_line(x: &[f64], y: &[f64]) -> Option<LineFit> {
     let n = x.len() as f64;
     let centre = x.iter().sum::<f64>() / n;
@@ -206,17 +207,17 @@ pub fn fit_line(x: &[f64], y: &[f64]) -> Option<LineFit> {
 
 /// Long-run variance of a series of mean zero.
 fn long_run_variance(u: &[f64]) -> f64 {
-    const STEEPEST: f64 = 0.999;
+    const LIMIT: f64 = 0.999;
     let product_at = |w: &[f64], lag: usize| -> f64 {
         w.iter().zip(&w[lag..]).map(|(a, b)| a * b).sum::<f64>() / w.len() as f64
     };
-    let own = product_at(u, 0);
-    if own == 0.0 {
+    let variance_at_0 = product_at(u, 0);
+    if variance_at_0 == 0.0 {
         return 0.0;
     }
-    let seen = product_at(u, 1) / own;
-    let keep = (seen + (1.0 + 4.0 * seen.max(0.0)) / u.len() as f64).clamp(-STEEPEST, STEEPEST);
-    let white: Vec<f64> = u.windows(2).map(|pair| pair[1] - keep * pair[0]).collect();
+    let estimate = product_at(u, 1) / variance_at_0;
+    let r = (estimate + (1.0 + 4.0 * estimate.max(0.0)) / u.len() as f64).clamp(-LIMIT, LIMIT);
+    let white: Vec<f64> = u.windows(2).map(|pair| pair[1] - r * pair[0]).collect();
     let lags = (4.0 * (white.len() as f64 / 100.0).powf(2.0 / 9.0)) as usize;
     let lags = lags.min(white.len() - 1);
     let mut variance = product_at(&white, 0);
@@ -224,5 +225,5 @@ fn long_run_variance(u: &[f64]) -> f64 {
         let weight = 1.0 - lag as f64 / (lags as f64 + 1.0);
         variance += 2.0 * weight * product_at(&white, lag);
     }
-    variance / (1.0 - keep).powi(2)
+    variance / (1.0 - r).powi(2)
 }

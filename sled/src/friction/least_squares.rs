@@ -4,7 +4,7 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, MinimizationR
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
 
-/// The parameters with the least sum of squares, from a start: `residuals` and their `jacobian` are
+/// Minimises the sum of squared `residuals` from `start`; `residuals` and their `jacobian` are
 /// functions of the parameters.
 pub(crate) fn minimize(
     method: LevenbergMarquardt<f64>,

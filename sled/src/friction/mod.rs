@@ -1,13 +1,14 @@
-//! Ice friction: longitudinal over pressure, lateral over slip, and the fits of both.
+//! Ice friction: longitudinal as a function of pressure, lateral as a function of slip, and fits of
+//! both.
 //!
 //! | item | purpose |
 //! |---|---|
-//! | [`Longitudinal`], [`PressureLaw`] | mu fixed or over peak pressure; [`longitudinal_force`] |
-//! | [`MagicFormula`], [`Braghin`] | lateral force over slip and load |
-//! | [`fit_lateral`] | magic formula from samples, with slip noise corrected |
+//! | [`Longitudinal`], [`PressureLaw`] | mu fixed or as a function of the peak pressure; [`longitudinal_force`] |
+//! | [`MagicFormula`], [`Braghin`] | lateral force as a function of slip and load |
+//! | [`fit_lateral`] | magic formula from samples, corrected for slip noise |
 //! | [`fit_mu`] | quadratic mu(p) from [`Experiment`]s, with errors in both |
 //! | [`evaluate_glide`], [`evaluate_ice_house`] | mu by specimen from gliding runs |
-//! | [`Response`] | the least of what is computed point by point, with an error |
+//! | [`Response`] | response surface for the minimum of an expensive function |
 //! | [`film`] | the melt film under a runner, from heat and water balance |
 //!
 //! ```

@@ -78,9 +78,10 @@ const TRACE: TableColumns = TableColumns {
     further_names: "",
 };
 
-/// By how much a measured way and the integral of the speed may be apart: twice what a wheel or a
-/// radar is off by at worst, and far from knots (1.9), mph (2.2) and km/h (3.6).
-const MOST_APART: f64 = 1.25;
+/// Largest ratio of the integral of the speed to the measured distance, and of its inverse: twice
+/// the worst error of a wheel or a radar, and far below the factors of knots (1.9), mph (2.2) and
+/// km/h (3.6).
+const MAX_DISTANCE_RATIO: f64 = 1.25;
 
 /// Reads the index `glides.csv`; `file` is the name that errors carry.
 ///
@@ -95,10 +96,13 @@ pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>
         if entries.iter().any(|entry| entry.run == run) {
             return Err(table.bad(row, "run", &run, "a name that no run before has"));
         }
-        let own = table.name(row, "file")?;
-        if let Some(before) = entries.iter().find(|entry| entry.file == own) {
-            let expected = format!("a file of its own: run {} has this one", before.run);
-            return Err(table.bad(row, "file", &own, &expected));
+        let path = table.name(row, "file")?;
+        if let Some(before) = entries.iter().find(|entry| entry.file == path) {
+            let expected = format!(
+                "a different file for each run: run {} has this one",
+                before.run
+            );
+            return Err(table.bad(row, "file", &path, &expected));
         }
         let direction = table.name(row, "direction")?;
         let before = entries.iter().map(|entry| entry.direction.as_str());
@@ -108,7 +112,7 @@ pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>
         }
         entries.push(GlideEntry {
             run,
-            file: own,
+            file: path,
             specimen: table.name(row, "specimen")?,
             direction,
             conditions: table.conditions(row)?,
@@ -130,16 +134,16 @@ pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>
 ///
 /// # Errors
 /// [`Error::MissingColumn`]; [`Error::Cell`] for cells that are no numbers, time that does not
-/// increase, a gap of more than ten usual steps, speeds above 60 m/s or whose integral is not
-/// `s_m`; [`Error::TooFew`] below thirty samples.
+/// increase, a gap of more than ten median steps, speeds above 60 m/s, or an integral of the speed
+/// that is not `s_m`; [`Error::TooFew`] below thirty samples.
 pub fn read_glide(file: &str, reader: impl Read) -> Result<GlideTrace, Error> {
-    const FEWEST: usize = 30;
+    const MIN_SAMPLES: usize = 30;
     let table = Table::read(file, reader, &TRACE)?;
-    if table.rows() < FEWEST {
+    if table.rows() < MIN_SAMPLES {
         return Err(Error::too_few(
             format!("{file}: samples"),
             table.rows(),
-            FEWEST,
+            MIN_SAMPLES,
         ));
     }
     let column = |name: &'static str, range: (f64, f64), expected: &'static str| {
@@ -155,10 +159,10 @@ pub fn read_glide(file: &str, reader: impl Read) -> Result<GlideTrace, Error> {
         let before = format!("a time after {} s", t[at]);
         return Err(table.bad(at + 1, "t_s", &t[at + 1].to_string(), &before));
     }
-    let usual = median(steps.iter().copied()).unwrap_or(0.0);
-    if let Some(at) = steps.iter().position(|step| *step > 10.0 * usual) {
+    let median_step = median(steps.iter().copied()).unwrap_or(0.0);
+    if let Some(at) = steps.iter().position(|step| *step > 10.0 * median_step) {
         let expected = format!(
-            "no gap: steps are usually {usual:.4} s, this is {:.4} s",
+            "no gap: steps are usually {median_step:.4} s, this is {:.4} s",
             steps[at]
         );
         return Err(table.bad(at + 1, "t_s", &t[at + 1].to_string(), &expected));
@@ -171,9 +175,9 @@ pub fn read_glide(file: &str, reader: impl Read) -> Result<GlideTrace, Error> {
             return Err(table.bad(at + 1, "s_m", &s[at + 1].to_string(), &expected));
         }
         let (way, of_speed) = (s[s.len() - 1] - s[0], integrate(&t, &v)[t.len() - 1]);
-        if !(1.0 / MOST_APART..=MOST_APART).contains(&(of_speed / way)) {
+        if !(1.0 / MAX_DISTANCE_RATIO..=MAX_DISTANCE_RATIO).contains(&(of_speed / way)) {
             let expected = format!(
-                "speeds in m/s whose integral is the way: it is {of_speed:.1} m, s_m grows by {way:.1} m, {:.2} times less (3.6: km/h)",
+                "speeds in m/s: their integral is {of_speed:.1} m, s_m grows by {way:.1} m, ratio {:.2} (3.6 for km/h)",
                 of_speed / way
             );
             return Err(table.bad(0, "v_mps", &v[0].to_string(), &expected));
@@ -227,11 +231,11 @@ pub struct SpecimenFriction {
     pub specimen: String,
     /// Coefficient of friction, mean over the pairs, with its 95 % interval.
     pub mu: Estimate,
-    /// Standard error of the mean: the larger of the lines' and that of the scatter between pairs.
+    /// Standard error of the mean: the larger of `mu_se_lines` and `mu_se_scatter`.
     pub mu_se: f64,
     /// Standard error from the lines alone.
     pub mu_se_lines: f64,
-    /// Standard error from the scatter between pairs; none with one pair.
+    /// Standard error from the scatter between pairs; `None` with one pair.
     pub mu_se_scatter: Option<f64>,
     /// Number of pairs.
     pub pairs: usize,
@@ -283,12 +287,12 @@ pub fn evaluate_ice_house(runs: Vec<GlideRun>) -> Result<IceHouse, Error> {
     let names = distinct(runs.iter().map(|run| run.entry.specimen.clone()));
     let (mut pairs, mut specimens, mut unpaired) = (Vec::new(), Vec::new(), Vec::new());
     for name in &names {
-        let of = |direction: &String| -> Vec<&GlideRun> {
+        let runs_in = |direction: &String| -> Vec<&GlideRun> {
             runs.iter()
                 .filter(|r| r.entry.specimen == *name && r.entry.direction == *direction)
                 .collect()
         };
-        let (up, down) = (of(&directions[0]), of(&directions[1]));
+        let (up, down) = (runs_in(&directions[0]), runs_in(&directions[1]));
         let count = up.len().min(down.len());
         for run in up[count..].iter().chain(&down[count..]) {
             unpaired.push(run.entry.run.clone());
@@ -296,10 +300,11 @@ pub fn evaluate_ice_house(runs: Vec<GlideRun>) -> Result<IceHouse, Error> {
         if count == 0 {
             continue;
         }
-        let own: Vec<GlidePair> = up.iter().zip(&down).map(|(u, d)| pair(u, d)).collect();
+        let specimen_pairs: Vec<GlidePair> =
+            up.iter().zip(&down).map(|(u, d)| pair(u, d)).collect();
         let used = || up[..count].iter().chain(&down[..count]);
-        specimens.push(specimen(name, &own, used().copied()));
-        pairs.extend(own);
+        specimens.push(specimen(name, &specimen_pairs, used().copied()));
+        pairs.extend(specimen_pairs);
     }
     if pairs.is_empty() {
         let what = "pairs of runs of one specimen in both directions";
@@ -331,8 +336,8 @@ impl IceHouse {
     pub fn experiments(&self) -> Vec<Experiment> {
         let row = |specimen: &SpecimenFriction| {
             let entries = self.runs.iter().map(|run| &run.entry);
-            let own = entries.filter(|entry| entry.specimen == specimen.specimen);
-            let entries: Vec<&GlideEntry> = own.collect();
+            let entries = entries.filter(|entry| entry.specimen == specimen.specimen);
+            let entries: Vec<&GlideEntry> = entries.collect();
             let average = |value: &dyn Fn(&GlideEntry) -> Option<f64>| {
                 let known: Vec<f64> = entries.iter().filter_map(|e| value(e)).collect();
                 (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
@@ -425,10 +430,11 @@ fn specimen<'a>(
     }
 }
 
-/// Mean with 95 % interval, its standard error from the single errors, and that from the scatter.
+/// Mean with 95 % interval, its standard error propagated from `errors`, and its standard error
+/// from the scatter (`None` for one value).
 ///
-/// The interval takes the larger error; with the scatter's, Student's quantile for one less than
-/// the number of values.
+/// The half width is the larger of the normal quantile times the propagated error and Student's
+/// quantile times the error from the scatter.
 fn mean(values: &[f64], errors: &[f64]) -> (Estimate, f64, Option<f64>) {
     const NORMAL: f64 = 1.959_963_984_540_054;
     let n = values.len() as f64;

@@ -1,4 +1,4 @@
-//! The sled and its friction: `model.toml`, and the same made ready to compute with.
+//! The sled and its friction: `model.toml`, and the model with its tables opened.
 
 pub(crate) mod model_toml;
 pub(crate) mod vehicle;

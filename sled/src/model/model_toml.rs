@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::Error;
 use crate::sled::{ModelConditions, Noise, Sled, Survey, Tolerances};
 
-/// A whole model file: what simulations, fits and evaluations are made with.
+/// A model file, the basis of simulations, fits and evaluations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "model.toml")]
@@ -19,16 +19,16 @@ pub struct Model {
     pub sled: Sled,
     /// Ice friction of both runners.
     pub friction: Friction,
-    /// How well the track is known.
+    /// Accuracy of the track survey.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub survey: Option<Survey>,
-    /// Conditions that effects need, where neither a run's file nor `runs.csv` states them.
+    /// Conditions that effects need, used if neither a run's file nor `runs.csv` states them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub conditions: Option<ModelConditions>,
     /// Standard deviations of the sensors; estimated from the data where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise: Option<Noise>,
-    /// What the installation may be off by, standard deviations; defaults where absent.
+    /// Standard deviations of the errors of the installation; defaults where absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tolerances: Option<Tolerances>,
     /// Effects in addition to the base model, by name; an absent one is off.
@@ -56,8 +56,8 @@ pub struct Friction {
     pub rear: MagicFormula,
 }
 
-/// A model file is a page of text; what is longer than this is something else [bytes].
-const LONGEST: u64 = 1 << 20;
+/// Largest size of a model file, which is a page of text [bytes].
+const MAX_BYTES: u64 = 1 << 20;
 
 /// The model of the published sled, commented.
 pub const MODEL_EXAMPLE: &str = include_str!("../../assets/model.toml");
@@ -69,7 +69,7 @@ impl Model {
     /// [`Error::File`] (unknown or missing keys, too), [`Error::KeyRange`].
     pub fn load(path: &Path) -> Result<Model, Error> {
         let file = path.display().to_string();
-        let text = kufe_files::text_of_regular(path, LONGEST);
+        let text = kufe_files::text_of_regular(path, MAX_BYTES);
         let text = text.map_err(|error| Error::file(&file, error))?;
         let mut model = Model::from_toml(&text, &file)?;
         model.folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
@@ -77,7 +77,7 @@ impl Model {
         Ok(model)
     }
 
-    /// What errors call the model: its file, or `model`.
+    /// Name of the model in errors: its file, or `model`.
     pub(crate) fn name(&self) -> String {
         let name = if self.file.is_empty() {
             "model"
@@ -100,8 +100,8 @@ impl Model {
         Ok(model)
     }
 
-    /// The model as TOML, with every effect it carries; of a model from a file, the tables' paths
-    /// are absolute, so that it may be written elsewhere.
+    /// The model as TOML with its effects. Paths of tables of a model from a file become absolute,
+    /// so that the text can be saved elsewhere.
     pub fn to_toml(&self) -> String {
         let mut model = self.clone();
         let keys = &mut model.friction.longitudinal;
@@ -112,11 +112,11 @@ impl Model {
                 *path = absolute.display().to_string();
             }
         }
-        // Plain tables of numbers and strings: the serializer has nothing to refuse.
+        // Tables of numbers and strings always serialise.
         toml::to_string_pretty(&model).expect("a model is plain tables")
     }
 
-    /// Checks that every number is one that a sled can have; `file` names the source in errors.
+    /// Checks the range of every number; `file` names the source in errors.
     ///
     /// # Errors
     /// [`Error::KeyRange`] with the key, [`Error::File`] from the friction laws.
@@ -173,7 +173,7 @@ impl Model {
     }
 }
 
-/// Least and largest value of a key, in words as well.
+/// Smallest and largest value of a key, and the range in words.
 pub(crate) fn range(key: &str) -> (f64, f64, &'static str) {
     match key {
         "sled.mass_kg" => (0.1, 1e5, "0.1 to 1e5 kg"),

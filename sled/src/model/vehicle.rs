@@ -1,4 +1,4 @@
-//! A model made ready to drive: friction laws with their tables opened.
+//! A model with its friction tables opened.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -23,10 +23,9 @@ pub struct Vehicle {
     pub front: RunnerFriction,
     /// Rear runner.
     pub rear: RunnerFriction,
-    /// Effects in addition to the base model that act on forces, sensors and track; none from
-    /// [`Vehicle::new`].
+    /// Effects in addition to the base model; empty from [`Vehicle::new`].
     pub effects: Effects,
-    /// What the model states for all runs that do not state it themselves.
+    /// Conditions of runs that do not state their own.
     pub conditions: ModelConditions,
 }
 
@@ -34,16 +33,16 @@ impl Vehicle {
     /// The base model: opens the tables that the model names, relative to the model's folder.
     ///
     /// # Errors
-    /// [`Error::File`] where the friction law needs a table and the model names none, and where a
-    /// table cannot be read or does not have what is needed of it.
+    /// [`Error::File`] if the friction law needs a table and the model names none, or if a table
+    /// cannot be read or lacks the quantity.
     pub fn new(model: &Model) -> Result<Vehicle, Error> {
         let keys = &model.friction.longitudinal;
         let factor = keys.tabled()?;
         let stated = factor.is_none().then(|| keys.model()).transpose()?;
-        let open = |key: &str, path: &Option<String>, quantity| -> Result<_, Error> {
+        let open_table = |key: &str, path: &Option<String>, quantity| -> Result<_, Error> {
             let path = path.as_ref().ok_or_else(|| {
                 let reason = format!(
-                    "[friction.longitudinal] {key} is missing: friction over pressure or of tables needs the runner's table"
+                    "[friction.longitudinal] {key} is missing: a friction law of the pressure, or friction from tables, needs the runner's table"
                 );
                 Error::file(model.name(), reason)
             })?;
@@ -53,14 +52,16 @@ impl Vehicle {
             let mut film = None;
             let longitudinal = match stated {
                 Some(Longitudinal::Fixed(mu)) => {
-                    let table = path.as_ref().map(|_| open(key, path, Quantity::Mu));
+                    let table = path.as_ref().map(|_| open_table(key, path, Quantity::Mu));
                     film = table.transpose()?;
                     RunnerLaw::Fixed(mu)
                 }
                 Some(Longitudinal::Pressure(law)) => {
-                    RunnerLaw::Pressure(law, open(key, path, Quantity::PMax)?)
+                    RunnerLaw::Pressure(law, open_table(key, path, Quantity::PMax)?)
                 }
-                None => RunnerLaw::Tabled(factor.unwrap_or(1.0), open(key, path, Quantity::Mu)?),
+                None => {
+                    RunnerLaw::Tabled(factor.unwrap_or(1.0), open_table(key, path, Quantity::Mu)?)
+                }
             };
             Ok::<_, Error>(RunnerFriction {
                 longitudinal,
@@ -80,8 +81,8 @@ impl Vehicle {
 
     /// [`Vehicle::new`] with the effects that the model switches on.
     ///
-    /// What is constant about the sensors, the accelerometer's true place and the true mass, is put
-    /// into `sled`.
+    /// The constants of the sled that effects change, e.g. mass and place of the accelerometer, are
+    /// changed in `sled`.
     ///
     /// # Errors
     /// Those of [`Vehicle::new`], and [`Error::File`] for an effect that does not exist or whose
@@ -122,7 +123,7 @@ impl Vehicle {
         Ok(vehicle)
     }
 
-    /// The vehicle with only the effects that act on this track, freed of its name.
+    /// The vehicle with the effects that act on this track ([`Effects::on_track`]).
     pub fn on_track(&self, track: &str) -> Vehicle {
         Vehicle {
             effects: self.effects.on_track(track),
@@ -130,8 +131,8 @@ impl Vehicle {
         }
     }
 
-    /// The vehicle as it is on a run: its effects are those of the track, its mass the run's where
-    /// that is stated.
+    /// The vehicle on a run: with the effects of the track, and the mass of the run if the run
+    /// states it.
     pub fn on_run(&self, track: &str, conditions: &Conditions) -> Vehicle {
         let mut vehicle = self.on_track(track);
         if conditions.mass_kg.is_finite() {
@@ -139,14 +140,15 @@ impl Vehicle {
                 mass_kg: conditions.mass_kg,
                 ..vehicle.sled
             };
-            // What effects add to the model's mass they add to this one.
+            // Effects change this mass as they change the mass of the model.
             self.effects.find_constants(&mut sled);
             vehicle.sled.mass_kg = sled.mass_kg;
         }
         vehicle
     }
 
-    /// Effects that act on one track only, which is none of these: a line a track.
+    /// Warnings of effects that act only on a track which is not among `tracks`, one line per
+    /// track.
     pub fn effects_elsewhere(&self, tracks: &[&str]) -> Vec<String> {
         let mut elsewhere: BTreeMap<&str, Vec<String>> = BTreeMap::new();
         for effect in &self.effects.active {
@@ -158,7 +160,7 @@ impl Vehicle {
         }
         let line = |(only, names): (&str, Vec<String>)| {
             format!(
-                "{} track = {only:?}: there is no such track here and the effect does nothing; expected one of {}",
+                "{} track = {only:?}: no run is on this track, so that the effect does nothing; expected one of {}",
                 names.join(", "),
                 tracks.join(", ")
             )
@@ -166,8 +168,8 @@ impl Vehicle {
         elsewhere.into_iter().map(line).collect()
     }
 
-    /// The tables that are read, front and rear: those of the law, or those of groove and film
-    /// where an effect switches them on.
+    /// The tables in use, front and rear: those of the law, or those of groove and film if an
+    /// effect uses them.
     pub fn tables(&self) -> [Option<&RunnerTable>; 2] {
         let mut columns = self.effects.active.iter().flat_map(Active::columns);
         let films = columns.any(|column| column == Column::Film.name());
@@ -177,8 +179,8 @@ impl Vehicle {
         })
     }
 
-    /// Refuses a temperature of the ice that a table of this vehicle needs and nothing states;
-    /// `file` is where it belongs.
+    /// Returns an error if a table of this vehicle needs a temperature of the ice and it is not
+    /// `stated`; `file` names the source in the error.
     ///
     /// # Errors
     /// [`Error::File`] with the table.
@@ -204,25 +206,26 @@ impl Vehicle {
     }
 }
 
-/// Refuses effects that need one of the `absent` columns; `file` is where they belong.
+/// Returns an error if an effect needs one of the `absent` columns; `file` names the source in the
+/// error.
 ///
 /// # Errors
 /// [`Error::File`] with the file, the effect and the column.
 pub fn refuse_effects(effects: &Effects, absent: &[&str], file: &str) -> Result<(), Error> {
     let columns = effects.active.iter().flat_map(Active::columns);
-    let there: Vec<&str> = columns.filter(|column| !absent.contains(column)).collect();
-    let checked = effects.check_columns(&there);
+    let available: Vec<&str> = columns.filter(|column| !absent.contains(column)).collect();
+    let checked = effects.check_columns(&available);
     checked.map_err(|error| Error::file(file, error))
 }
 
 /// Longitudinal friction of one runner.
 #[derive(Clone, Debug)]
 pub enum RunnerLaw {
-    /// The same coefficient everywhere.
+    /// A constant coefficient.
     Fixed(f64),
-    /// A quadratic in the peak pressure, which the table holds.
+    /// A quadratic in the peak pressure, which is read from the table.
     Pressure(PressureLaw, Arc<RunnerTable>),
-    /// The coefficient that the table holds, times a factor.
+    /// A factor times the coefficient that is read from the table.
     Tabled(f64, Arc<RunnerTable>),
 }
 
@@ -237,7 +240,8 @@ pub struct RunnerTable {
 }
 
 impl RunnerTable {
-    /// Opens a table; its smooth mode has no kinks that disturb an integrator.
+    /// Opens a table with smooth interpolation, whose derivative is continuous as an integrator
+    /// needs.
     pub(crate) fn open(path: &Path, quantity: Quantity) -> Result<Self, Error> {
         let file = path.display().to_string();
         let failure = |error: kufe_lut::Error| Error::file(&file, error);
@@ -247,7 +251,7 @@ impl RunnerTable {
         let refuses = |kind: &AxisKind| table.axes().outside(*kind) == Outside::Error;
         if let Some(kind) = AxisKind::ALL.into_iter().find(refuses) {
             let reason = format!(
-                "axis {}, outside = \"error\": expected \"hold\" or \"linear\", since a simulation tries states outside",
+                "axis {}, outside = \"error\": expected \"hold\" or \"linear\", since a simulation evaluates states outside",
                 kind.key()
             );
             return Err(Error::file(&file, reason));
@@ -263,7 +267,7 @@ impl RunnerTable {
         })
     }
 
-    /// The quantity at a point; a negative force is taken as 0.
+    /// The quantity at a point; a negative force counts as 0.
     pub fn at(&self, mut point: Point) -> Interpolated {
         point.fz = point.fz.max(0.0);
         self.interpolator.at(point)
@@ -275,12 +279,11 @@ impl RunnerTable {
 pub struct RunnerFriction {
     /// Longitudinal law.
     pub longitudinal: RunnerLaw,
-    /// The table of mu next to a stated coefficient: what the effect of groove and film puts in its
-    /// place.
+    /// The table of mu of a runner with a fixed coefficient, used by the effect of groove and film.
     pub film: Option<Arc<RunnerTable>>,
     /// Lateral law.
     pub lateral: MagicFormula,
-    /// Multiplier of the longitudinal coefficient: 1 but in fits.
+    /// Factor on the longitudinal coefficient: 1 except in fits.
     pub mu_scale: f64,
 }
 
@@ -298,8 +301,8 @@ impl RunnerFriction {
         self.mu_scale * mu
     }
 
-    /// Friction of groove and film over the mean of their table, where [`RunnerFriction::mu`] is
-    /// evaluated; NaN without a table.
+    /// Ratio of the friction of groove and film, read from the table at these arguments, to the
+    /// mean of the table; NaN without a table.
     #[inline]
     pub fn film(&self, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> f64 {
         let at = Point::sliding(fz, curvature, speed, ice_c);

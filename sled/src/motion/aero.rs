@@ -1,4 +1,4 @@
-//! Air: density and the drag of a sled that flies a little sideways.
+//! Air density, and the drag of a sled with chassis slip.
 
 pub use crate::friction::air_density;
 
@@ -14,8 +14,8 @@ pub fn drag_area(sled: &Sled, beta: f64) -> f64 {
 
 /// Drag [N] against the driving direction: `F = -1/2 rho (c_d A)(beta) v^2`, never positive.
 ///
-/// Speed in m/s, density in kg/m3, `beta` in rad. Without an area the density may be unknown. With
-/// `beta = 0` it is the paper's ideal case.
+/// Speed in m/s, density in kg/m3, `beta` in rad. Without a drag area the density may be NaN.
+/// `beta = 0` is the paper's ideal case.
 #[inline]
 pub fn drag(sled: &Sled, speed: f64, density: f64, beta: f64) -> f64 {
     match drag_area(sled, beta) {
@@ -31,7 +31,7 @@ pub fn drag(sled: &Sled, speed: f64, density: f64, beta: f64) -> f64 {
 /// ```
 ///
 /// `alpha = -beta` is the slip angle at the centre of gravity [rad]; the paper's rotation with the
-/// one sign convention.
+/// sign convention of this crate.
 pub fn along_driving_direction(fx: f64, fy: f64, alpha: f64) -> f64 {
     let (sine, cosine) = alpha.sin_cos();
     fx * cosine - fy * sine

@@ -6,10 +6,10 @@
 //! side:   m a_y - (F_y,f0 + F_y,r + F_air,y + F_y,body)          [N]
 //! yaw:    J_zz dyaw/dt - (l_f F_y,f0 - l_r F_y,r + M_z,body)     [N m]
 //! track:  d(v cos(alpha))/dt - g sin(slope) - a_x - r v_y        [m/s2]   slope positive downhill; free of friction
-//!     or  dv/dt - g sin(slope) - a_x cos(beta) - a_y sin(beta)   [m/s2]   where the slope holds along the sled's way
+//!     or  dv/dt - g sin(slope) - a_x cos(beta) - a_y sin(beta)   [m/s2]   where the slope is that of the sled's path
 //! ```
 //!
-//! v and alpha belong to the slip sensor at x_s, v_y = -v sin(alpha) - x_s r and beta =
+//! v and alpha are those of the slip sensor at x_s, v_y = -v sin(alpha) - x_s r and beta =
 //! atan(v_y/v_x) to the centre of gravity. Fits, validation, evaluation, simulation and discovery
 //! all take their forces and balances from here.
 
@@ -22,14 +22,14 @@ use crate::sled::Sled;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
-/// One instant of a sled, with the angles and the air that its forces need again and again.
+/// One instant of a sled, with the sines, cosines and drag that its forces need repeatedly.
 #[derive(Clone, Copy, Debug)]
 pub struct Balance {
-    /// Masses, lengths and drag, as they are at this instant.
+    /// Masses, lengths and drag at this instant.
     pub sled: Sled,
     /// Slips, loads and conditions.
     pub state: State,
-    /// The measured motion; zero where it is not known yet.
+    /// The measured motion; 0 where it is not needed.
     pub motion: Motion,
     /// Sine and cosine of the steering angle.
     pub steer: (f64, f64),
@@ -43,7 +43,7 @@ pub struct Balance {
     pub drag: f64,
 }
 
-/// Residuals of the three balances of the sled in its plane: measured less modelled.
+/// Residuals of the three balances of the sled in its plane: measured minus modelled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BalanceResidual {
     /// Along the sled [N].
@@ -57,7 +57,7 @@ pub struct BalanceResidual {
     pub yaw_nm: f64,
 }
 
-/// JSON has no NaN: a residual of a balance that is not recorded is `null`.
+/// JSON has no NaN: the residual of a balance without recorded columns is `null`.
 fn nan_if_null<'de, D: Deserializer<'de>>(value: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(value)?.unwrap_or(f64::NAN))
 }
@@ -85,12 +85,13 @@ impl Balance {
     /// The balance of a sled in a state with the motion measured there.
     #[inline]
     pub fn new(sled: &Sled, state: &State, motion: &Motion) -> Self {
-        // Nearly all of them are small.
+        // Nearly all angles are small.
         let angles = angles(state).map(|angle| sin_cos_near(angle, 0.0, (0.0, 1.0)));
         Self::with_angles(sled, state, motion, angles)
     }
 
-    /// The same near an instant close by, whose angles are known.
+    /// As [`Balance::new`], faster: with sines and cosines from the balance `known` of a nearby
+    /// instant.
     #[inline]
     pub fn near(sled: &Sled, state: &State, motion: &Motion, known: &Self) -> Self {
         let [front, rear] = known.slips;
@@ -120,7 +121,7 @@ impl Balance {
         }
     }
 
-    /// Forces of the base laws as the vehicle's effects on this track change them.
+    /// Forces of the base laws with the vehicle's effects.
     ///
     /// The vehicle's effects must be those of the track ([`Vehicle::on_track`]).
     pub fn forces(&self, vehicle: &Vehicle, laws: &LawForces) -> Forces {
@@ -132,7 +133,7 @@ impl Balance {
         forces
     }
 
-    /// The instant as effects see it, with the normal forces of the runners in their own frames
+    /// Input of effects at this instant, with the normal forces of the runners in their own frames
     /// [N].
     pub fn seen(&self, vehicle: &Vehicle, load_n: [f64; 2]) -> effects::State {
         let state = &self.state;
@@ -159,7 +160,7 @@ impl Balance {
         }
     }
 
-    /// Time, place, speed and weather, as effects see them.
+    /// Time, place, speed and weather, the input of effects.
     pub fn operating_point(&self) -> OperatingPoint {
         OperatingPoint {
             drag_area: self.sled.cda_m2,
@@ -167,8 +168,8 @@ impl Balance {
         }
     }
 
-    /// Normal force on the front runner in its own frame [N], which its force along and across
-    /// leave of the axle's.
+    /// Normal force on the front runner in its own frame [N], from the axle's normal force and the
+    /// runner's forces along and across.
     ///
     /// ```text
     /// F_z,f = (F_z,f0 - sin(gamma) (sin(delta) F_x,f + cos(delta) F_y,f)) / cos(gamma)
@@ -179,8 +180,8 @@ impl Balance {
         (self.state.fz_f0_n - sg * (sd * forces.along[0] + cd * forces.across[0])) / cg
     }
 
-    /// Forces on both runners and the body, the front runner's normal force `front_load` [N] in its
-    /// own frame.
+    /// Forces on both runners and the body; `front_load` [N] is the front runner's normal force in
+    /// its own frame.
     #[inline]
     pub fn axle_forces(&self, forces: &Forces, front_load: f64) -> AxleForces {
         let front = [forces.along[0], forces.across[0], front_load];
@@ -192,14 +193,14 @@ impl Balance {
         }
     }
 
-    /// Air of the base model at the centre of gravity in the body frame (x, y) [N].
+    /// Air drag of the base model at the centre of gravity in the body frame (x, y) [N].
     #[inline]
     pub fn air(&self) -> [f64; 2] {
         let (sine, cosine) = self.chassis;
         [self.drag * cosine, -self.drag * sine]
     }
 
-    /// What runners, air and effects together do at the centre of gravity.
+    /// Resultant of runners, air and effects at the centre of gravity.
     #[inline]
     pub fn resultant(&self, forces: &AxleForces) -> Resultant {
         let (air, f, r) = (self.air(), &forces.front_body, &forces.rear);
@@ -223,7 +224,7 @@ impl Balance {
     }
 }
 
-/// What the base laws of both runners give, before any effect.
+/// Forces of the base laws of both runners, without effects.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LawForces {
     /// Normal force on each runner in its own frame, front and rear [N].
@@ -236,9 +237,9 @@ pub struct LawForces {
 
 impl Balance {
     /// Longitudinal force on each runner in its own frame at its normal force [N], as
-    /// [`crate::friction::longitudinal_force`] has it.
+    /// [`crate::friction::longitudinal_force`].
     ///
-    /// A lifted runner does not push.
+    /// The force on a lifted runner is 0.
     #[inline]
     pub(crate) fn longitudinal(&self, vehicle: &Vehicle, load: [f64; 2]) -> [f64; 2] {
         [
@@ -263,9 +264,9 @@ impl Balance {
     /// cos(gamma) F_z,f = F_z,f0 - sin(gamma) (sin(delta) F_x,f + cos(delta) F_y,f)
     /// ```
     ///
-    /// from `F_z,f0 / cos(gamma)` leaves less than 1e-6 of it. F_x enters because the axle's
-    /// vertical force is what the turned runner's force has along z, whatever its parts; the laws
-    /// are then evaluated at the load found.
+    /// from `F_z,f0 / cos(gamma)` has a relative error below 1e-6. F_x enters because the axle's
+    /// vertical force is the z component of the turned runner's force. The laws are then evaluated
+    /// at this load.
     pub fn laws(&self, vehicle: &Vehicle) -> LawForces {
         let ((sd, cd), (sg, cg)) = (self.steer, self.split);
         let (state, runner) = (&self.state, &vehicle.front);
@@ -285,15 +286,21 @@ impl Balance {
         self.law_forces(vehicle, [load, state.fz_r_n], [front, rear])
     }
 
-    /// The same to first order from the laws of a motion close by, `of` being those of `known`.
+    /// As [`Balance::laws`] to first order, from the forces `known_laws` of a nearby balance
+    /// `known`.
     #[inline]
-    pub fn laws_near(&self, vehicle: &Vehicle, known: &Balance, of: &LawForces) -> LawForces {
+    pub fn laws_near(
+        &self,
+        vehicle: &Vehicle,
+        known: &Balance,
+        known_laws: &LawForces,
+    ) -> LawForces {
         let ((sd, cd), (sg, cg)) = (self.steer, self.split);
         let (state, then) = (&self.state, &known.state);
-        let [mut front, mut rear] = of.lateral;
+        let [mut front, mut rear] = known_laws.lateral;
         front.fy += front.alpha * (state.alpha_f_rad - then.alpha_f_rad);
         rear.fy += rear.alpha * (state.alpha_r_rad - then.alpha_r_rad);
-        let (load, fx) = (of.load_n[0], of.forces.along[0]);
+        let (load, fx) = (known_laws.load_n[0], known_laws.forces.along[0]);
         let residual = cg * load + sg * (sd * fx + cd * front.fy) - state.fz_f0_n;
         let by_load = if load > 0.0 { fx / load } else { 0.0 };
         let step = residual / (cg + sg * (sd * by_load + cd * front.fz));

@@ -1,5 +1,4 @@
-//! The one-track sled, read both ways: forces from motion (inverse) and forces from friction
-//! (forward).
+//! The one-track sled: forces from motion (inverse) and forces from friction (forward).
 //!
 //! One right-handed frame throughout: x forward, y left, z up, body = rear part. The front runner's
 //! frame is turned by `R = R_x(gamma) R_z(delta)`, so that `F_f0 = R F_f`. With the aerodynamic
@@ -11,8 +10,8 @@
 //! m a_z = F_z,r + F_z,f0
 //! ```
 //!
-//! a is the specific force at the centre of gravity, which gravity does not enter. Forces and
-//! moments that effects put on the body are in addition to the aerodynamic one.
+//! a is the specific force at the centre of gravity, so that gravity does not enter. Forces and
+//! moments of effects on the body are added to the aerodynamic force.
 
 use crate::effects::Forces;
 use crate::friction::Braghin;
@@ -24,7 +23,7 @@ use crate::sled::Sled;
 pub use crate::motion::state::{AxleForces, Motion, Resultant, State};
 pub use crate::motion::state::{body_to_front, front_to_body, normal_forces};
 
-/// Forces on the runners as the motion demands them.
+/// Forces on the runners from the measured motion.
 ///
 /// Momentum along y and z and both moments give `F_y` and `F_z` at the axles in the body frame.
 /// `F_x,f0` cannot be measured; it follows from the longitudinal friction of the front runner in
@@ -36,27 +35,31 @@ pub use crate::motion::state::{body_to_front, front_to_body, normal_forces};
 /// F_x,f0 = (F_x,f - cos(gamma) sin(delta) F_y,f0 - sin(gamma) sin(delta) F_z,f0) / cos(delta)
 /// ```
 ///
-/// The rear runner's `F_x` is that of its friction, too. Forces in N. A lifted runner's normal
-/// force comes out negative and stays so. What the vehicle's effects put on the body is taken off
-/// the motion first, and their friction acts in `F_x`; they must be those of the track
+/// `F_x` of the rear runner follows from its friction, too. Forces are in N. The normal force of a
+/// lifted runner is negative. Forces of the vehicle's effects on the body are subtracted first, and
+/// their friction is included in `F_x`. The effects must be those of the track
 /// ([`Vehicle::on_track`]).
 pub fn inverse(vehicle: &Vehicle, state: &State, motion: &Motion) -> AxleForces {
     let at = Balance::new(&vehicle.sled, state, motion);
-    let base = demanded(vehicle, &at, &Forces::default(), None);
+    let base = forces_of_motion(vehicle, &at, &Forces::default(), None);
     if vehicle.effects.is_empty() {
         return base;
     }
-    // Effects depend on loads and forces that depend on what they put on the body: a second round
-    // settles it.
+    // Effects depend on loads and forces, which depend on the effects: two iterations suffice.
     (0..2).fold(base, |known, _| {
-        let forces = changed(vehicle, &at, &known, None);
-        demanded(vehicle, &at, &forces, Some(forces.along))
+        let forces = forces_with_effects(vehicle, &at, &known, None);
+        forces_of_motion(vehicle, &at, &forces, Some(forces.along))
     })
 }
 
-/// Forces that balance the motion, `body` being what effects put on the body and `along` the
-/// runners' friction where it is not the base law's.
-fn demanded(vehicle: &Vehicle, at: &Balance, body: &Forces, along: Option<[f64; 2]>) -> AxleForces {
+/// Forces that balance the motion. `body` contains the forces of effects on the body. `along` is
+/// the friction of the runners [N]; `None` for the base law.
+fn forces_of_motion(
+    vehicle: &Vehicle,
+    at: &Balance,
+    body: &Forces,
+    along: Option<[f64; 2]>,
+) -> AxleForces {
     let (sled, state, motion) = (&at.sled, &at.state, &at.motion);
     let lateral = sled.mass_kg * motion.accel_mps2[1] - at.air()[1] - body.body_across;
     let moment = sled.j_zz_kgm2 * motion.yaw_accel_radps2 - body.body_yaw;
@@ -78,9 +81,9 @@ fn demanded(vehicle: &Vehicle, at: &Balance, body: &Forces, along: Option<[f64; 
     }
 }
 
-/// What the effects make of the base laws' forces at the loads of `known`; across the runners from
-/// `across` [N], or the forces known.
-fn changed(
+/// Forces of the base laws at the loads of `known`, as changed by the effects. The forces across
+/// the runners before the effects are `across` [N], or those of `known`.
+fn forces_with_effects(
     vehicle: &Vehicle,
     at: &Balance,
     known: &AxleForces,
@@ -101,27 +104,27 @@ fn changed(
     forces
 }
 
-/// The part of measured lateral forces (front in its own frame, rear) [N] that the base laws have
-/// to give, the effects doing the rest.
+/// Lateral forces of the base laws [N] (front in its own frame, rear) that with the effects give
+/// the measured forces.
 ///
-/// The forces across that the effects turn into the measured ones, by Newton's method; those
-/// measured where there are no effects. NaN where there is no such force.
+/// Solved by Newton's method. Without effects they are the measured forces; NaN if there is no
+/// solution.
 pub fn share_of_laws(vehicle: &Vehicle, state: &State, measured: &AxleForces) -> [f64; 2] {
-    let wanted = [measured.front[1], measured.rear[1]];
+    let measured_across = [measured.front[1], measured.rear[1]];
     if vehicle.effects.is_empty() {
-        return wanted;
+        return measured_across;
     }
     let at = Balance::new(&vehicle.sled, state, &Motion::default());
-    let mut across = wanted;
+    let mut across = measured_across;
     for _ in 0..6 {
         let step: [f64; 2] = across.map(|force| 1.0 + 1e-4 * force.abs());
-        let here = changed(vehicle, &at, measured, Some(across)).across;
-        let moved = [across[0] + step[0], across[1] + step[1]];
-        let there = changed(vehicle, &at, measured, Some(moved)).across;
+        let base = forces_with_effects(vehicle, &at, measured, Some(across)).across;
+        let perturbed = [across[0] + step[0], across[1] + step[1]];
+        let shifted = forces_with_effects(vehicle, &at, measured, Some(perturbed)).across;
         for i in 0..2 {
-            let slope = (there[i] - here[i]) / step[i];
+            let slope = (shifted[i] - base[i]) / step[i];
             across[i] += if slope > 1e-3 {
-                (wanted[i] - here[i]) / slope
+                (measured_across[i] - base[i]) / slope
             } else {
                 f64::NAN
             };
@@ -130,14 +133,14 @@ pub fn share_of_laws(vehicle: &Vehicle, state: &State, measured: &AxleForces) ->
     across
 }
 
-/// Forces on the runners as the friction laws give them at the state's slip angles and normal
-/// forces, with the vehicle's effects ([`Balance::laws`], [`Balance::forces`]).
+/// Forces on the runners from the friction laws at the state's slip angles and normal forces, with
+/// the vehicle's effects ([`Balance::laws`], [`Balance::forces`]).
 pub fn forward(vehicle: &Vehicle, state: &State) -> AxleForces {
     let at = Balance::new(&vehicle.sled, state, &Motion::default());
     forces_at(vehicle, &at)
 }
 
-/// [`forward`] at an instant that is known.
+/// [`forward`] with a given balance.
 pub(crate) fn forces_at(vehicle: &Vehicle, at: &Balance) -> AxleForces {
     let laws = at.laws(vehicle);
     if vehicle.effects.is_empty() {
@@ -153,7 +156,8 @@ pub fn forward_braghin(vehicle: &Vehicle, law: &Braghin, state: &State) -> AxleF
     let at = Balance::new(&vehicle.sled, state, &Motion::default());
     let mut load = [state.fz_f0_n / at.split.1, state.fz_r_n];
     let (mut forces, mut front_load) = (Forces::default(), load[0]);
-    // The force is proportional to the load: two rounds settle the roll-split's coupling.
+    // The force is proportional to the load: few iterations suffice for the coupling by the
+    // roll-split.
     for _ in 0..3 {
         forces.along = at.longitudinal(vehicle, load);
         forces.across = [
@@ -166,7 +170,7 @@ pub fn forward_braghin(vehicle: &Vehicle, law: &Braghin, state: &State) -> AxleF
     at.axle_forces(&forces, front_load)
 }
 
-/// What runners and air together do at the centre of gravity.
+/// Resultant of runners, air and effects at the centre of gravity.
 pub fn resultant(sled: &Sled, state: &State, forces: &AxleForces) -> Resultant {
     Balance::new(sled, state, &Motion::default()).resultant(forces)
 }

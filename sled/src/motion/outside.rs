@@ -1,4 +1,4 @@
-//! Instants that lie outside what a runner's table spans.
+//! Instants outside the range of a runner's table.
 
 use kufe_lut::Point;
 use schemars::JsonSchema;
@@ -7,16 +7,16 @@ use serde::{Deserialize, Serialize};
 use crate::model::vehicle::Vehicle;
 use crate::motion::state::State;
 
-/// How many instants a runner's table does not span; there it is read at its edge.
+/// Number of instants outside a runner's table, where its edge values are used.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct OutsideTable {
     /// `front` or `rear`.
     pub runner: String,
     /// The table's file.
     pub table: String,
-    /// Instants outside.
+    /// Number of instants outside.
     pub samples: usize,
-    /// Instants examined.
+    /// Number of instants examined.
     pub of: usize,
 }
 
@@ -24,15 +24,15 @@ impl std::fmt::Display for OutsideTable {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "{}: {} of {} samples of the {} runner lie outside the table, which is taken at its edge there",
+            "{}: {} of {} samples of the {} runner lie outside the table, where its edge values are used",
             self.table, self.samples, self.of, self.runner
         )
     }
 }
 
-/// Where the tables of the front and the rear runner are read, or would be.
+/// Points at which the tables of the front and the rear runner are read.
 ///
-/// The front runner's load is taken as `F_z,f0 / cos(gamma)`, as its law is evaluated first.
+/// The front runner's load is approximated by `F_z,f0 / cos(gamma)`, the first iterate of its law.
 pub fn table_samples<'a>(states: impl Iterator<Item = &'a State>) -> [Vec<Point>; 2] {
     let pairs = states.map(|s| {
         let at = |fz| Point::sliding(fz, s.curvature_1pm, s.v_mps, s.conditions.ice_c);
@@ -42,7 +42,7 @@ pub fn table_samples<'a>(states: impl Iterator<Item = &'a State>) -> [Vec<Point>
     [front, rear]
 }
 
-/// The tables of a vehicle that do not span all of these instants.
+/// The tables of a vehicle with instants outside their range.
 pub fn outside_tables<'a>(
     vehicle: &Vehicle,
     states: impl Iterator<Item = &'a State>,
@@ -68,7 +68,7 @@ pub fn outside_tables<'a>(
     counted.flatten().collect()
 }
 
-/// What several runs read of each table outside of it, and how many runs did.
+/// Sums over runs by table, each with its number of runs.
 pub fn together(runs: Vec<OutsideTable>) -> Vec<(OutsideTable, usize)> {
     let mut all: Vec<(OutsideTable, usize)> = Vec::new();
     for one in runs {

@@ -9,7 +9,7 @@ use crate::effects::{OperatingPoint, Relaxed, Signals};
 use crate::friction::film::Patch;
 use crate::sled::Sled;
 
-/// One instant of a sled, measured or simulated: all that friction and air depend on.
+/// One instant of a sled, measured or simulated: the quantities that friction and air depend on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
     /// Time [s].
@@ -26,7 +26,7 @@ pub struct State {
     pub alpha_r_rad: f64,
     /// Steering angle, positive to the left [rad].
     pub delta_rad: f64,
-    /// Roll-split angle, positive turns the front part about +x [rad].
+    /// Roll-split angle of the front part about +x [rad].
     pub gamma_rad: f64,
     /// Roll rate [rad/s].
     pub roll_rate_radps: f64,
@@ -44,25 +44,25 @@ pub struct State {
     pub fz_r_n: f64,
     /// Air density [kg/m3].
     pub air_density_kgpm3: f64,
-    /// Ice, air and finish of the runners; NaN where nothing states a quantity.
+    /// Ice, air and finish of the runners; NaN for a quantity that is not stated.
     pub conditions: Conditions,
-    /// Rates of the slip angles, front and rear [rad/s], or of the delayed ones that forces follow;
-    /// only effects need them.
+    /// Rates of the slip angles, or of the relaxed slip angles, front and rear [rad/s]; only
+    /// effects need them.
     pub slip_rate_radps: [f64; 2],
     /// Specific force at the centre of gravity [m/s2]; only effects need it.
     pub accel_mps2: [f64; 3],
 }
 
 impl State {
-    /// Rates of the slips that forces follow after a distance [m], `dt_s` [s] after the state
-    /// before [rad/s]; below 1 m/s as at 1 m/s.
+    /// Rates of the relaxed slips [rad/s] with the relaxation length `distance` [m], `dt_s` [s]
+    /// after the previous state; a speed below 1 m/s counts as 1 m/s.
     pub fn followed_rates(&self, relaxed: &mut Relaxed, dt_s: f64, distance: f64) -> [f64; 2] {
         let slip = [self.alpha_f_rad, self.alpha_r_rad];
         let v = self.v_mps.max(1.0);
         relaxed.rates(slip, self.slip_rate_radps, v, dt_s, distance)
     }
 
-    /// Time, place, speed and weather, as effects see them, without normal force and drag area.
+    /// Time, place, speed and weather, the input of effects; normal force and drag area are NaN.
     pub fn operating_point(&self) -> OperatingPoint {
         OperatingPoint {
             t: self.t_s,
@@ -78,7 +78,8 @@ impl State {
     }
 }
 
-/// Motion at one instant by accelerometers and differentiated gyroscopes, at the centre of gravity.
+/// Motion of the centre of gravity at one instant, from accelerometers and differentiated
+/// gyroscopes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
     /// Specific force (x, y, z) [m/s2].
@@ -92,14 +93,14 @@ pub struct Motion {
 /// Forces of the ice on both runners.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxleForces {
-    /// On the front runner in its own frame (x, y, z) [N].
+    /// Force on the front runner in its own frame (x, y, z) [N].
     pub front: [f64; 3],
-    /// The same force in the body frame [N].
+    /// Force on the front runner in the body frame [N].
     pub front_body: [f64; 3],
-    /// On the rear runner; its frame is the body's [N].
+    /// Force on the rear runner, whose frame is the body frame [N].
     pub rear: [f64; 3],
-    /// On the body besides runners and base drag: what effects add along x and y, a headwind or a
-    /// wall [N], and about z [N m].
+    /// Force of effects on the body along x and y, e.g. of a headwind or a wall [N], and moment
+    /// about z [N m].
     pub body: [f64; 3],
 }
 
@@ -114,11 +115,11 @@ pub struct Resultant {
     pub mz_nm: f64,
 }
 
-/// State and motion of one instant from the sensors of a sled, their faults taken out.
+/// State and motion at one instant from corrected readings of the sensors.
 ///
-/// Accelerations are brought to the centre of gravity, slip angles to the axles; the normal forces
-/// follow from both. `at` states time, place and weather; the speed must be positive. Rates of the
-/// slip angles:
+/// Accelerations are transferred to the centre of gravity and slip angles to the axles; the normal
+/// forces follow from the accelerations. `at` states time, place and weather; the speed must be
+/// positive. Rates of the slip angles:
 ///
 /// ```text
 /// dalpha_P/dt = dalpha/dt - (x_P - x_s) (dr/dt - r dv/dt / v) / v      (+ ddelta/dt at the front)
@@ -167,15 +168,15 @@ pub fn from_sensors(sled: &Sled, signals: &Signals, at: &OperatingPoint) -> (Sta
     (state, motion)
 }
 
-/// Specific force at the centre of gravity [m/s2] from that at the accelerometer.
+/// Specific force at the centre of gravity [m/s2] from the specific force at the accelerometer.
 ///
 /// ```text
 /// a_cog = a_sensor - dw/dt x r - w x (w x r)
 /// ```
 ///
 /// `rates` w [rad/s] and `accelerations` dw/dt [rad/s2] are (roll, pitch, yaw) about x forward, y
-/// left, z up; `r` [m] is the accelerometer from the centre of gravity. Gravity enters both sides
-/// alike. The rigid-body matrix of the paper.
+/// left, z up; `r` [m] is the place of the accelerometer relative to the centre of gravity. Gravity
+/// cancels. This is the rigid-body matrix of the paper.
 #[inline]
 pub fn to_centre_of_gravity(
     sensor: [f64; 3],
@@ -187,7 +188,7 @@ pub fn to_centre_of_gravity(
     [sensor[0] - d[0], sensor[1] - d[1], sensor[2] - d[2]]
 }
 
-/// Acceleration of a point at `r` [m] relative to that of the centre of gravity [m/s2]:
+/// Acceleration of a point at `r` [m] relative to the centre of gravity [m/s2]:
 /// `dw/dt x r + w x (w x r)`.
 #[inline]
 pub fn lever_acceleration(rates: [f64; 3], accelerations: [f64; 3], r: [f64; 3]) -> [f64; 3] {
@@ -195,7 +196,7 @@ pub fn lever_acceleration(rates: [f64; 3], accelerations: [f64; 3], r: [f64; 3])
     (dw.cross(&r) + w.cross(&w.cross(&r))).into()
 }
 
-/// Slip angles [rad] at the places that matter.
+/// Slip angles [rad] at the centre of gravity and the runners.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Slips {
     /// At the centre of gravity; the chassis slip angle is `beta = -cog`.
@@ -206,7 +207,7 @@ pub struct Slips {
     pub rear: f64,
 }
 
-/// Slip angles at the centre of gravity and both runners from that at the slip sensor.
+/// Slip angles at the centre of gravity and both runners from the slip angle at the sensor.
 ///
 /// ```text
 /// alpha_P = alpha - yaw_rate (x_P - x_s) / v,   alpha_f = alpha_{l_f} + delta,   alpha_r = alpha_{-l_r}
@@ -241,7 +242,7 @@ pub fn normal_forces(sled: &Sled, az: f64, pitch_accel: f64) -> (f64, f64) {
     )
 }
 
-/// `F_f0 = R_x(gamma) R_z(delta) F_f`: a force on the front runner, brought to the body frame.
+/// `F_f0 = R_x(gamma) R_z(delta) F_f`: transforms a force on the front runner to the body frame.
 pub fn front_to_body(force: [f64; 3], delta: f64, gamma: f64) -> [f64; 3] {
     turned(force, delta.sin_cos(), gamma.sin_cos())
 }

@@ -1,4 +1,4 @@
-//! Run and model compared, place by place.
+//! Comparison of a run with its replay, place by place.
 
 use std::ops::Range;
 
@@ -12,7 +12,7 @@ use crate::simulate::drive::Simulated;
 use crate::simulate::dynamics::Instant;
 use crate::track::spline::Spline;
 
-/// Run and model at one place.
+/// Values of the run and of the model at one place.
 #[derive(Clone, Copy, Debug)]
 pub struct Compared {
     /// Distance [m].
@@ -25,25 +25,25 @@ pub struct Compared {
 }
 
 impl Compared {
-    /// Kinetic energy of the run less that of the model [J], from the speeds and the mass [kg].
+    /// Kinetic energy of the run minus that of the model [J], from the speeds and the mass [kg].
     pub fn energy_gap(&self, mass_kg: f64) -> f64 {
         let [measured, model] = self.values[0];
         0.5 * mass_kg * (measured * measured - model * model)
     }
 }
 
-/// How far run and model are apart in one column, the run's less the model's.
+/// Difference of one column, run minus model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Difference {
     /// The column.
     pub column: String,
-    /// Root mean square, in the column's unit.
+    /// Root mean square difference, in the column's unit.
     pub rms: f64,
-    /// At the end.
+    /// Difference at the end.
     pub end: f64,
-    /// The largest.
+    /// Largest difference by magnitude, with its sign.
     pub largest: f64,
-    /// Where that is [m].
+    /// Distance of the largest difference [m].
     pub largest_at_m: f64,
 }
 
@@ -58,35 +58,36 @@ pub(crate) fn readings(instant: &Instant) -> [f64; 4] {
     ]
 }
 
-/// The readings that the model came past, each with the model's at the same place.
+/// The readings within the distance of the model, each with the model's values at the same place;
+/// and the stretches of them without a gap.
 pub(crate) fn compare(
     inputs: &Inputs,
     simulated: &Simulated,
 ) -> (Vec<Compared>, Vec<Range<usize>>) {
-    let mut onward: Vec<&Instant> = Vec::with_capacity(simulated.instants.len());
+    let mut ascending: Vec<&Instant> = Vec::with_capacity(simulated.instants.len());
     for instant in &simulated.instants {
-        let before = onward.last().map(|last| last.state.s_m);
+        let before = ascending.last().map(|last| last.state.s_m);
         if before.is_none_or(|before| instant.state.s_m > before) {
-            onward.push(instant);
+            ascending.push(instant);
         }
     }
     let (mut compared, mut pieces) = (Vec::new(), Vec::new());
-    if onward.len() < 2 {
+    if ascending.len() < 2 {
         return (compared, pieces);
     }
-    let places: Vec<f64> = onward.iter().map(|instant| instant.state.s_m).collect();
-    let over = |value: &dyn Fn(&Instant) -> f64| {
-        let values: Vec<f64> = onward.iter().map(|instant| value(instant)).collect();
+    let places: Vec<f64> = ascending.iter().map(|instant| instant.state.s_m).collect();
+    let spline_of = |value: &dyn Fn(&Instant) -> f64| {
+        let values: Vec<f64> = ascending.iter().map(|instant| value(instant)).collect();
         Spline::natural(&places, &values)
     };
-    let time = over(&|instant| instant.state.t_s);
-    let values: [Spline; 4] = std::array::from_fn(|k| over(&|instant| readings(instant)[k]));
-    let reach = places[0]..=places[places.len() - 1];
+    let time = spline_of(&|instant| instant.state.t_s);
+    let values: [Spline; 4] = std::array::from_fn(|k| spline_of(&|instant| readings(instant)[k]));
+    let simulated_range = places[0]..=places[places.len() - 1];
     for piece in &inputs.pieces {
         let start = compared.len();
         let readings = inputs.readings[piece.clone()].iter();
-        let reached = readings.filter(|reading| reach.contains(&reading.s_m));
-        compared.extend(reached.map(|reading| Compared {
+        let covered = readings.filter(|reading| simulated_range.contains(&reading.s_m));
+        compared.extend(covered.map(|reading| Compared {
             s_m: reading.s_m,
             t_s: [reading.t_s, time.value(reading.s_m)],
             values: std::array::from_fn(|k| [reading.values[k], values[k].value(reading.s_m)]),
@@ -98,9 +99,9 @@ pub(crate) fn compare(
     (compared, pieces)
 }
 
-/// Differences of time, speed and what else was recorded.
+/// Differences of time, speed and the other recorded columns.
 pub(crate) fn differences(compared: &[Compared], recorded: [bool; 4]) -> Vec<Difference> {
-    let of = |column: &str, gap: &dyn Fn(&Compared) -> f64| {
+    let difference = |column: &str, gap: &dyn Fn(&Compared) -> f64| {
         let size = |at: &Compared| gap(at).abs();
         let largest = compared.iter().max_by(|a, b| size(a).total_cmp(&size(b)));
         Difference {
@@ -111,60 +112,64 @@ pub(crate) fn differences(compared: &[Compared], recorded: [bool; 4]) -> Vec<Dif
             largest_at_m: largest.map_or(0.0, |at| at.s_m),
         }
     };
-    let mut all = vec![of("t_s", &|at| at.t_s[0] - at.t_s[1])];
+    let mut all = vec![difference("t_s", &|at| at.t_s[0] - at.t_s[1])];
     for (k, sensor) in READ.iter().enumerate().filter(|(k, _)| recorded[*k]) {
-        all.push(of(sensor.name(), &|at| at.values[k][0] - at.values[k][1]));
+        all.push(difference(sensor.name(), &|at| {
+            at.values[k][0] - at.values[k][1]
+        }));
     }
     all
 }
 
-/// A section of the track where run and model part.
+/// A section of the track with an exceptional difference between run and model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Section {
-    /// The column; for `v_mps` the speeds part by a force.
+    /// The column; for `v_mps` the section shows a force.
     pub column: String,
-    /// Where it begins and ends [m].
+    /// Start of the section [m].
     pub from_m: f64,
-    /// See `from_m`.
+    /// End of the section [m].
     pub to_m: f64,
-    /// The largest of its windows: for `v_mps` the force along the sled missing in the model there
-    /// [N], else the root mean square difference in the column's unit.
+    /// Size of the strongest window: for `v_mps` the force along the sled missing in the model [N],
+    /// else the root mean square difference in the column's unit.
     pub size: f64,
-    /// Times the root mean square of all windows.
+    /// Ratio of `size` to the root mean square of all windows.
     pub times_rms: f64,
-    /// What the run loses on it against the model [s]; negative where it gains.
+    /// Time that the run loses against the model on the section [s]; negative for a gain.
     pub lost_s: f64,
 }
 
-/// Length of a window [m]: some three sleds, and long enough to distinguish a force from the speed's noise.
+/// Length of a window [m]: about six sleds, and long enough to distinguish a force from noise of
+/// the speed.
 const WINDOW_M: usize = 20;
-/// What a window omits at either end when it is reported [m]: a short event lies near the middles
-/// of the windows that show it.
+/// Length omitted from a reported window at each end [m]: a short event lies near the middles of
+/// the windows that show it.
 const EDGE_M: usize = 5;
-/// Times the root mean square of all windows from which a window is exceptional, as in the other
-/// comparisons with runs.
+/// Ratio to the root mean square of all windows above which a window is exceptional, as in the
+/// other comparisons with runs.
 const EXCEPTIONAL: f64 = 2.0;
-/// Standard deviations that noise does not reach: once in 10^4 windows.
+/// Threshold in standard deviations of the noise, exceeded by noise once in 10^4 windows.
 const NOISE_LIMIT: f64 = 4.0;
-/// Force over weight below which a window is not reported: a fiftieth of the friction on ice, still
-/// above what steps and filters err.
-const LEAST_MU: f64 = 1e-4;
-/// The same for other columns, relative to the column's own root mean square.
-const LEAST_SHARE: f64 = 1e-3;
-/// Most sections of a column.
-const MOST: usize = 5;
+/// Ratio of force to weight below which a window is not reported: 1/50 of the friction on ice,
+/// still above errors of steps and filters.
+const MIN_MU: f64 = 1e-4;
+/// Difference below which a window of another column is not reported, relative to the column's root
+/// mean square.
+const MIN_RATIO: f64 = 1e-3;
+/// Largest number of sections per column.
+const MAX_SECTIONS: usize = 5;
 
-/// Sections of up to [`MOST`] a column, the strongest first.
+/// Up to [`MAX_SECTIONS`] sections per column, the strongest first.
 ///
-/// Windows of 20 m whose root mean square difference is twice the run's or more; of the speed,
-/// whose mean force
+/// A window of 20 m counts if its root mean square difference is at least twice that of all
+/// windows. For the speed the mean force
 ///
 /// ```text
 /// F = ( E(s + 20 m) - E(s) ) / 20 m      E = m (v_run^2 - v_model^2) / 2
 /// ```
 ///
-/// is. Both must exceed four standard deviations of what the noise makes of them. Speeds that have
-/// parted stay apart; the force shows where. Windows that overlap are one section; none reaches
+/// takes the place of the difference, since it shows where the speeds diverge. Both must exceed
+/// four standard deviations of their noise. Overlapping windows make one section; none extends
 /// across a gap.
 pub(crate) fn sections(
     compared: &[Compared],
@@ -178,16 +183,16 @@ pub(crate) fn sections(
         let mut windows: Vec<Window> = pieces.iter().flat_map(of_piece).collect();
         let rms = root_mean_square(windows.iter().map(|window| window.size));
         let noise = inputs.noise_sd[k];
-        let own = root_mean_square(compared.iter().map(|at| at.values[k][0]));
+        let column_rms = root_mean_square(compared.iter().map(|at| at.values[k][0]));
         let floor = |window: &Window| match k {
             0 => {
                 let force = 2.0_f64.sqrt() * mass_kg * window.v_mps * noise / WINDOW_M as f64;
-                (NOISE_LIMIT * force).max(LEAST_MU * mass_kg * GRAVITY)
+                (NOISE_LIMIT * force).max(MIN_MU * mass_kg * GRAVITY)
             }
-            _ => (NOISE_LIMIT * noise).max(LEAST_SHARE * own),
+            _ => (NOISE_LIMIT * noise).max(MIN_RATIO * column_rms),
         };
         windows.retain(|window| window.size.abs() > (EXCEPTIONAL * rms).max(floor(window)));
-        let is_one =
+        let overlap =
             |a: &Window, b: &Window| b.from_m <= a.to_m && a.size.signum() == b.size.signum();
         let section = |windows: &[Window]| {
             let (first, last) = (&windows[0], &windows[windows.len() - 1]);
@@ -203,33 +208,33 @@ pub(crate) fn sections(
                 lost_s: last.late_s[1] - first.late_s[0],
             }
         };
-        let mut sections: Vec<Section> = windows.chunk_by(is_one).map(section).collect();
+        let mut sections: Vec<Section> = windows.chunk_by(overlap).map(section).collect();
         sections.sort_by(|a, b| b.times_rms.total_cmp(&a.times_rms));
-        sections.truncate(MOST);
+        sections.truncate(MAX_SECTIONS);
         found.extend(sections);
     }
     found
 }
 
-/// One stretch of the track, the middle half of what it is judged by.
+/// A window of the track; `from_m` to `to_m` is its middle half.
 struct Window {
     from_m: f64,
     to_m: f64,
     /// Force [N], or root mean square difference.
     size: f64,
-    /// By how much the run is behind the model at its beginning and end [s].
+    /// Delay of the run relative to the model at `from_m` and `to_m` [s].
     late_s: [f64; 2],
     v_mps: f64,
 }
 
-/// Windows of column `k` a metre apart along one stretch without a gap.
+/// Windows of column `k` at every metre of one stretch without a gap.
 fn windows_of(compared: &[Compared], k: usize, mass_kg: f64) -> Vec<Window> {
     let (Some(first), Some(last)) = (compared.first(), compared.last()) else {
         return Vec::new();
     };
     let count = (last.s_m - first.s_m).max(0.0) as usize + 1;
     let mut place = 0;
-    // Gap of the column, of the energy and of the time at every metre.
+    // Differences of the column, of the energy and of the time, and the speed, at every metre.
     let metres: Vec<[f64; 4]> = (0..count)
         .map(|metre| {
             let s = first.s_m + metre as f64;

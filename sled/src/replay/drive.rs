@@ -1,4 +1,4 @@
-//! The model driven with a run's own start and steering.
+//! Simulation of a measured run from its start and steering.
 
 use std::ops::Range;
 
@@ -15,65 +15,66 @@ use crate::simulate::driver::Steering;
 use crate::simulate::dynamics::{COUNT, TIME, Unknowns, World};
 use crate::track::table::TrackShape;
 
-/// A run and what the model makes of its start and its steering.
+/// A measured run and its simulation from the run's start and steering.
 #[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct Replay {
     /// Name of the run.
     pub run: String,
     /// Track.
     pub track: String,
-    /// Where the comparison begins and ends [m].
+    /// Start of the comparison [m].
     pub from_m: f64,
-    /// See `from_m`.
+    /// End of the comparison [m].
     pub to_m: f64,
-    /// Why the model did not come to the run's end, where it did not.
+    /// The reason if the model did not reach the end of the run.
     pub stopped: Option<String>,
-    /// Way on which the steering is a straight line across a gap [m].
+    /// Total length of gaps across which the steering is interpolated linearly [m].
     pub bridged_m: f64,
-    /// What of the run takes part.
+    /// The part of the run that is used.
     pub taking_part: SampleCoverage,
-    /// Force along the sled missing in the model in the mean [N]: the growth of the difference of
-    /// kinetic energies over the way.
+    /// Mean force along the sled missing in the model [N]: ratio of the increase in the difference
+    /// of kinetic energies to the distance.
     pub mean_force_n: f64,
-    /// How far both are apart, by column.
+    /// Differences between run and model, by column.
     pub differences: Vec<Difference>,
-    /// Where they part.
+    /// Sections with exceptional differences.
     pub sections: Vec<Section>,
-    /// Both next to each other; not part of the report.
+    /// Run and model, place by place; not part of the report.
     #[serde(skip)]
     pub compared: Vec<Compared>,
     /// Stretches of `compared` without a gap.
     #[serde(skip)]
     pub pieces: Vec<Range<usize>>,
-    /// What the model did.
+    /// The simulated run.
     #[serde(skip)]
     pub simulated: Simulated,
 }
 
-/// Readings that tell the speed at the start [s]. The sensor's usual noise of 0.03 m/s moves it by
-/// 0.002 m/s, a force of 10 N that the model is short of by 0.006; at half of this 0.003 and 0.003,
-/// at twice 0.0013 and 0.013.
+/// Duration of the readings that determine the speed at the start [s]. The usual sensor noise of
+/// 0.03 m/s changes it by 0.002 m/s, a missing force of 10 N by 0.006 m/s. With half the duration
+/// these are 0.003 and 0.003 m/s, with twice the duration 0.0013 and 0.013 m/s.
 const START_S: f64 = 0.5;
 
-/// How far before the first place of its track a run may begin [m]: tracks of `runs align` have
-/// their first place in the middle of a cell of 2 m, and runs begin at 0 within rounding.
+/// Largest distance of a run's start before the first place of its track [m]: tracks of
+/// `runs align` have their first place in the middle of a cell of 2 m, and runs begin at 0 within
+/// rounding.
 const BEFORE_M: f64 = 1.5;
 
-/// Drives the model down the track with the start and the steering of a run, and compares both.
+/// Simulates a run with its start and its steering, and compares both.
 ///
-/// The start is the first reading's place, time, slip angle and yaw rate, moving along the line, at
-/// the speed with which the model has the run's mean energy over the first half second: a single
-/// reading's noise would stay in the speed down to the finish, where slip angle and yaw rate come
-/// to what the steering asks for by themselves. The steering angle is that measured at the
-/// same *place*, so that a curve is steered in where it is also when the model comes late. What the
-/// model does not know (where across the track the sled was, walls) it does not get.
+/// The model starts at the first reading's place, time, slip angle and yaw rate, moving along the
+/// line. Its initial speed is such that the model has the run's mean kinetic energy over the first
+/// half second: the noise of a single speed reading would persist to the finish, whereas slip angle
+/// and yaw rate soon follow the steering. The steering angle is the one measured at the same
+/// *place*, so that a late model steers at the right place in a curve. The sled's position across
+/// the track and walls are not known to the model.
 ///
-/// Of `options`, the start speed, the seed and contacts are not read; steps and their order as in
+/// The start speed, the seed and the contacts of `options` are not used. The integration is that of
 /// [`crate::simulate()`].
 ///
 /// # Errors
-/// [`Error::File`] for a run that begins off the track, [`Error::TooFew`], those of options and
-/// effects.
+/// [`Error::File`] for a run that begins outside the track, [`Error::TooFew`], errors of options
+/// and effects.
 pub fn replay(
     inputs: &Inputs,
     vehicle: &Vehicle,
@@ -82,9 +83,9 @@ pub fn replay(
 ) -> Result<Replay, Error> {
     let vehicle = &vehicle.on_run(&track.name, &options.conditions);
     let conditions = vehicle.conditions.complete(&options.conditions);
-    let own = &inputs.entry.ice_along;
-    let stated = !own.points().is_empty();
-    let ice = if stated { own } else { &track.ice };
+    let of_run = &inputs.entry.ice_along;
+    let stated = !of_run.points().is_empty();
+    let ice = if stated { of_run } else { &track.ice };
     refuse_unstated(vehicle, &conditions, ice, "replay")?;
     let first = inputs.readings[0];
     let last = inputs.readings[inputs.readings.len() - 1];
@@ -107,7 +108,7 @@ pub fn replay(
         contacts: &[],
         cross_curvature: options.cross_curvature_1pm,
     };
-    let [speed, alpha, yaw, _] = first.values;
+    let [_, alpha, yaw, _] = first.values;
     let from = |speed: f64| -> Unknowns {
         let vx = speed * alpha.cos();
         let vy = -speed * alpha.sin() - vehicle.sled.slip_x_m * yaw;
@@ -119,18 +120,7 @@ pub fn replay(
         start
     };
     let finish_m = last.s_m.min(track.finish_m);
-    let early = |reading: &&Reading| reading.t_s <= first.t_s + START_S;
-    let first_piece = inputs.readings[inputs.pieces[0].clone()].iter();
-    let early = first_piece.take_while(early);
-    let early_m = early.last().map_or(first.s_m, |reading| reading.s_m);
-    let (begun, _) = integrate(&world, from(speed), early_m.min(finish_m), options)?;
-    let (near, _) = compare(inputs, &begun);
-    let squares = near.iter().map(|at| at.values[0].map(|v| v.powi(2)));
-    let gap = squares
-        .map(|[measured, model]| measured - model)
-        .sum::<f64>();
-    let gap = gap / near.len().max(1) as f64;
-    let speed = (speed * speed + gap).max(0.0).sqrt();
+    let speed = start_speed(&world, inputs, from, finish_m, options)?;
     let (simulated, trouble) = integrate(&world, from(speed), finish_m, options)?;
     let (compared, pieces) = compare(inputs, &simulated);
     let (Some(begin), Some(end)) = (compared.first(), compared.last()) else {
@@ -156,11 +146,37 @@ pub fn replay(
     })
 }
 
+/// The initial speed [m/s] with which the model, started by `from`, has the run's mean kinetic energy
+/// over [`START_S`].
+fn start_speed(
+    world: &World,
+    inputs: &Inputs,
+    from: impl Fn(f64) -> Unknowns,
+    finish_m: f64,
+    options: &SimulateOptions,
+) -> Result<f64, Error> {
+    let first = inputs.readings[0];
+    let speed = first.values[0];
+    let early = |reading: &&Reading| reading.t_s <= first.t_s + START_S;
+    let early = inputs.readings[inputs.pieces[0].clone()]
+        .iter()
+        .take_while(early);
+    let early_m = early.last().map_or(first.s_m, |reading| reading.s_m);
+    let (start, _) = integrate(world, from(speed), early_m.min(finish_m), options)?;
+    let (compared, _) = compare(inputs, &start);
+    let squares = compared.iter().map(|at| at.values[0].map(|v| v.powi(2)));
+    let gap = squares
+        .map(|[measured, model]| measured - model)
+        .sum::<f64>();
+    let gap = gap / compared.len().max(1) as f64;
+    Ok((speed * speed + gap).max(0.0).sqrt())
+}
+
 /// A value of a reading.
-type Of = fn(&Reading) -> f64;
+type ReadingValue = fn(&Reading) -> f64;
 
 /// Columns written next to the model's, and their values.
-const MEASURED: [(&str, Of); 5] = [
+const MEASURED: [(&str, ReadingValue); 5] = [
     ("t_measured_s", |reading| reading.t_s),
     ("v_measured_mps", |reading| reading.values[0]),
     ("alpha_measured_rad", |reading| reading.values[1]),
@@ -168,10 +184,10 @@ const MEASURED: [(&str, Of); 5] = [
     ("gamma_measured_rad", |reading| reading.values[3]),
 ];
 
-/// Puts what was measured at the same places into a simulated run, as further columns; NaN in gaps
-/// and outside the ends.
+/// Adds measured columns at the same places to a simulated run; NaN in gaps and outside the ends.
 ///
-/// Between readings on a straight line; only what was recorded. The run must have `s_m`.
+/// Values are linear between readings. Columns that were not recorded are left out. Without `s_m`
+/// in `run` nothing is added.
 pub fn add_measured_columns(run: &mut Run, inputs: &Inputs) {
     let Some(places) = run.columns.get("s_m").cloned() else {
         return;

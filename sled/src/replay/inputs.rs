@@ -1,5 +1,5 @@
-//! What a replay takes from a run: start and steering; speed, slip, yaw rate and roll split to
-//! compare with.
+//! Input of a replay: start and steering of a run, and its speed, slip, yaw rate and roll split for
+//! comparison.
 
 use std::ops::Range;
 
@@ -18,15 +18,15 @@ use crate::signals::filtered::FilteredSignals;
 use crate::signals::prepare::{PrepareOptions, Resampling, refuse_short};
 use crate::track::spline::Spline;
 
-/// What a replay needs; the weather is read by what drives.
+/// Columns that a replay requires; conditions are checked by the simulation.
 const NEEDS: Needs = Needs {
     by: "a replay",
     columns: &["v_mps", "delta_rad"],
     forces: false,
 };
-/// Columns that it compares with where they are recorded, and the place.
+/// Optional columns: those that are compared, and the distance.
 const COMPARED: [&str; 4] = ["alpha_rad", "yaw_rate_radps", "gamma_rad", "s_m"];
-/// Knots of the straight line by which the steering crosses a gap [m].
+/// Spacing of the knots of the steering across a gap [m].
 const BRIDGE_M: f64 = 1.0;
 
 /// One moment of a measured run.
@@ -51,12 +51,12 @@ pub const READ: [Sensor; 4] = [
     Sensor::RollSplit,
 ];
 
-/// A measured run as a replay sees it.
+/// A measured run, prepared for a replay.
 #[derive(Clone, Debug)]
 pub struct Inputs {
     /// Its row in the index.
     pub entry: Entry,
-    /// Readings at even times but for gaps.
+    /// Readings at uniform times, except for gaps.
     pub readings: Vec<Reading>,
     /// Stretches of `readings` without a gap.
     pub pieces: Vec<Range<usize>>,
@@ -64,20 +64,19 @@ pub struct Inputs {
     pub recorded: [bool; 4],
     /// Standard deviations of the noise of [`Reading::values`].
     pub noise_sd: [f64; 4],
-    /// What of the run takes part.
+    /// The part of the run that is used.
     pub taking_part: SampleCoverage,
 }
 
-/// Reads a run for a replay; only `v_mps` and `delta_rad` must be there, and only gaps of columns
+/// Reads a run for a replay. Only `v_mps` and `delta_rad` are required, and only gaps of columns
 /// that a replay uses count.
 ///
 /// # Errors
-/// Those of the reader, and [`Error::Wrong`] where the channels prove that one is not what its name
-/// says.
+/// Errors of the reader, and [`Error::Wrong`] if the channels prove that one contradicts its name.
 pub fn read_for_replay(entry: &Entry, on_gaps: OnGaps) -> Result<Run, Error> {
     let mut run = read_run_of(entry.clone(), NEEDS.columns, &COMPARED, on_gaps)
         .map_err(|error| NEEDS.explain(error))?;
-    // All channels bear witness, also those that a replay does not use.
+    // Relations are checked with all channels, including those that a replay does not use.
     if let Ok(whole) = read_run(entry.clone(), &["v_mps"], OnGaps::LeaveOut) {
         let known = whole.remarks.len();
         let mut whole = [whole];
@@ -88,14 +87,13 @@ pub fn read_for_replay(entry: &Entry, on_gaps: OnGaps) -> Result<Run, Error> {
 }
 
 impl Inputs {
-    /// Filters a run; effects of the vehicle that act between the truth and its sensors are taken
-    /// out.
+    /// Filters a run and corrects the vehicle's faults of sensors.
     ///
     /// A run without `s_m` begins at `start_m` [m].
     ///
     /// # Errors
-    /// [`Error::MissingColumn`], [`Error::TooFew`], [`Error::File`] for an effect that needs what
-    /// nothing states.
+    /// [`Error::MissingColumn`], [`Error::TooFew`], [`Error::File`] for an effect that needs a
+    /// quantity that is not stated.
     pub fn of(run: &Run, vehicle: &Vehicle, start_m: f64) -> Result<Inputs, Error> {
         let effects = vehicle.effects.on_track(&run.entry.track);
         let base = Resampling::of(run, &PrepareOptions::default());
@@ -132,8 +130,8 @@ impl Inputs {
         })
     }
 
-    /// The steering over the distance, a straight line across each gap, and the way that it crosses
-    /// so [m].
+    /// The steering as a function of the distance, linear across each gap, and the total length of
+    /// the gaps [m].
     ///
     /// # Errors
     /// [`Error::TooFew`] where the distance does not grow.

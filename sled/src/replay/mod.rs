@@ -1,4 +1,4 @@
-//! A measured run driven again by the model, from its steering and its start.
+//! Replay: simulation of a measured run from its steering and its start.
 
 pub(crate) mod compared;
 pub(crate) mod drive;

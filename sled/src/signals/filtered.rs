@@ -1,4 +1,4 @@
-//! Readings of the sensors of a run in one stretch without a gap, filtered and their faults taken out.
+//! Readings of a run's sensors in one stretch without a gap, filtered and corrected for faults.
 
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ use crate::series::{LEAST_SAMPLES, derivative, low_pass, noise_sd_within};
 use crate::signals::prepare::{Distance, Resampling};
 use crate::sled::{Noise, Sled};
 
-/// The sensors of one stretch at the rate of the states, those next to a gap included.
+/// The sensors of one stretch at the rate of the states, including states next to a gap.
 pub(crate) struct FilteredSignals<'a> {
     run: &'a Run,
     first: usize,
@@ -25,7 +25,7 @@ pub(crate) struct FilteredSignals<'a> {
     conditions: Vec<Conditions>,
 }
 
-/// The error of an effect that gives no number at a sample of a run.
+/// The error for an effect that is NaN or infinite at a sample of a run.
 pub(crate) fn no_number(run: &Run, effect: Option<&Active>, t_s: f64, s_m: f64) -> Error {
     let name = effect.map_or("", |effect| effect.name.as_str());
     let reason = format!(
@@ -35,8 +35,8 @@ pub(crate) fn no_number(run: &Run, effect: Option<&Active>, t_s: f64, s_m: f64) 
 }
 
 impl<'a> FilteredSignals<'a> {
-    /// Every stretch that is long enough for the filters, with the range of its states that take
-    /// part.
+    /// Every stretch that is long enough for the filters, with the range of its states that are
+    /// used.
     ///
     /// # Errors
     /// [`Error::MissingColumn`], those of [`refuse_unstated`] and [`FilteredSignals::of`].
@@ -74,11 +74,11 @@ impl<'a> FilteredSignals<'a> {
         Ok(all)
     }
 
-    /// Low pass, down-sampling, delays and faults of the vehicle's `effects` taken out; a sensor
-    /// without a column reads 0.
+    /// Low-passes and down-samples one stretch, and corrects delays and faults of the vehicle's
+    /// `effects`. A sensor without a column reads 0.
     ///
     /// # Errors
-    /// [`Error::File`] for an effect that gives no number.
+    /// [`Error::File`] for an effect that is not finite.
     fn of(
         run: &'a Run,
         piece: &Range<usize>,
@@ -187,7 +187,7 @@ impl<'a> FilteredSignals<'a> {
 /// A quantity of [`Conditions`].
 type Quantity = fn(&mut Conditions) -> &mut f64;
 
-/// What a run's file may state sample by sample; else `runs.csv` states it, else the model's
+/// Conditions that a run's file may state sample by sample, in place of `runs.csv` or the model's
 /// `[conditions]`.
 const BY_SAMPLE: [(Column, Quantity); 3] = [
     (Column::Humidity, |c| &mut c.humidity_pct),
@@ -195,14 +195,14 @@ const BY_SAMPLE: [(Column, Quantity); 3] = [
     (Column::IceTemperature, |c| &mut c.ice_c),
 ];
 
-/// The column of a run's file that states a quantity at every sample that takes part.
+/// The column of a run's file, if it states the quantity at every used sample.
 fn recorded(run: &Run, column: Column) -> Option<&Vec<f64>> {
     let values = run.columns.get(column.name())?;
     let mut used = run.gaps.within(values).flatten();
     used.all(|x| x.is_finite()).then_some(values)
 }
 
-/// Refuses effects, and what else `needs` ice and air, that need what is stated nowhere.
+/// Refuses effects and computations that need a quantity of ice or air which is not stated.
 ///
 /// # Errors
 /// [`Error::File`] with the run's file, the effect and the column.
@@ -212,8 +212,8 @@ fn refuse_unstated(
     effects: &Effects,
     needs: &Needs,
 ) -> Result<(), Error> {
-    let own = &run.entry.conditions;
-    let mut stated = vehicle.conditions.complete(own);
+    let of_run = &run.entry.conditions;
+    let mut stated = vehicle.conditions.complete(of_run);
     stated.ice_c = run.entry.ice_at(0.0).unwrap_or(stated.ice_c);
     for (column, quantity) in BY_SAMPLE {
         if recorded(run, column).is_some() {
@@ -221,7 +221,7 @@ fn refuse_unstated(
         }
     }
     let mut absent = stated.absent();
-    // The mass is the model's where a run states none.
+    // A run that does not state its mass has the mass of the model.
     absent.retain(|name| *name != "mass_kg");
     // Balances of forces do not contain the track's slope; replays take it from its table.
     let is_recorded = |name: &&str| run.columns.contains_key(*name);
@@ -230,7 +230,7 @@ fn refuse_unstated(
     refuse_effects(effects, &absent, &file)?;
     if needs.forces {
         vehicle.refuse_unstated_ice(!absent.contains(&"ice_c"), &file)?;
-        refuse_drag_without_air(&vehicle.sled, own, &file)?;
+        refuse_drag_without_air(&vehicle.sled, of_run, &file)?;
     }
     Ok(())
 }

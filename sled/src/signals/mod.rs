@@ -1,4 +1,4 @@
-//! From what sensors recorded to the motion of the sled.
+//! From recorded sensors to the motion of the sled.
 
 pub(crate) mod filtered;
 pub(crate) mod prepare;

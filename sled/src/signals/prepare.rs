@@ -1,4 +1,5 @@
-//! From a recorded run to states: filter, down-sample, transfer, differentiate.
+//! From a recorded run to states: filtering, down-sampling, transfer to the centre of gravity,
+//! differentiation.
 
 use std::ops::Range;
 
@@ -18,7 +19,7 @@ use crate::series::{HALF_WIDTH, bridged, integral, noise_gain, ratio, resample_f
 use crate::signals::filtered::{FilteredSignals, estimate_noise, no_number, slip_noise};
 use crate::sled::Noise;
 
-/// A run as a series of states with the motion measured at each.
+/// A run as a series of states, each with the measured motion.
 #[derive(Clone, Debug)]
 pub struct Prepared {
     /// Its row in the index.
@@ -29,22 +30,22 @@ pub struct Prepared {
     pub states: Vec<State>,
     /// Measured motion at the centre of gravity, one for each of `states`.
     pub motions: Vec<Motion>,
-    /// Stretches of `states` without a gap: within one they are `dt_s` apart, together they are all
-    /// states.
+    /// Stretches of `states` without a gap, which together contain all states. Within a stretch
+    /// states are `dt_s` apart.
     pub pieces: Vec<Range<usize>>,
-    /// What of the run takes part.
+    /// The part of the run that is used.
     pub taking_part: SampleCoverage,
     /// Standard deviations of the filtered slip angles, front and rear [rad].
     pub slip_sd_rad: [f64; 2],
 }
 
 impl Prepared {
-    /// The time that takes part, a step a state [s].
+    /// Duration of the states: their number times `dt_s` [s].
     pub fn used_s(&self) -> f64 {
         self.states.len() as f64 * self.dt_s
     }
 
-    /// The time from the first state to the last, gaps included [s].
+    /// Duration from the first state to the last, including gaps [s].
     pub fn span_s(&self) -> f64 {
         match self.states.as_slice() {
             [first, .., last] if self.pieces.len() > 1 => last.t_s - first.t_s + self.dt_s,
@@ -57,20 +58,19 @@ impl Prepared {
 ///
 /// In this order: low pass and down-sampling to `rate_hz`, low pass at `cutoff_hz`, angular
 /// accelerations by [`derivative`], accelerations to the centre of gravity, slips at the axles,
-/// normal forces. `s_m` is taken from the recording where it has one, else integrated from the
-/// speed, across a gap of the speed as if it changed evenly there. Effects of the vehicle that act
-/// between the truth and its sensors are taken out. Of the columns that `options.needs` does not
-/// name, `ax_mps2` is NaN where it is not recorded, others are 0. `noise` states the sensors'
-/// noise; where absent it is estimated from the recording.
+/// normal forces. `s_m` is the recorded one, else the integral of the speed, which is interpolated
+/// linearly across gaps. The vehicle's faults of sensors are corrected. Columns that
+/// `options.needs` does not name and that are not recorded are 0, except `ax_mps2`, which is NaN.
+/// `noise` states the sensors' noise; if `None`, it is estimated from the recording.
 ///
-/// Every stretch without a gap is filtered by itself. Next to a gap two periods of the corner and
-/// the derivative's three samples take no part: the slowest pole of the filter, `sin(pi/8) 2 pi f`,
-/// has decayed to 1 % there.
+/// Every stretch without a gap is filtered separately. Next to a gap two periods of the cutoff
+/// frequency and the derivative's three samples are discarded. After them the slowest pole of the
+/// filter, `sin(pi/8) 2 pi f`, has decayed to 1 %.
 ///
 /// # Errors
-/// [`Error::MissingColumn`], [`Error::TooFew`] where too little remains at the lower rate,
-/// [`Error::File`] for an effect that needs what neither the run's file nor `runs.csv` nor the
-/// model states.
+/// [`Error::MissingColumn`], [`Error::TooFew`] if too few samples remain at the lower rate,
+/// [`Error::File`] for an effect that needs a quantity which neither the run's file nor `runs.csv`
+/// nor the model states.
 pub fn prepare(
     run: &Run,
     vehicle: &Vehicle,
@@ -94,7 +94,7 @@ pub fn prepare(
             let (mut state, mut motion) =
                 from_sensors(sled, &sensed.signals(i), &sensed.operating_point(i));
             if !along {
-                // What is not measured is no number, so that nothing rests on it.
+                // An unmeasured acceleration is NaN, so that no result depends on it.
                 (motion.accel_mps2[0], state.accel_mps2[0]) = (f64::NAN, f64::NAN);
             }
             if let Some(distance) = effects.relaxation() {
@@ -109,13 +109,14 @@ pub fn prepare(
         }
     }
     if options.needs.forces {
-        refuse_no_number(run, vehicle, &states)?;
+        refuse_not_finite(run, vehicle, &states)?;
     }
     refuse_short(run, states.len())?;
     let noise = noise.copied().unwrap_or_else(|| estimate_noise(run));
     let mean_speed = speeds.0 / speeds.1 as f64;
     let (front, rear) = slip_noise(sled, &noise, mean_speed);
-    // Both filters act on the noise at the recording's own rate; the narrower one decides.
+    // Both filters act on the noise at the rate of the recording; the lower cutoff determines the
+    // gain.
     let gain = noise_gain(base.from_hz, base.narrowest_hz);
     let dt_s = 1.0 / base.rate_hz;
     Ok(Prepared {
@@ -129,7 +130,7 @@ pub fn prepare(
     })
 }
 
-/// Refuses a run of which too few samples remain at the lower rate.
+/// Refuses a run with too few samples at the lower rate.
 pub(crate) fn refuse_short(run: &Run, samples: usize) -> Result<(), Error> {
     if samples >= LEAST_SAMPLES {
         return Ok(());
@@ -138,9 +139,9 @@ pub(crate) fn refuse_short(run: &Run, samples: usize) -> Result<(), Error> {
     Err(Error::too_few(what, samples, LEAST_SAMPLES))
 }
 
-/// Refuses effects whose forces are no numbers at a state: they would disable what compares with
-/// them, without a word.
-fn refuse_no_number(run: &Run, vehicle: &Vehicle, states: &[State]) -> Result<(), Error> {
+/// Refuses effects whose forces are not finite at a state: they would silently disable comparisons
+/// with the model.
+fn refuse_not_finite(run: &Run, vehicle: &Vehicle, states: &[State]) -> Result<(), Error> {
     if vehicle.effects.is_empty() {
         return Ok(());
     }
@@ -184,14 +185,14 @@ pub fn prepare_all(
         .collect()
 }
 
-/// How a run is brought to the rate that everything else works at.
+/// Options of [`prepare`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrepareOptions {
-    /// Rate after down-sampling [Hz]; a slower recording stays as it is.
+    /// Rate after down-sampling [Hz]; a slower recording keeps its rate.
     pub rate_hz: f64,
-    /// Corner of the zero-phase low pass after that [Hz].
+    /// Cutoff frequency of the zero-phase low pass after down-sampling [Hz].
     pub cutoff_hz: f64,
-    /// What it is for.
+    /// Required columns.
     pub needs: Needs,
 }
 
@@ -205,19 +206,19 @@ impl Default for PrepareOptions {
     }
 }
 
-/// The even times at the lower rate, and what is next to a gap.
+/// Uniform sampling at the lower rate, and the margin next to a gap.
 pub(crate) struct Resampling {
     /// Rate of the recording [Hz].
     pub(crate) from_hz: f64,
     /// Rate of the states [Hz].
     pub(crate) rate_hz: f64,
-    /// Samples of the recording a state.
+    /// Samples of the recording per state.
     pub(crate) ratio: f64,
-    /// Corner of the low pass at that rate [Hz].
+    /// Cutoff frequency of the low pass at the rate of the states [Hz].
     pub(crate) cutoff_hz: f64,
-    /// Corner of the narrower of both low passes [Hz].
+    /// Lower cutoff frequency of both low passes [Hz].
     pub(crate) narrowest_hz: f64,
-    /// States next to a gap that take no part.
+    /// Number of states next to a gap that are discarded.
     pub(crate) margin: usize,
 }
 
@@ -258,8 +259,8 @@ impl Resampling {
         resample_from(&column[piece.clone()], self.from_hz, self.rate_hz, offset)
     }
 
-    /// Which of the `count` states of stretch `number` of `stretches` take part: those next to a
-    /// gap do not.
+    /// The states of stretch `number` of `stretches` that are used, of `count` in all: without the
+    /// margins next to gaps.
     pub(crate) fn valid_range(
         &self,
         number: usize,
@@ -273,13 +274,14 @@ impl Resampling {
     }
 }
 
-/// Where the sled is: as recorded, or from the speed.
+/// Source of the distance: the recording, or the integral of the speed.
 pub(crate) enum Distance {
     Recorded(Vec<f64>),
     FromSpeed {
-        /// Speed across gaps of it [m/s].
+        /// Speed with its gaps interpolated [m/s].
         bridged: Vec<f64>,
-        /// The last state before the next stretch: its place in the recording, distance and speed.
+        /// The last state before the next stretch: its sample number in the recording, distance and
+        /// speed.
         before: Option<(f64, f64, f64)>,
     },
 }
@@ -297,7 +299,7 @@ impl Distance {
         })
     }
 
-    /// Distances [m] of a stretch's states, `v` being their speeds.
+    /// Distances [m] of the states of a stretch with the speeds `v`.
     pub(crate) fn of_piece(
         &mut self,
         base: &Resampling,
@@ -326,7 +328,7 @@ impl Distance {
     }
 }
 
-/// Integral of the speed between two states, by the trapezoidal rule over the samples between; in
+/// Integral of the speed between two states by the trapezoidal rule over the samples between, in
 /// samples times m/s.
 fn across(v: &[f64], (from, v_from): (f64, f64), (to, v_to): (f64, f64)) -> f64 {
     let between = from.floor() as usize + 1..to.ceil() as usize;

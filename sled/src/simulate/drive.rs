@@ -1,4 +1,4 @@
-//! Driving a track: fixed steps of fourth order.
+//! Time integration of a simulated run by a multistep method of order 4.
 
 use crate::conditions::Conditions;
 use crate::error::Error;
@@ -26,7 +26,7 @@ pub struct EnergyBalance {
 }
 
 impl EnergyBalance {
-    /// What does not add up, relative to the largest term.
+    /// Imbalance of work and kinetic energy, relative to the largest term.
     pub fn relative_error(&self) -> f64 {
         let work = self.gravity_j + self.ice_j + self.air_j + self.wall_j;
         let kinetic = self.kinetic_end_j.max(self.kinetic_start_j);
@@ -38,13 +38,13 @@ impl EnergyBalance {
 /// A simulated run without its sensors.
 #[derive(Clone, Debug)]
 pub struct Simulated {
-    /// One instant an output sample.
+    /// One instant per output sample.
     pub instants: Vec<Instant>,
-    /// Left of the ideal line at each sample [m].
+    /// Offset to the left of the ideal line at each sample [m].
     pub offset_m: Vec<f64>,
     /// Time between samples [s].
     pub dt_s: f64,
-    /// Whether the finish was reached, and not just the time spent.
+    /// Whether the finish was reached before the time limit.
     pub finished: bool,
     /// Work and energy.
     pub energy: EnergyBalance,
@@ -54,13 +54,14 @@ pub struct Simulated {
 
 /// Drives a sled down a track.
 ///
-/// Steps of fourth order (Adams-Bashforth, started by Runge-Kutta) on the equations of motion in
-/// `dynamics.rs`, from the track's start to its finish: one evaluation of the forces a step, as a
-/// simulator in real time can afford. Deterministic: the same arguments give the same bits.
+/// Integrates the equations of motion in `dynamics.rs` by Adams-Bashforth steps of order 4, started
+/// by Runge-Kutta, from the track's start to its finish. A step needs one evaluation of the forces,
+/// which a real-time simulator can afford. Deterministic: equal arguments give equal bits.
 ///
 /// The method is stable for `h lambda < 0.3`, with lambda the fastest rate of slip and yaw, which
-/// grows with load over speed and with wheelbase over radius of gyration. Ten times a second of the
-/// run lambda is computed, and an output interval is divided into as many steps as it needs.
+/// grows with the ratio of load to speed and of wheelbase to radius of gyration. Lambda is computed
+/// ten times per second of the run, and an output interval is divided into as many steps as
+/// stability requires.
 ///
 /// # Errors
 /// [`Error::KeyRange`] for options out of range, [`Error::Stopped`] where the sled comes to rest or
@@ -92,7 +93,7 @@ pub fn simulate(
     trouble.map_or(Ok(simulated), Err)
 }
 
-/// Refuses what the vehicle needs of ice and air that neither `conditions` nor the places along the
+/// Refuses conditions of ice and air that the vehicle needs and that neither `conditions` nor the
 /// track state.
 pub(crate) fn refuse_unstated(
     vehicle: &Vehicle,
@@ -107,15 +108,15 @@ pub(crate) fn refuse_unstated(
     refuse_drag_without_air(&vehicle.sled, conditions, who)
 }
 
-/// Time between checks of the step [s].
-const CHECKED_S: f64 = 0.1;
-/// Largest product of a step and the fastest rate: Adams-Bashforth's limit is 0.3.
-const STABLE: f64 = 0.2;
+/// Interval at which the step length is checked [s].
+const CHECK_INTERVAL_S: f64 = 0.1;
+/// Largest product of step length and fastest rate; the stability limit of Adams-Bashforth is 0.3.
+const MAX_STEP_RATE: f64 = 0.2;
 /// Smallest step [s].
-const LEAST_STEP_S: f64 = 1e-6;
+const MIN_STEP_S: f64 = 1e-6;
 
-/// Drives from a `start` to the distance `finish_m`; with the result why it ended before, where the
-/// motion went out of the range of the model.
+/// Integrates from `start` to the distance `finish_m`. The second result is the error if the motion
+/// left the range of the model before.
 ///
 /// # Errors
 /// [`Error::KeyRange`] for options out of range.
@@ -125,14 +126,14 @@ pub(crate) fn integrate(
     finish_m: f64,
     options: &SimulateOptions,
 ) -> Result<(Simulated, Option<Error>), Error> {
-    let fewest = steps_an_interval(options)?;
+    let min_substeps = steps_an_interval(options)?;
     let dt_s = 1.0 / options.rate_hz;
-    let checked = (CHECKED_S / dt_s).ceil() as usize;
-    let (mut every, mut h) = (fewest, dt_s / fewest as f64);
+    let check_interval = (CHECK_INTERVAL_S / dt_s).ceil() as usize;
+    let (mut substeps, mut h) = (min_substeps, dt_s / min_substeps as f64);
     let (start_s, mut y) = (start[TIME], start);
     let kinetic_start_j = world.kinetic_energy(&y);
     let mut before = Before::default();
-    // The first instant's growth of speed is not known yet; a few rounds settle it.
+    // Accelerations of the first instant are unknown; a few iterations determine them.
     for _ in 0..4 {
         before = world.before(&world.rates(&y, &before).1, &before, h);
     }
@@ -140,43 +141,31 @@ pub(crate) fn integrate(
     let expected = ((finish_m - start[0]) / start[3] / dt_s) as usize;
     let mut instants = Vec::with_capacity(expected.min(1 << 16));
     let mut offset_m = Vec::with_capacity(expected.min(1 << 16));
-    // Rates of the last steps, newest first, and their number since the step's length changed.
-    let (mut past, mut equal) = ([[0.0; COUNT]; 4], 0);
+    // Rates of the last steps, newest first, and the number of steps since the step length changed.
+    let (mut past, mut equal_steps) = ([[0.0; COUNT]; 4], 0);
     let mut steps = 0;
-    // Output intervals, and steps of this one.
-    let (mut intervals, mut own) = (0, 0);
+    // Number of output intervals, and of steps in the current one.
+    let (mut intervals, mut substep) = (0, 0);
     let mut trouble = None;
     let finished = loop {
-        let t_s = start_s + intervals as f64 / options.rate_hz + own as f64 * h;
+        let t_s = start_s + intervals as f64 / options.rate_hz + substep as f64 * h;
         let now = before;
-        let ahead = |of: fn(&Before) -> f64| 3.0 * (of(&now) - of(&then[0])) + of(&then[1]);
-        before.growth = ahead(|before| before.growth);
-        before.roll_accel = ahead(|before| before.roll_accel);
+        let extrapolated = |of: fn(&Before) -> f64| 3.0 * (of(&now) - of(&then[0])) + of(&then[1]);
+        before.growth = extrapolated(|before| before.growth);
+        before.roll_accel = extrapolated(|before| before.roll_accel);
         then = [now, then[0]];
         let (rates, mut instant) = world.rates(&y, &before);
         before = world.before(&instant, &before, h);
         past.rotate_right(1);
         past[0] = rates;
         let finished = y[0] >= finish_m;
-        if (own == 0 || finished)
+        if (substep == 0 || finished)
             && let Some(what) = world.trouble(&y)
         {
-            let last = instants.last().filter(|_| !y[0].is_finite());
-            trouble = Some(match last {
-                Some(Instant { state, .. }) => Error::Stopped {
-                    s_m: state.s_m,
-                    t_s: state.t_s,
-                    what: what + &world.not_finite(state),
-                },
-                None => Error::Stopped {
-                    s_m: y[0],
-                    t_s,
-                    what,
-                },
-            });
+            trouble = Some(stopped(world, &y, t_s, instants.last(), what));
             break false;
         }
-        if own == 0 {
+        if substep == 0 {
             instant.state.t_s = t_s;
             instants.push(instant);
             offset_m.push(y[1]);
@@ -187,30 +176,30 @@ pub(crate) fn integrate(
         if t_s - start_s >= options.most_s {
             break false;
         }
-        if own == 0 && intervals % checked == 0 {
+        if substep == 0 && intervals % check_interval == 0 {
             let rate = world.fastest_rate(&y, &rates, &before);
-            if rate * LEAST_STEP_S > STABLE {
+            if rate * MIN_STEP_S > MAX_STEP_RATE {
                 let what = format!(
-                    "slip and yaw change at {rate:.0} 1/s: no step of {LEAST_STEP_S} s or more is stable"
+                    "slip and yaw change at {rate:.0} 1/s: no step of {MIN_STEP_S} s or more is stable"
                 );
                 let s_m = y[0];
                 trouble = Some(Error::Stopped { s_m, t_s, what });
                 break false;
             }
-            let needed = ((dt_s * rate / STABLE).ceil() as usize).max(fewest);
-            if needed > every || 2 * needed <= every {
-                (every, h, equal) = (needed, dt_s / needed as f64, 0);
+            let needed = ((dt_s * rate / MAX_STEP_RATE).ceil() as usize).max(min_substeps);
+            if needed > substeps || 2 * needed <= substeps {
+                (substeps, h, equal_steps) = (needed, dt_s / needed as f64, 0);
                 then = [now; 2];
             }
         }
-        y = if equal < 3 {
+        y = if equal_steps < 3 {
             runge_kutta(world, &y, &rates, &before, h)
         } else {
             adams_bashforth(&y, &past, h)
         };
-        (steps, equal, own) = (steps + 1, equal + 1, own + 1);
-        if own == every {
-            (intervals, own) = (intervals + 1, 0);
+        (steps, equal_steps, substep) = (steps + 1, equal_steps + 1, substep + 1);
+        if substep == substeps {
+            (intervals, substep) = (intervals + 1, 0);
         }
     };
     let simulated = Simulated {
@@ -231,7 +220,17 @@ pub(crate) fn integrate(
     Ok((simulated, trouble))
 }
 
-/// Adams and Bashforth's step of fourth order: one evaluation of the forces a step.
+/// The error of a simulation that cannot continue: at the `last` instant if the motion is no longer
+/// finite.
+fn stopped(world: &World, y: &Unknowns, t_s: f64, last: Option<&Instant>, what: String) -> Error {
+    let (s_m, t_s, what) = match last.filter(|_| !y[0].is_finite()) {
+        Some(Instant { state, .. }) => (state.s_m, state.t_s, what + &world.not_finite(state)),
+        None => (y[0], t_s, what),
+    };
+    Error::Stopped { s_m, t_s, what }
+}
+
+/// Adams-Bashforth step of order 4, with one evaluation of the forces per step.
 ///
 /// `y + h/24 (55 f_0 - 59 f_-1 + 37 f_-2 - 9 f_-3)`
 fn adams_bashforth(y: &Unknowns, past: &[Unknowns; 4], h: f64) -> Unknowns {
@@ -241,7 +240,7 @@ fn adams_bashforth(y: &Unknowns, past: &[Unknowns; 4], h: f64) -> Unknowns {
     })
 }
 
-/// The classical Runge-Kutta step of fourth order, which starts the multistep method.
+/// Classical Runge-Kutta step of order 4, which starts the multistep method.
 fn runge_kutta(world: &World, y: &Unknowns, k1: &Unknowns, before: &Before, h: f64) -> Unknowns {
     let k2 = world.rates(&ahead(y, k1, 0.5 * h), before).0;
     let k3 = world.rates(&ahead(y, &k2, 0.5 * h), before).0;
@@ -253,24 +252,24 @@ fn ahead(y: &Unknowns, rates: &Unknowns, h: f64) -> Unknowns {
     std::array::from_fn(|i| y[i] + h * rates[i])
 }
 
-/// How to drive.
+/// Options of a simulation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SimulateOptions {
-    /// Largest step [s]; the step taken divides the output interval.
+    /// Largest step [s]; the actual step divides the output interval.
     pub step_s: f64,
     /// Output rate [Hz].
     pub rate_hz: f64,
     /// Speed at the start [m/s].
     pub start_speed_mps: f64,
-    /// Longest time simulated [s].
+    /// Largest simulated time [s].
     pub most_s: f64,
     /// Ice and air.
     pub conditions: Conditions,
-    /// Pushes from outside.
+    /// Forces from outside, e.g. of walls.
     pub contacts: Vec<WallContact>,
     /// Curvature of the channel's cross-section [1/m].
     pub cross_curvature_1pm: f64,
-    /// Seed of the driver's noise and, apart from it, of the sensors'.
+    /// Seed of the driver's noise and, independently, of the sensor noise.
     pub seed: u64,
 }
 
@@ -295,7 +294,7 @@ impl Default for SimulateOptions {
 }
 
 impl SimulateOptions {
-    /// The first option out of its range: name, value, least and largest value.
+    /// The first option out of its range: name, value, smallest and largest value.
     pub fn out_of_range(&self) -> Option<(&'static str, f64, [f64; 2])> {
         let ranges = [
             ("step_s", self.step_s, [1e-6, 0.01]),
@@ -309,7 +308,7 @@ impl SimulateOptions {
     }
 }
 
-/// Steps an output interval.
+/// Number of steps per output interval.
 pub(crate) fn steps_an_interval(options: &SimulateOptions) -> Result<usize, Error> {
     if let Some((key, value, [low, high])) = options.out_of_range() {
         return Err(Error::KeyRange {

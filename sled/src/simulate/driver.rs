@@ -1,4 +1,4 @@
-//! A driver: a steering law that holds a line, with noise that skill keeps small.
+//! A driver: a steering law that follows a line, with noise that decreases with skill.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -12,7 +12,7 @@ use crate::sled::Sled;
 use crate::track::spline::Spline;
 use crate::track::table::TrackShape;
 
-/// How somebody steers.
+/// Steering law of a driver.
 ///
 /// ```text
 /// delta_wanted = feedforward L w / v - line_gain (n - n_wanted) - course_gain dn/dt / v + noise
@@ -24,14 +24,14 @@ use crate::track::table::TrackShape;
 /// `n_wanted` and the noise are smooth random functions of the distance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Driver {
-    /// Share of the curve's own steering angle that is steered ahead.
+    /// Ratio of the feedforward steering to the steering angle of the curve (Ackermann).
     pub feedforward: f64,
-    /// How far ahead the curve is seen [s].
+    /// Preview time of the curve [s].
     pub preview_s: f64,
-    /// Steering for being off the line [rad/m].
+    /// Gain of the steering angle by the offset from the line [rad/m].
     #[serde(rename = "line_gain_rad_per_m")]
     pub line_gain: f64,
-    /// Steering against the course angle.
+    /// Gain of the steering angle by the course angle.
     pub course_gain: f64,
     /// Time constant of arms and steering [s].
     pub lag_s: f64,
@@ -39,9 +39,9 @@ pub struct Driver {
     pub most_rad: f64,
     /// Standard deviation of steering noise [rad].
     pub noise_rad: f64,
-    /// Standard deviation of the wanted line about the ideal one [m].
+    /// Standard deviation of the intended line about the ideal line [m].
     pub wander_m: f64,
-    /// Length over which noise and wanted line vary [m].
+    /// Correlation length of noise and intended line [m].
     pub length_m: f64,
 }
 
@@ -68,7 +68,7 @@ impl Driver {
         }
     }
 
-    /// The driver's random functions over a track from `start` to `finish` [m].
+    /// Noise and intended line of one run from `start` to `finish` [m].
     pub(crate) fn variation(&self, start: f64, finish: f64, seed: u64) -> RunVariation {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         RunVariation {
@@ -78,7 +78,7 @@ impl Driver {
     }
 }
 
-/// A driver's steering noise [rad] and wanted line [m] on one run, over distance.
+/// Steering noise [rad] and intended line [m] on one run, as functions of the distance.
 #[derive(Clone, Debug)]
 pub(crate) struct RunVariation {
     pub noise: Spline,
@@ -95,16 +95,17 @@ fn smooth_noise(start: f64, finish: f64, length: f64, sd: f64, random: &mut ChaC
     Spline::natural(&knots, &values)
 }
 
-/// Who steers.
+/// Source of the steering angle.
 pub(crate) enum Steering<'a> {
     /// A driver, with the variation of this run.
     Driver(&'a Driver, RunVariation),
-    /// An angle recorded over the distance [rad over m].
+    /// A recorded angle [rad] as a function of the distance [m].
     Recorded(Spline),
 }
 
 impl Steering<'_> {
-    /// The steering angle [rad]: a driver's is integrated, a recorded one is taken as it is.
+    /// The steering angle [rad]: of a driver the `integrated` unknown, else the recorded angle at
+    /// `s`.
     pub(crate) fn angle(&self, s: f64, integrated: f64) -> f64 {
         match self {
             Steering::Driver(..) => integrated,
@@ -112,7 +113,8 @@ impl Steering<'_> {
         }
     }
 
-    /// Its rate [rad/s] at a state and at the rates [m/s] of the distance and of the offset `n` [m].
+    /// Rate of the steering angle [rad/s] at a state, the offset `n` [m], and the rates of distance
+    /// and offset [m/s].
     pub(crate) fn rate(
         &self,
         shape: &TrackShape,
@@ -134,7 +136,7 @@ impl Steering<'_> {
             - driver.line_gain * (n - variation.line.value(s))
             - driver.course_gain * dn / v
             + variation.noise.value(s);
-        let within = driver.most_rad * (wanted / driver.most_rad).tanh();
-        (within - state.delta_rad) / driver.lag_s
+        let limited = driver.most_rad * (wanted / driver.most_rad).tanh();
+        (limited - state.delta_rad) / driver.lag_s
     }
 }

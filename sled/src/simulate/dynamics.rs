@@ -14,10 +14,10 @@ use crate::motion::state::{AxleForces, Motion, Slips, State, normal_forces, slip
 use crate::simulate::driver::Steering;
 use crate::track::table::{IceAlong, TrackShape};
 
-/// What is integrated: distance, offset, heading, speeds, steering, and the work done so far.
+/// The unknowns of the integration: distance, offset, heading, speeds, steering, and work.
 ///
 /// Order: s [m], n [m], heading chi against the line [rad], v_x, v_y [m/s], yaw rate [rad/s],
-/// steering [rad], work of gravity, of the ice, of the air (with what effects add to the body) and
+/// steering [rad], work of gravity, of the ice, of the air (with forces of effects on the body) and
 /// of contacts [J], time [s].
 pub(crate) type Unknowns = [f64; COUNT];
 
@@ -29,19 +29,19 @@ const CHI: usize = 2;
 const VX: usize = 3;
 const VY: usize = 4;
 const YAW: usize = 5;
-/// Place of the time among the unknowns.
+/// Index of the time among the unknowns.
 pub(crate) const TIME: usize = 11;
 
-/// A push from outside, such as a wall: half a wave of lateral force over a stretch of track.
+/// A force from outside, such as of a wall: a half wave of lateral force over a stretch of track.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct WallContact {
-    /// Where it begins [m].
+    /// Start of the stretch [m].
     pub s_m: f64,
-    /// How long it lasts [m].
+    /// Length of the stretch [m].
     pub length_m: f64,
-    /// Its peak, positive to the left [N].
+    /// Peak force, positive to the left [N].
     pub force_n: f64,
-    /// Where it acts, before the centre of gravity [m].
+    /// Point of action, forward of the centre of gravity [m].
     pub x_m: f64,
 }
 
@@ -56,24 +56,25 @@ impl WallContact {
     }
 }
 
-/// Speed that no sled reaches [m/s]: the equations of motion are no longer solved.
-const MOST_SPEED: f64 = 200.0;
+/// Speed that no sled reaches [m/s]; above it the simulation stops.
+const MAX_SPEED: f64 = 200.0;
 
-/// All that the equations of motion need besides the unknowns.
+/// Data of the equations of motion.
 pub(crate) struct World<'a> {
     pub vehicle: &'a Vehicle,
     pub shape: &'a TrackShape,
     pub conditions: Conditions,
-    /// Where it differs from place to place.
+    /// Temperature of the ice along the track; empty if only `conditions` state it.
     pub ice: &'a IceAlong,
     pub density: f64,
     pub steering: Steering<'a>,
     pub contacts: &'a [WallContact],
-    /// Curvature of the channel's cross-section [1/m]: how fast the bank grows off the line.
+    /// Curvature of the channel's cross-section [1/m]: growth of the bank per metre off the line.
     pub cross_curvature: f64,
 }
 
-/// What the equations need of a moment ago, before the forces that decide it are known.
+/// Quantities of the previous step that the equations need before the forces that determine them
+/// are known.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Before {
     /// Growth of the speed [m/s2].
@@ -84,14 +85,14 @@ pub(crate) struct Before {
     pub accel: [f64; 3],
     /// Roll acceleration [rad/s2].
     pub roll_accel: f64,
-    /// The slip that forces follow late.
+    /// State of the relaxed slips.
     pub relaxed: Relaxed,
 }
 
-/// Everything known at one instant of a simulation.
+/// State, motion and forces at one instant of a simulation.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Instant {
-    /// The state, as friction sees it.
+    /// The state, input of the friction laws.
     pub state: State,
     /// Motion at the centre of gravity.
     pub motion: Motion,
@@ -110,7 +111,7 @@ pub struct Instant {
 }
 
 impl World<'_> {
-    /// Rates of the unknowns and the instant they belong to.
+    /// Rates of the unknowns, and the instant.
     ///
     /// The body moves on the ice, whose frame has the slope theta and the bank phi along the line
     /// and turns with `(p, q, r)_line`; off the line it is rolled by the cross-section, and the
@@ -124,12 +125,12 @@ impl World<'_> {
     /// h    = -int sin(theta) ds + cos(theta) (cos(phi) - cos(phi + k n)) / k
     /// ```
     ///
-    /// Gravity's work is thus that of the altitude h, whatever way the sled takes. The line turns
-    /// as a sled on it does without lateral force: its pitch rate is `-v/r_y`, its yaw rate
+    /// The work of gravity thus depends only on the altitude h, whatever the path of the sled. The
+    /// line turns like a sled on it without lateral force: its pitch rate is `-v/r_y`, its yaw rate
     /// `-g cos(theta) sin(phi)/v`.
     ///
-    /// The pitch acceleration, and with it the normal forces, need accelerations before the forces
-    /// that decide them are known: they are taken from a moment ago.
+    /// The pitch acceleration, and with it the normal forces, needs accelerations before the forces
+    /// that determine them are known. They are taken from the previous step (`before`).
     pub(crate) fn rates(&self, y: &Unknowns, before: &Before) -> (Unknowns, Instant) {
         let growth = before.growth;
         let sled = &self.vehicle.sled;
@@ -145,8 +146,7 @@ impl World<'_> {
         let [bank, bank_s, bank_ss] = self.shape.bank.at(s);
 
         let vys = vy + sled.slip_x_m * yaw;
-        // The sled moves forward throughout, which `trouble` sees to: the plain forms do, and are
-        // faster.
+        // `trouble` ensures that the sled moves forward, so that these faster forms suffice.
         let speed = (vx * vx + vys * vys).sqrt();
         let alpha = -libm::atan(vys / vx);
         let Slips { cog, front, rear } = slips(sled, alpha, yaw, speed, delta);
@@ -176,7 +176,8 @@ impl World<'_> {
             cos_theta * cos_phi,
         ];
 
-        // Rates of the ice's frame on the line, and off it, where the cross-section tilts it.
+        // Rates of the frame of the ice on the line, and off the line, where the cross-section
+        // tilts it.
         let (sin_tilt, cos_tilt) = small(tilt);
         let pitch_0 = -speed * curvature;
         let yaw_0 = -GRAVITY * cos_theta * sin_bank / speed;
@@ -304,17 +305,17 @@ impl World<'_> {
         (rates, instant)
     }
 
-    /// Spectral radius of the derivatives of lateral acceleration and yaw acceleration by lateral
-    /// speed and yaw rate [1/s]; `rates` are those of `y`.
+    /// Spectral radius [1/s] of the Jacobian of lateral and yaw acceleration with respect to
+    /// lateral speed and yaw rate; `rates` are those of `y`.
     pub(crate) fn fastest_rate(&self, y: &Unknowns, rates: &Unknowns, before: &Before) -> f64 {
         const STEP: f64 = 1e-5;
-        let by = |k: usize| {
+        let column = |k: usize| {
             let mut moved = *y;
             moved[k] += STEP;
             let (there, _) = self.rates(&moved, before);
             [VY, YAW].map(|of| (there[of] - rates[of]) / STEP)
         };
-        let [[a, c], [b, d]] = [by(VY), by(YAW)];
+        let [[a, c], [b, d]] = [column(VY), column(YAW)];
         let (half, determinant) = (0.5 * (a + d), a * d - b * c);
         match half * half - determinant {
             root if root > 0.0 => half.abs() + root.sqrt(),
@@ -322,11 +323,11 @@ impl World<'_> {
         }
     }
 
-    /// What the next moment needs of this one.
+    /// The quantities of this instant that the next step needs.
     ///
-    /// The slip rate is that of the slip which forces follow late, and where none is late smoothed
-    /// over ten steps: a force that follows it would otherwise answer itself from step to step and
-    /// grow. The price is a lag of ten steps in such a force.
+    /// The slip rate is that of the relaxed slip. Without relaxation it is smoothed over ten steps,
+    /// since a force that depends on it would otherwise be unstable from step to step. Such a force
+    /// therefore lags by ten steps.
     pub(crate) fn before(&self, instant: &Instant, then: &Before, step_s: f64) -> Before {
         let (state, mut relaxed) = (&instant.state, then.relaxed);
         let slip_rate = match self.vehicle.effects.relaxation() {
@@ -345,15 +346,15 @@ impl World<'_> {
         }
     }
 
-    /// Kinetic energy in the plane [J]: translation and yaw. Roll and pitch are led by the track
-    /// and no part of it.
+    /// Kinetic energy in the plane [J]: translation and yaw. Roll and pitch follow the track and
+    /// are not included.
     pub(crate) fn kinetic_energy(&self, y: &Unknowns) -> f64 {
         let sled = &self.vehicle.sled;
         0.5 * sled.mass_kg * (y[VX] * y[VX] + y[VY] * y[VY])
             + 0.5 * sled.j_zz_kgm2 * y[YAW] * y[YAW]
     }
 
-    /// The effects whose forces are not finite at a state, in words.
+    /// Text with the effects whose forces are not finite at a state.
     pub(crate) fn not_finite(&self, state: &State) -> String {
         let is_finite = |effect: &Active| {
             let mut alone = self.vehicle.clone();
@@ -369,7 +370,7 @@ impl World<'_> {
         names.collect()
     }
 
-    /// Why a simulation cannot go on from here, if so.
+    /// The reason why a simulation cannot continue; `None` if it can.
     pub(crate) fn trouble(&self, y: &Unknowns) -> Option<String> {
         if y.iter().any(|value| !value.is_finite()) {
             return Some("the motion is not finite after this".to_string());
@@ -379,8 +380,8 @@ impl World<'_> {
             let expected = "expected above 0.5 (slope_rad is positive downhill)";
             return Some(format!("speed {v:.2} m/s, {expected}"));
         }
-        if v > MOST_SPEED {
-            return Some(format!("speed {v:.1e} m/s, expected below {MOST_SPEED}"));
+        if v > MAX_SPEED {
+            return Some(format!("speed {v:.1e} m/s, expected below {MAX_SPEED}"));
         }
         (n.abs() > 5.0 || chi.abs() > 1.2).then(|| {
             format!(

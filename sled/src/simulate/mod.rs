@@ -1,4 +1,4 @@
-//! Driving a track, and what the sensors of the sled record of it.
+//! Simulation of a sled on a track, and of the recording of its sensors.
 
 pub(crate) mod drive;
 pub(crate) mod driver;

@@ -29,11 +29,12 @@ pub struct SampleDriver {
     pub class: String,
     /// Number of runs.
     pub runs: usize,
-    /// How this driver steers.
+    /// Steering law.
     pub driving: Driver,
-    /// By how much wander and noise vary from run to run, relative.
-    varies: f64,
-    /// Places where this driver touches the wall, besides those of the track [m].
+    /// Relative variation of wander and noise from run to run.
+    #[serde(rename = "varies")]
+    variation: f64,
+    /// Places where this driver touches the wall, in addition to the places of the track [m].
     #[serde(default)]
     walls_m: Vec<f64>,
 }
@@ -72,16 +73,16 @@ pub fn sample_driver(name: &str) -> &'static SampleDriver {
     known.unwrap_or(&drivers[0])
 }
 
-fn own_track(name: &str) -> &'static SampleTrack {
+fn track_of(name: &str) -> &'static SampleTrack {
     let known = SAMPLE.track.iter().find(|track| track.name == name);
     known.unwrap_or(&SAMPLE.track[0])
 }
 
-/// A sample track, `east` for an unknown name: banked curves on a slope, shaped for the speeds that
-/// a sled reaches on it.
+/// A sample track (`east` for an unknown name): banked curves on a slope, with curvatures that suit
+/// the speed of a sled.
 pub fn sample_track(name: &str) -> Track {
-    let own = own_track(name);
-    let length = own.length_m;
+    let sample = track_of(name);
+    let length = sample.length_m;
     let rows = length as usize + 1;
     let s_m: Vec<f64> = (0..rows).map(|i| i as f64).collect();
     let wave = |s: f64, period: f64| (std::f64::consts::TAU * s / period).sin();
@@ -97,7 +98,7 @@ pub fn sample_track(name: &str) -> Track {
             let fall = smooth_step((start + extent - s) / ramp);
             crown * rise * fall
         };
-        own.curves.iter().map(of_curve).sum()
+        sample.curves.iter().map(of_curve).sum()
     };
     let mut speed_square: f64 = 100.0;
     let mut curvature_1pm = Vec::with_capacity(rows);
@@ -113,7 +114,7 @@ pub fn sample_track(name: &str) -> Track {
     }
     Track {
         ice: IceAlong::default(),
-        name: own.name.clone(),
+        name: sample.name.clone(),
         slope_rad: s_m.iter().map(|s| slope(*s)).collect(),
         bank_rad: s_m.iter().map(|s| bank(*s)).collect(),
         curvature_1pm,
@@ -121,7 +122,7 @@ pub fn sample_track(name: &str) -> Track {
     }
 }
 
-/// Quintic step from 0 at 0 to 1 at 1 with two derivatives zero at both ends.
+/// Quintic step from 0 at 0 to 1 at 1, with two vanishing derivatives at both ends.
 fn smooth_step(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * x * (10.0 + x * (6.0 * x - 15.0))
@@ -137,7 +138,7 @@ pub fn sample_contacts(track: &str, driver: &str, seed: u64) -> Vec<WallContact>
         x_m: random.random_range(-0.3..0.5),
     };
     let mut contacts = Vec::new();
-    let of_track = (&own_track(track).walls_m, 1.0);
+    let of_track = (&track_of(track).walls_m, 1.0);
     for (places, first_side) in [of_track, (&sample_driver(driver).walls_m, -1.0)] {
         for (i, s_m) in places.iter().enumerate() {
             let side = if i % 2 == 0 { first_side } else { -first_side };
@@ -147,7 +148,7 @@ pub fn sample_contacts(track: &str, driver: &str, seed: u64) -> Vec<WallContact>
     contacts
 }
 
-/// One run of the sample data set before it is driven.
+/// Plan of one run of the sample data set.
 #[derive(Clone, Debug)]
 pub struct Planned {
     /// Name of the run.
@@ -160,20 +161,20 @@ pub struct Planned {
     pub driver_class: &'static str,
     /// Session.
     pub session: String,
-    /// How it is driven.
+    /// Options of the simulation.
     pub options: SimulateOptions,
 }
 
 /// The plan of the sample data set: 44 runs, drivers as in the paper, sessions d1 to d4 on `east`
 /// and w1 on `west`.
 ///
-/// The top drivers' last two runs and two of B1's are on `west`, which no fit should see.
+/// The top drivers' last two runs and two of B1's are on `west`, which no fit should use.
 /// Everything follows from `seed`.
 pub fn sample_plan(seed: u64) -> Vec<Planned> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut plan = Vec::new();
-    for own in sample_drivers() {
-        let (driver, class, runs) = (&own.name, &own.class, own.runs);
+    for sample in sample_drivers() {
+        let (driver, class, runs) = (&sample.name, &sample.class, sample.runs);
         let away = if driver == "C1" { 0 } else { 2 };
         for i in 0..runs {
             let west = i + away >= runs;
@@ -207,8 +208,8 @@ pub fn sample_plan(seed: u64) -> Vec<Planned> {
     plan
 }
 
-/// Drives the whole plan, runs in parallel and in order; a driver's line varies from run to run by a
-/// factor drawn from the run's seed.
+/// Simulates the plan, runs in parallel and in order. Wander and noise of a driver vary from run to
+/// run by a factor drawn from the run's seed.
 ///
 /// # Errors
 /// The first run's error in order.
@@ -217,12 +218,12 @@ pub fn drive_sample(plan: &[Planned], model: &Model) -> Result<Vec<Run>, Error> 
     let tracks = ["east", "west"].map(sample_track);
     let shapes = [0, 1].map(|i| TrackShape::new(&tracks[i]));
     let drive = |planned: &Planned| {
-        let (own, options) = (sample_driver(planned.driver), &planned.options);
-        let mut driver = own.driving;
+        let (sample, options) = (sample_driver(planned.driver), &planned.options);
+        let mut driver = sample.driving;
         let mut random = ChaCha8Rng::seed_from_u64(options.seed ^ 0xd41e);
-        let form = 1.0 + random.random_range(-own.varies..own.varies);
-        driver.wander_m *= form;
-        driver.noise_rad *= form;
+        let factor = 1.0 + random.random_range(-sample.variation..sample.variation);
+        driver.wander_m *= factor;
+        driver.noise_rad *= factor;
         let i = usize::from(planned.track == "west");
         let simulated = simulate(&vehicle, &shapes[i], &driver, options)?;
         let entry = Entry {

@@ -1,4 +1,4 @@
-//! What the sensors of a simulated sled record.
+//! Recording of the sensors of a simulated sled.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -21,13 +21,13 @@ use crate::simulate::dynamics::Instant;
 use crate::sled::{Noise, Sled};
 use crate::track::table::Track;
 
-/// What the sensors of the sled record of a simulated run, in the format of a measured one.
+/// The recording of a simulated run by the sensors of the sled, in the format of a measured run.
 ///
-/// The accelerometer at its place measures `f + dw/dt x r + w x (w x r)`, f being the specific force
-/// at the centre of gravity; the slip sensor sees speed and slip angle at its own place. Effects of
-/// the vehicle that act between the truth and its sensors act. White noise of the stated deviations
-/// is added to each channel with `seed`; none where `noise` is absent. `s_m` is the true distance
-/// along the track.
+/// The accelerometer at r from the centre of gravity measures `f + dw/dt x r + w x (w x r)`, f
+/// being the specific force at the centre of gravity; the slip sensor measures speed and slip angle
+/// at its own place. The vehicle's faults of sensors are applied. White noise of the stated
+/// standard deviations is added to each channel with `seed`; none if `noise` is `None`. `s_m` is
+/// the true distance along the track.
 pub fn record(
     simulated: &Simulated,
     vehicle: &Vehicle,
@@ -90,7 +90,7 @@ pub fn record(
     }
 }
 
-/// Readings of faultless sensors of this sled, with the rates that follow from the motion.
+/// Readings of ideal sensors of this sled, with the rates that follow from the motion.
 fn true_signals(sled: &Sled, instant: &Instant) -> Signals {
     let s = &instant.state;
     let place = [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m];
@@ -113,7 +113,7 @@ fn true_signals(sled: &Sled, instant: &Instant) -> Signals {
     signals
 }
 
-/// The rates that the motion does not tell: of the accelerations and of the roll split, from the
+/// Sets the rates that do not follow from the motion (accelerations, roll split), by differences of
 /// samples.
 fn complete_rates(signals: &mut [Signals], dt_s: f64) {
     for sensor in [Sensor::Ax, Sensor::Ay, Sensor::Az, Sensor::RollSplit] {

@@ -4,11 +4,11 @@
 #[derive(Clone, Debug)]
 pub struct Spline {
     knots: Vec<f64>,
-    /// Value, and coefficients of (x - knot), its square and its cube, a segment.
+    /// Per segment: the value at the knot, and the coefficients of (x - knot), its square and its
+    /// cube.
     pieces: Vec<[f64; 4]>,
     last: f64,
-    /// First segment that reaches into each of equal buckets: makes the search short whatever the
-    /// spacing.
+    /// First segment in each of equal buckets, which makes the search short for any spacing.
     buckets: Vec<u32>,
     per_metre: f64,
 }
@@ -19,7 +19,7 @@ impl Spline {
     /// Its second derivative is 0 at both ends.
     ///
     /// # Panics
-    /// Where the lengths differ or there are fewer than two knots.
+    /// Panics if the lengths differ or there are fewer than two knots.
     pub fn natural(knots: &[f64], values: &[f64]) -> Spline {
         let n = knots.len();
         assert!(
@@ -32,23 +32,23 @@ impl Spline {
             .map(|i| (values[i + 1] - values[i]) / h[i])
             .collect();
         // Thomas algorithm for the second derivatives of the inner knots.
-        let mut bend = vec![0.0; n];
+        let mut second = vec![0.0; n];
         let mut upper = vec![0.0; n];
         for i in 1..n - 1 {
             let diagonal = 2.0 * (h[i - 1] + h[i]) - h[i - 1] * upper[i - 1];
             upper[i] = h[i] / diagonal;
-            bend[i] = (6.0 * (rise[i] - rise[i - 1]) - h[i - 1] * bend[i - 1]) / diagonal;
+            second[i] = (6.0 * (rise[i] - rise[i - 1]) - h[i - 1] * second[i - 1]) / diagonal;
         }
         for i in (1..n - 1).rev() {
-            bend[i] -= upper[i] * bend[i + 1];
+            second[i] -= upper[i] * second[i + 1];
         }
         let pieces = (0..n - 1)
             .map(|i| {
                 [
                     values[i],
-                    rise[i] - h[i] * (2.0 * bend[i] + bend[i + 1]) / 6.0,
-                    0.5 * bend[i],
-                    (bend[i + 1] - bend[i]) / (6.0 * h[i]),
+                    rise[i] - h[i] * (2.0 * second[i] + second[i + 1]) / 6.0,
+                    0.5 * second[i],
+                    (second[i + 1] - second[i]) / (6.0 * h[i]),
                 ]
             })
             .collect();

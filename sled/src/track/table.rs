@@ -1,4 +1,4 @@
-//! The track under a sled: slope, vertical curvature and bank over distance.
+//! The track under a sled: slope, vertical curvature and bank as functions of the distance.
 
 use std::path::Path;
 
@@ -9,9 +9,9 @@ use crate::track::spline::Spline;
 
 /// A track table, `track_NAME.csv`.
 ///
-/// The line is the one the sled takes: `curvature_1pm` is `1/r_y` about the sled's own pitch axis
-/// (in a banked curve most of the turn is in it), `bank_rad` the roll of the ice under the sled,
-/// positive with the left side up, and `slope_rad` the pitch of the ice, positive downhill.
+/// Along the driven line, `curvature_1pm` is `1/r_y` about the sled's own pitch axis (in a banked
+/// curve most of the turn is in it), `bank_rad` the roll of the ice under the sled, positive with
+/// the left side up, and `slope_rad` the pitch of the ice, positive downhill.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
     /// Name, as runs refer to it.
@@ -24,17 +24,17 @@ pub struct Track {
     pub curvature_1pm: Vec<f64>,
     /// Bank, positive with the left side up [rad].
     pub bank_rad: Vec<f64>,
-    /// Temperature of the ice, where the table states it.
+    /// Temperature of the ice; empty if the table does not state it.
     pub ice: IceAlong,
 }
 
 const COLUMNS: [&str; 4] = ["s_m", "slope_rad", "curvature_1pm", "bank_rad"];
 
-/// Least length of a track [m]: ten times a sled, and more than any track has kilometres.
-const LEAST_SPAN_M: f64 = 20.0;
+/// Smallest length of a track [m]: about six sleds, and larger than the number of kilometres of any
+/// track.
+const MIN_SPAN_M: f64 = 20.0;
 
-/// Further columns of an estimated track: they state how well it is known, and nothing drives on
-/// them.
+/// Further columns of an estimated track with its standard errors, which no computation uses.
 const ERRORS: [&str; 4] = ["slope_sd_rad", "curvature_sd_1pm", "bank_sd_rad", "runs"];
 
 impl Track {
@@ -54,8 +54,8 @@ impl Track {
     }
 
     /// Reads the columns `s_m, slope_rad, curvature_1pm, bank_rad`; `radius_m` may replace
-    /// `curvature_1pm`, and `ice_c` [degrees Celsius] may follow, with cells empty where nothing
-    /// measures it. The errors of an estimated track are passed over.
+    /// `curvature_1pm`, and `ice_c` [degrees Celsius] may follow, with empty cells between measured
+    /// places. The errors of an estimated track are ignored.
     ///
     /// # Errors
     /// [`Error::MissingColumn`], [`Error::Column`] for unknown ones, [`Error::Cell`] with the row,
@@ -71,34 +71,37 @@ impl Track {
         ];
         let mut columns = read_csv(reader, &required, file)?;
         columns.retain(|name, _| !ERRORS.contains(&name.as_str()));
-        let odd = |column: &str, what: &str| {
+        let column_error = |column: &str, what: &str| {
             let columns = COLUMNS.join(", ");
             let expected = format!("{columns} (or radius_m for curvature_1pm) and perhaps ice_c");
             Error::column(file, column, what, &expected)
         };
         let unknown = |name: &&String| !required.contains(&name.as_str());
         if let Some(unknown) = columns.keys().find(unknown) {
-            return Err(odd(unknown, "unknown"));
+            return Err(column_error(unknown, "unknown"));
         }
         if let Some(radius) = columns.remove("radius_m") {
             let curvature = radius.iter().map(|r| 1.0 / r).collect();
             let before = columns.insert("curvature_1pm".to_string(), curvature);
             if before.is_some() {
-                return Err(odd("radius_m", "given together with curvature_1pm"));
+                return Err(column_error(
+                    "radius_m",
+                    "given together with curvature_1pm",
+                ));
             }
         }
         let ice = columns.remove("ice_c").unwrap_or_default();
-        let mut take = |column: &str| {
+        let mut remove = |column: &str| {
             let values = columns.remove(column);
             values.ok_or_else(|| Error::missing_column(file, column, columns.keys()))
         };
         let mut track = Track {
             name: name.to_string(),
             ice: IceAlong::default(),
-            s_m: take("s_m")?,
-            slope_rad: take("slope_rad")?,
-            curvature_1pm: take("curvature_1pm")?,
-            bank_rad: take("bank_rad")?,
+            s_m: remove("s_m")?,
+            slope_rad: remove("slope_rad")?,
+            curvature_1pm: remove("curvature_1pm")?,
+            bank_rad: remove("bank_rad")?,
         };
         track.check(file)?;
         let (_, low, high) = CONDITIONS[0];
@@ -114,8 +117,8 @@ impl Track {
     /// Checks lengths and ranges; `file` names the source in errors.
     ///
     /// # Errors
-    /// [`Error::Cell`] with row and column, [`Error::TooFew`], [`Error::Unit`] for a track of a few
-    /// metres.
+    /// [`Error::Cell`] with row and column, [`Error::TooFew`], [`Error::Column`] for a track of a
+    /// few metres.
     pub fn check(&self, file: &str) -> Result<(), Error> {
         if self.s_m.len() < 4 {
             return Err(Error::too_few(format!("{file}: rows"), self.s_m.len(), 4));
@@ -137,10 +140,10 @@ impl Track {
             return Err(Error::cell(file, line, "s_m", self.s_m[row + 1], expected));
         }
         let span = self.s_m[self.s_m.len() - 1] - self.s_m[0];
-        if span < LEAST_SPAN_M {
+        if span < MIN_SPAN_M {
             let (from, to) = (self.s_m[0], self.s_m[0] + span);
             let what = format!("from {from} to {to}, which resembles kilometres");
-            let expected = "metres, 20 of them at least";
+            let expected = "metres, at least 20";
             return Err(Error::column(file, "s_m", &what, expected));
         }
         Ok(())
@@ -159,7 +162,7 @@ impl Track {
     /// Writes the table as CSV.
     ///
     /// # Errors
-    /// The writer's.
+    /// Errors of the writer.
     pub fn write_csv(&self, writer: impl std::io::Write) -> std::io::Result<()> {
         let mut columns = self.columns().to_vec();
         let ice: Vec<f64> = self.s_m.iter().filter_map(|s| self.ice.at(*s)).collect();
@@ -177,8 +180,8 @@ pub struct IceAlong {
 }
 
 impl IceAlong {
-    /// Of places [m] with their temperatures [degrees Celsius] in any order; those that are no
-    /// number are passed over.
+    /// Temperatures from pairs of place [m] and temperature [degrees Celsius] in any order; pairs
+    /// that are not finite are ignored.
     pub fn new(points: impl IntoIterator<Item = [f64; 2]>) -> IceAlong {
         let known = |point: &[f64; 2]| point.iter().all(|x| x.is_finite());
         let mut points: Vec<[f64; 2]> = points.into_iter().filter(known).collect();
@@ -191,8 +194,8 @@ impl IceAlong {
         &self.points
     }
 
-    /// The temperature at a place [m]: on a straight line between the nearest, level outside the
-    /// ends; none without any.
+    /// The temperature at a place [m]: linear between the nearest places, constant outside the
+    /// ends; `None` without any.
     pub fn at(&self, s_m: f64) -> Option<f64> {
         let after = self.points.partition_point(|point| point[0] <= s_m);
         let Some(&[b, warm]) = self.points.get(after) else {
@@ -205,7 +208,7 @@ impl IceAlong {
     }
 }
 
-/// A track made smooth: natural cubic splines through the table.
+/// A smooth track: natural cubic splines through the table.
 #[derive(Clone, Debug)]
 pub struct TrackShape {
     /// Name of the track.

@@ -1,4 +1,4 @@
-//! The film's equation integrated along the strip, with steps as short as the accuracy requires.
+//! Integration of the film equation along the strip, with adaptive steps.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -8,14 +8,13 @@ use crate::friction::film::properties::{
     steel_transfer,
 };
 
-/// Most steps of one integration.
-const MOST_STEPS: usize = 20_000;
+/// Largest number of steps of one integration.
+const MAX_STEPS: usize = 20_000;
 
-/// Times that the steps are graded anew, each ten times as exactly.
+/// Largest number of step selections; each tightens the tolerance by a factor of ten.
 const ROUNDS: usize = 6;
 
-/// The melt film along `strip`: what melts, what freezes, what is squeezed out, and the drag of
-/// what stays.
+/// The melt film along `strip`: melting, freezing, squeeze-out and drag.
 ///
 /// With `xi` from the leading edge, thickness `h`, and the melting point of the pressure as the
 /// film's temperature:
@@ -27,22 +26,21 @@ const ROUNDS: usize = 6;
 /// F_v = integral tau w dxi                                           drag
 /// ```
 ///
-/// [`BoundaryContact`] states the second term of the shear; both kinds of friction melt, so that
-/// the one thickens the film for the other. [`HeatIntoIce`](crate::friction::film::HeatIntoIce)
-/// states `q_i`. The last term is the squeeze film of a long strip, whose mean pressure is p (O.
-/// Reynolds, Phil. Trans. R. Soc. 177 (1886)). The film starts at 0 as the root of `xi`.
-/// It never ends: where the walls take more heat than friction gives
-/// (`melt_rate` negative) it freezes and thins until `tau V` is as much, so that thickness goes to
-/// nanometres and below for a slow runner on cold ice, but not to 0. The model then states
-/// the heat that the ice can take, not that there is a film: [`Film::thinnest`] is to be compared
-/// with roughness and the size of a molecule.
+/// [`BoundaryContact`] states the second term of the shear; heat of both kinds of friction melts
+/// ice and thickens the film. [`HeatIntoIce`](crate::friction::film::HeatIntoIce) states `q_i`. The
+/// last term is the squeeze film of a long strip with the mean pressure p (O. Reynolds, Phil.
+/// Trans. R. Soc. 177 (1886)). The thickness starts at 0 in proportion to `sqrt(xi)`. It never
+/// returns to 0: where the walls take more heat than friction gives (`melt_rate` negative), the
+/// film freezes and thins until `tau V` balances the heat. The thickness of a slow runner on cold
+/// ice falls to nanometres and below. The model then states the heat that the ice can take, not
+/// that there is a film: compare [`Film::thinnest`] with the roughness and the size of a molecule.
 ///
-/// Integrated by Radau IIA of order 5, from station to station of the strip; every total comes with
-/// the change that halving all steps makes.
+/// The equation is integrated by Radau IIA of order 5 from station to station of the strip. The
+/// error of every total is its change when all steps are halved.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for conditions, properties or options that are; [`Error::NotConverged`]
-/// where the accuracy is not reached.
+/// [`Error::OutOfRange`] for conditions, properties or options out of range;
+/// [`Error::NotConverged`] if the accuracy is not reached.
 ///
 /// ```
 /// use kufe_sled::friction::film::{FilmConditions, FilmOptions, Properties, Strip, film};
@@ -70,8 +68,8 @@ pub fn film(
     Ok(film)
 }
 
-/// As [`film`], with the water squeezed out as by the pressure `outflow` [Pa] at each station in
-/// place of the strip's own: for patches that are not much longer than wide.
+/// As [`film`], with squeeze-out by the pressures `outflow` [Pa] at the stations in place of the
+/// strip's pressures: for patches that are not much longer than wide.
 ///
 /// # Errors
 /// As [`film`].
@@ -89,10 +87,10 @@ pub fn film_with_outflow(
     let mut tolerance = 0.1 * options.accuracy;
     let mut reached = f64::INFINITY;
     for _ in 0..ROUNDS {
-        let (steps, fine) = grade(track, tolerance)?;
+        let (steps, fine) = select_steps(track, tolerance)?;
         let coarse = sweep(track, &steps)?;
         let errors = fine.totals.difference(&coarse.totals);
-        reached = errors.largest_share(&fine.totals, track.heats());
+        reached = errors.max_relative(&fine.totals, track.heats());
         if reached <= options.accuracy {
             let ends = fine.ends.iter().zip(&coarse.ends).enumerate();
             let station = |(k, (h, other)): (usize, (&f64, &f64))| {
@@ -124,15 +122,15 @@ struct Step {
 }
 
 impl Step {
-    /// The thickness behind the step, and what it adds to the totals.
+    /// The thickness at the end of the step, and the integrals of the totals over the step.
     fn take(&self, track: &Track<'_>, before: f64) -> Option<(f64, FilmTotals)> {
         let at = nodes().map(|node| self.from + node * self.length);
         let rates = at.map(|s| track.rate(self.segment, s));
         let h = step(before, self.length, &rates)?;
         let mut added = FilmTotals::default();
         for (i, weight) in weights().into_iter().enumerate() {
-            let here = track.totals_rate(self.segment, at[i], h[i]);
-            added = added.combined(&here, |sum, value| sum + weight * self.length * value);
+            let rate = track.totals_rate(self.segment, at[i], h[i]);
+            added = added.combined(&rate, |sum, value| sum + weight * self.length * value);
         }
         Some((h[2], added))
     }
@@ -151,24 +149,24 @@ impl Step {
     }
 }
 
-/// Steps whose halving changes neither the thickness nor any total so far by more than `tolerance`,
-/// each step by itself; with the film on the halved steps.
+/// Selects steps such that halving any one changes neither the thickness nor any total by more than
+/// `tolerance`, relative to the totals so far. Returns the steps, and the film on the halved steps.
 ///
-/// Every total counts: heat into the ice has a root's singularity behind each station where the
-/// pressure's slope changes, and melting and freezing a kink where one goes over into the other,
-/// which do not affect thickness and drag.
-fn grade(track: &Track<'_>, tolerance: f64) -> Result<(Vec<Step>, Sweep), Error> {
+/// All totals are controlled, since some singularities do not show in thickness and drag: heat into
+/// the ice has a square-root singularity behind each station where the slope of the pressure
+/// changes, and melting and freezing have a kink where one turns into the other.
+fn select_steps(track: &Track<'_>, tolerance: f64) -> Result<(Vec<Step>, Sweep), Error> {
     let last = track.segment(track.segments() - 1)[1];
     let shortest = 1e-13 * last;
     let mut steps = Vec::new();
-    let (mut h, mut wished) = (0.0, last);
+    let (mut h, mut proposed) = (0.0, last);
     let mut sweep = Sweep::default();
     for segment in 0..track.segments() {
         let [mut from, to] = track.segment(segment);
         while from < to {
             let rest = to - from;
-            let whole = wished >= 0.999 * rest;
-            let part = wished.min(0.5 * rest).max(shortest);
+            let whole = proposed >= 0.999 * rest;
+            let part = proposed.min(0.5 * rest).max(shortest);
             let step = Step {
                 segment,
                 from,
@@ -180,11 +178,14 @@ fn grade(track: &Track<'_>, tolerance: f64) -> Result<(Vec<Step>, Sweep), Error>
             if let (Some(one), Some(two)) = (step.take(track, h), &halved) {
                 let so_far = sweep.totals.plus(&two.1);
                 let changed = one.1.difference(&two.1);
-                let of_thickness = (one.0 - two.0).abs() / two.0;
-                error = larger(changed.largest_share(&so_far, track.heats()), of_thickness);
+                let thickness_error = (one.0 - two.0).abs() / two.0;
+                error = larger(
+                    changed.max_relative(&so_far, track.heats()),
+                    thickness_error,
+                );
             }
-            let grown = 0.9 * (tolerance / error.max(1e-300)).powf(1.0 / 6.0);
-            wished = length * grown.clamp(0.2, 5.0);
+            let factor = 0.9 * (tolerance / error.max(1e-300)).powf(1.0 / 6.0);
+            proposed = length * factor.clamp(0.2, 5.0);
             let short = length <= shortest;
             match halved.filter(|_| error <= tolerance || short) {
                 Some((next, added)) => {
@@ -193,12 +194,12 @@ fn grade(track: &Track<'_>, tolerance: f64) -> Result<(Vec<Step>, Sweep), Error>
                     from = if whole { to } else { from + length };
                     steps.push(step);
                 }
-                None if short || !wished.is_finite() => {
+                None if short || !proposed.is_finite() => {
                     return Err(stopped(steps.len(), error, tolerance));
                 }
                 None => {}
             }
-            if steps.len() > MOST_STEPS {
+            if steps.len() > MAX_STEPS {
                 return Err(stopped(steps.len(), error, tolerance));
             }
         }
@@ -239,9 +240,9 @@ fn stopped(iterations: usize, residual: f64, tolerance: f64) -> Error {
     }
 }
 
-/// Share of the largest width below which squeeze-out no longer grows as the strip narrows to a
-/// point.
-const NARROWEST: f64 = 1e-3;
+/// Ratio of the width to the largest width below which squeeze-out no longer grows, where the strip
+/// narrows to a point.
+const MIN_WIDTH_RATIO: f64 = 1e-3;
 
 /// The film's equation along a strip.
 ///
@@ -253,8 +254,7 @@ const NARROWEST: f64 = 1e-3;
 /// ```
 struct Track<'a> {
     strip: &'a Strip,
-    /// At the stations, the pressure that a long strip would have to have for the squeeze-out that
-    /// there is [Pa].
+    /// Pressure of a long strip with the same squeeze-out, at each station [Pa].
     outflow_pressure: Vec<f64>,
     width_squared: Vec<f64>,
     narrowest_squared: f64,
@@ -278,7 +278,7 @@ impl<'a> Track<'a> {
             strip,
             outflow_pressure,
             width_squared: strip.width().iter().map(|w| w * w).collect(),
-            narrowest_squared: (NARROWEST * strip.largest_width()).powi(2),
+            narrowest_squared: (MIN_WIDTH_RATIO * strip.largest_width()).powi(2),
             heat_into_ice: HeatIntoIce::new(strip, conditions, properties),
             steel_transfer: steel_transfer(conditions, properties),
             steel_c: conditions.steel_c,
@@ -292,7 +292,7 @@ impl<'a> Track<'a> {
         }
     }
 
-    /// Heat that melts a kilogram of ice [J/kg], and that makes a cubic metre of water [J/m3].
+    /// Heat of melting per kilogram of ice [J/kg], and per cubic metre of water [J/m3].
     fn heats(&self) -> [f64; 2] {
         [self.properties.latent_heat, self.properties.heat_of_water()]
     }
@@ -315,7 +315,7 @@ impl<'a> Track<'a> {
         between(self.strip.xi(), &self.width_squared, k, xi).max(0.0)
     }
 
-    /// Squeeze-out over `h^3` [1/(m2 s)].
+    /// Ratio of the squeeze-out to `h^3` [1/(m2 s)].
     fn squeeze(&self, k: usize, xi: f64) -> f64 {
         let p = between(self.strip.xi(), &self.outflow_pressure, k, xi);
         p / (self.viscosity * self.width_squared(k, xi).max(self.narrowest_squared))
@@ -340,8 +340,8 @@ impl<'a> Track<'a> {
         }
     }
 
-    /// What one metre of `s` adds to the totals, where the film is `h` thick; `mean_thickness` is
-    /// the volume.
+    /// Derivatives of the totals with respect to `s` for the thickness `h`; `mean_thickness` is the
+    /// volume here.
     fn totals_rate(&self, k: usize, s: f64, h: f64) -> FilmTotals {
         let xi = s * s;
         let width = self.width_squared(k, xi).sqrt();
@@ -370,7 +370,7 @@ impl<'a> Track<'a> {
         }
     }
 
-    /// The film at station `k`, not the first, where it is `h` thick.
+    /// The film of thickness `h` at station `k`, which is not the first.
     fn station(&self, k: usize, h: f64, thickness_error: f64) -> FilmStation {
         let (xi, pressure) = (self.strip.xi()[k], self.strip.pressure()[k]);
         let heat_into_ice = self.heat_into_ice.scaled(xi) / xi.sqrt();
@@ -397,15 +397,15 @@ impl<'a> Track<'a> {
 /// The film's equation at one place: `dh/ds = alpha/h - beta - gamma h^3 + delta phi(h/sigma)`.
 #[derive(Clone, Copy, Debug)]
 struct Rate {
-    /// Friction heat that melts.
+    /// Viscous heat.
     alpha: f64,
-    /// Heat that is lost.
+    /// Heat into the walls.
     beta: f64,
     /// Squeeze-out.
     gamma: f64,
     /// Heat of boundary friction.
     delta: f64,
-    /// Where steel and ice touch.
+    /// Asperities that touch through the film.
     boundary: BoundaryContact,
 }
 
@@ -420,8 +420,8 @@ impl Rate {
         film + self.delta * self.boundary.share_slope(h)
     }
 
-    /// Root of one implicit Euler step, by bisection to a few per cent: where Newton's method may
-    /// start.
+    /// Root of one implicit Euler step, by bisection to a few per cent: a start for Newton's
+    /// method.
     fn implicit_euler(&self, before: f64, step: f64) -> f64 {
         let mut low = 0.0;
         let mut high =
@@ -438,13 +438,13 @@ impl Rate {
     }
 }
 
-/// The places of the stages in the step, the last at its end.
+/// Abscissas of the stages; the last is the end of the step.
 fn nodes() -> [f64; 3] {
     let root = 6.0_f64.sqrt();
     [(4.0 - root) / 10.0, (4.0 + root) / 10.0, 1.0]
 }
 
-/// Weights of the stages in an integral over the step, exact for polynomials to the fourth degree.
+/// Weights of the stages in an integral over the step, exact for polynomials of degree 4.
 fn weights() -> [f64; 3] {
     let root = 6.0_f64.sqrt();
     [(16.0 - root) / 36.0, (16.0 + root) / 36.0, 1.0 / 9.0]
@@ -463,13 +463,13 @@ fn stages() -> Matrix3<f64> {
     Matrix3::from_row_slice(rows.as_flattened())
 }
 
-/// The three stages of one step of Radau IIA of order 5 from the thickness `before`, the last its
-/// end; `None` without convergence.
+/// Thickness at the three stages of one step of Radau IIA of order 5 from the thickness `before`;
+/// the last stage is the end of the step. `None` without convergence.
 ///
-/// The method is stable for any stiffness and never needs the rate at the beginning of the step,
-/// where the film's is without bound at the leading edge; a thickness that grows linearly in `s` it
-/// meets exactly. Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd
-/// ed., Springer 1996, section IV.5.
+/// The method is stable for any stiffness and does not need the rate at the beginning of the step,
+/// which is unbounded at the leading edge. It is exact for a thickness that grows linearly in `s`.
+/// Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., Springer
+/// 1996, section IV.5.
 fn step(before: f64, step: f64, rates: &[Rate; 3]) -> Option<[f64; 3]> {
     let (nodes, stages) = (nodes(), stages());
     let mut h = Vector3::from_fn(|i, _| rates[i].implicit_euler(before, nodes[i] * step));
@@ -510,9 +510,9 @@ pub struct FilmStation {
     pub thickness_error: f64,
     /// Temperature of film and ice surface: the melting point under the pressure [C].
     pub temperature: f64,
-    /// Ice that melts, as the depth that it loses, negative where the film freezes [m/s].
+    /// Melting rate as a velocity of the ice surface, negative where the film freezes [m/s].
     pub melt_rate: f64,
-    /// Shear stress on the ice, of the film and where steel and ice touch [Pa].
+    /// Shear stress on the ice, of the film and of touching asperities [Pa].
     pub shear: f64,
     /// Share of the area where steel and ice touch.
     pub boundary_share: f64,
@@ -522,7 +522,7 @@ pub struct FilmStation {
     pub heat_into_steel: f64,
 }
 
-/// The film summed over the strip.
+/// Integrals and means of the film over the strip.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilmTotals {
     /// Load that the strip carries [N].
@@ -533,23 +533,23 @@ pub struct FilmTotals {
     pub viscous_drag: f64,
     /// Drag where steel and ice touch [N].
     pub boundary_drag: f64,
-    /// Both drags over load, dimensionless.
+    /// Ratio of both drags to the load, dimensionless.
     pub friction: f64,
-    /// Drag of the sheared film over load, dimensionless.
+    /// Ratio of the drag of the sheared film to the load, dimensionless.
     pub viscous_friction: f64,
-    /// Drag where steel and ice touch over load, dimensionless.
+    /// Ratio of the drag where steel and ice touch to the load, dimensionless.
     pub boundary_friction: f64,
     /// Share of the area where steel and ice touch.
     pub boundary_share: f64,
-    /// Power that friction takes: both drags times speed [W].
+    /// Power of friction: both drags times speed [W].
     pub dissipated: f64,
-    /// Power that goes into the ice [W].
+    /// Heat flow into the ice [W].
     pub into_ice: f64,
-    /// Power that goes into the steel [W].
+    /// Heat flow into the steel [W].
     pub into_steel: f64,
-    /// Ice that melts, where it does [kg/s].
+    /// Rate of melting, summed where ice melts [kg/s].
     pub melted: f64,
-    /// Water that freezes again, where it does [kg/s].
+    /// Rate of freezing, summed where water freezes [kg/s].
     pub refrozen: f64,
     /// Water that is squeezed out sideways [m3/s].
     pub squeezed_out: f64,
@@ -560,7 +560,7 @@ pub struct FilmTotals {
 }
 
 impl FilmTotals {
-    /// Divides what is summed by load and area, and adds the thickest of the stations.
+    /// Makes ratios and means of the integrals, and sets the largest thickness at a station.
     fn average(&mut self, stations: &[f64]) {
         self.max_thickness = stations.iter().copied().fold(0.0, f64::max);
         self.viscous_friction = self.viscous_drag / self.load;
@@ -570,7 +570,7 @@ impl FilmTotals {
         self.boundary_share /= self.area;
     }
 
-    /// Field by field.
+    /// Applies `f` field by field.
     fn combined(&self, other: &Self, f: impl Fn(f64, f64) -> f64) -> Self {
         FilmTotals {
             load: f(self.load, other.load),
@@ -601,32 +601,32 @@ impl FilmTotals {
         self.combined(other, |a, b| (a - b).abs())
     }
 
-    /// The largest of these errors of `value`, relative to it; that of the boundary drag, which may
-    /// be next to nothing, relative to both drags; those of heat and water, which may be small
-    /// differences, relative to the power that is dissipated and to what it would melt, by the
-    /// heats of ice [J/kg] and of water [J/m3].
-    fn largest_share(&self, value: &Self, [heat_of_ice, heat_of_water]: [f64; 2]) -> f64 {
+    /// The largest of these errors relative to `value`. The error of the boundary drag, which may
+    /// be almost 0, is relative to both drags. Errors of heat and water, which may be small
+    /// differences, are relative to the dissipated power and to the ice and water that it would
+    /// melt, by the heats of melting per mass of ice [J/kg] and per volume of water [J/m3].
+    fn max_relative(&self, value: &Self, [heat_of_ice, heat_of_water]: [f64; 2]) -> f64 {
         let power = value.dissipated;
-        // Ahead of the first pressure no load is carried, without an error.
-        let over = |error: f64, value: f64| if error == 0.0 { 0.0 } else { error / value };
+        // Before the first pressure the load and its error are 0.
+        let relative = |error: f64, value: f64| if error == 0.0 { 0.0 } else { error / value };
         [
-            over(self.load, value.load),
-            over(self.area, value.area),
-            over(self.viscous_drag, value.viscous_drag),
-            over(self.boundary_drag, value.viscous_drag + value.boundary_drag),
-            over(self.mean_thickness, value.mean_thickness),
-            over(self.into_ice, power),
-            over(self.into_steel, power),
-            over(self.melted * heat_of_ice, power),
-            over(self.refrozen * heat_of_ice, power),
-            over(self.squeezed_out * heat_of_water, power),
+            relative(self.load, value.load),
+            relative(self.area, value.area),
+            relative(self.viscous_drag, value.viscous_drag),
+            relative(self.boundary_drag, value.viscous_drag + value.boundary_drag),
+            relative(self.mean_thickness, value.mean_thickness),
+            relative(self.into_ice, power),
+            relative(self.into_steel, power),
+            relative(self.melted * heat_of_ice, power),
+            relative(self.refrozen * heat_of_ice, power),
+            relative(self.squeezed_out * heat_of_water, power),
         ]
         .into_iter()
         .fold(0.0, larger)
     }
 }
 
-/// The larger of two errors; what is no number is larger than any.
+/// The larger of two errors; infinity if `error` is NaN.
 fn larger(largest: f64, error: f64) -> f64 {
     if error.is_nan() {
         f64::INFINITY
@@ -638,22 +638,22 @@ fn larger(largest: f64, error: f64) -> f64 {
 /// The melt film along a strip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
-    /// The film by stations of the strip, without the leading edge, where thickness is 0 and shear
-    /// without bound.
+    /// The film at the stations of the strip, without the leading edge, where the thickness is 0
+    /// and the shear unbounded.
     pub stations: Vec<FilmStation>,
-    /// What it adds up to.
+    /// Integrals and means over the strip.
     pub totals: FilmTotals,
     /// Discretisation error of each total: its change when every step of the integration is halved.
     pub errors: FilmTotals,
-    /// Change of each total on every second station of the strip, `None` below four: how far the
-    /// stations resolve the patch.
+    /// Change of each total with every second station of the strip only; `None` below four
+    /// stations. It shows how well the stations resolve the patch.
     pub sampling: Option<FilmTotals>,
     /// Steps of the integration.
     pub steps: usize,
 }
 
 impl Film {
-    /// The station with the thinnest film: what roughness has to be compared with.
+    /// The station with the thinnest film, to be compared with the roughness.
     pub fn thinnest(&self) -> Option<&FilmStation> {
         let stations = self.stations.iter();
         stations.min_by(|a, b| a.thickness.total_cmp(&b.thickness))
@@ -677,6 +677,6 @@ mod tests {
             mean_thickness: 0.1,
             ..FilmTotals::default()
         };
-        assert_eq!(errors.largest_share(&value, [1.0; 2]), f64::INFINITY);
+        assert_eq!(errors.max_relative(&value, [1.0; 2]), f64::INFINITY);
     }
 }

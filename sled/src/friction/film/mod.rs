@@ -3,14 +3,14 @@
 //!
 //! | item | purpose |
 //! |---|---|
-//! | [`Strip`], [`FilmConditions`], [`BoundaryContact`], [`Properties`] | what the film is under, and of |
+//! | [`Strip`], [`FilmConditions`], [`BoundaryContact`], [`Properties`] | input: contact, sliding conditions, mixed lubrication, materials |
 //! | [`film`] | thickness, melt rate, shear, heat and drag along the strip |
-//! | [`Patch`] | the film's friction on a contact of known length and width |
-//! | [`IceHardness`] | the pressure that the ice bears |
+//! | [`Patch`] | coefficient of friction of a contact of known length and width |
+//! | [`IceHardness`] | indentation hardness of ice |
 //!
 //! ```
 //! use kufe_sled::friction::film::{FilmConditions, FilmOptions, Properties, Strip, film};
-//! let strip = Strip::uniform(0.06, 1.0e-3, 17.7e6)?; // 60 mm long, 1 mm wide, ice that yields at 17.7 MPa
+//! let strip = Strip::uniform(0.06, 1.0e-3, 17.7e6)?; // 60 mm long, 1 mm wide, ice of hardness 17.7 MPa
 //! let conditions = FilmConditions::new(30.0, -5.0);
 //! let film = film(&strip, &conditions, &Properties::WATER_AND_ICE, &FilmOptions::default())?;
 //! assert!((3e-3..6e-3).contains(&film.totals.friction));

@@ -1,4 +1,4 @@
-//! Friction of a slider of which the length and the width of the contact are known.
+//! Friction of a slider with a contact of known length and width.
 
 use crate::error::Error;
 use crate::friction::film::march::film;
@@ -6,7 +6,7 @@ use crate::friction::film::properties::{
     BoundaryContact, FilmConditions, FilmOptions, Properties, Strip,
 };
 
-/// The contact of a slider, taken for a rectangle under one pressure.
+/// The contact of a slider, approximated by a rectangle under uniform pressure.
 ///
 /// ```
 /// use kufe_sled::friction::film::Patch;
@@ -27,7 +27,7 @@ pub struct Patch {
 }
 
 impl Patch {
-    /// A contact of which nothing is known.
+    /// A contact with unknown sizes (NaN).
     pub const UNKNOWN: Patch = Patch {
         length: f64::NAN,
         width: f64::NAN,
@@ -35,8 +35,8 @@ impl Patch {
     };
 
     /// Coefficient of friction of the [`film`] under the normal force `fz` [N], at the speed `v`
-    /// [m/s], on ice of `ice_c` [C], where asperities touch with the shear stress `boundary_shear`
-    /// [Pa].
+    /// [m/s], on ice of the temperature `ice_c` [C]. Touching asperities have the shear stress
+    /// `boundary_shear` [Pa].
     ///
     /// ```text
     /// p = F_z/(length width)

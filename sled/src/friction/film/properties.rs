@@ -1,5 +1,5 @@
-//! What a melt film is under and of: the strip of pressure, sliding conditions, water and ice,
-//! hardness, heat into the ice.
+//! Input of the film equation: the strip of pressure, sliding conditions, water and ice, hardness,
+//! heat into the ice.
 
 use std::f64::consts::{FRAC_2_SQRT_PI, PI, SQRT_2};
 
@@ -9,8 +9,8 @@ use crate::error::{Error, in_range};
 
 /// Material constants of the film and of its two walls, all at 0 C.
 ///
-/// They do not follow the temperature: between 0 and -10 C the conductivity of ice rises by 5 %,
-/// its heat capacity falls by 4 %, and the viscosity of water below 0 C rises by 4 % a kelvin.
+/// They are independent of temperature. Between 0 and -10 C the conductivity of ice rises by 5 %,
+/// its heat capacity falls by 4 %, and the viscosity of water below 0 C rises by 4 % per kelvin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Properties {
     /// Dynamic viscosity of water [Pa s].
@@ -40,7 +40,7 @@ impl Properties {
     /// |---|---|
     /// | viscosity 1.79e-3 Pa s, density 999.8 kg/m3 of water | CRC Handbook of Chemistry and Physics, properties of water and steam |
     /// | density 917 kg/m3, latent heat 3.34e5 J/kg, melting slope -7.4e-8 K/Pa | V.F. Petrenko, R.W. Whitworth, Physics of Ice, Oxford 1999 |
-    /// | conductivity 2.2 W/(m K), heat capacity 2050 J/(kg K) of ice | the same, rounded to what 0 to -5 C have in common |
+    /// | conductivity 2.2 W/(m K), heat capacity 2050 J/(kg K) of ice | Petrenko and Whitworth, rounded to the digits common to 0 and -5 C |
     /// | conductivity 45 W/(m K), volumetric heat 3.6e6 J/(m3 K) of steel | CRC Handbook, plain carbon steel |
     pub const WATER_AND_ICE: Properties = Properties {
         water_viscosity: 1.79e-3,
@@ -54,7 +54,7 @@ impl Properties {
         steel_volumetric_heat: 3.6e6,
     };
 
-    /// Melting point of ice at the pressure `p` [Pa] over the atmosphere's [C].
+    /// Melting point of ice [C] at the pressure `p` [Pa] above atmospheric.
     ///
     /// `T_m = p dT_m/dp`: linear, 0.4 K too warm at 50 MPa.
     pub fn melting_temperature(&self, p: f64) -> f64 {
@@ -66,7 +66,7 @@ impl Properties {
         self.ice_conductivity / (self.ice_density * self.ice_heat_capacity)
     }
 
-    /// Heat that melts one cubic metre of water out of ice at its melting point [J/m3 of water].
+    /// Heat of melting per volume of water [J/m3].
     pub fn heat_of_water(&self) -> f64 {
         self.water_density * self.latent_heat
     }
@@ -103,15 +103,15 @@ impl Properties {
 pub struct FilmConditions {
     /// Sliding speed [m/s].
     pub v: f64,
-    /// Temperature of the ice before the runner comes [C].
+    /// Temperature of the ice ahead of the runner [C].
     pub ice_c: f64,
     /// Temperature of the runner's steel before it slid [C].
     pub steel_c: f64,
-    /// Time for which the runner has been sliding, in which heat went into its steel [s].
+    /// Time of sliding, during which heat went into the steel [s].
     pub sliding_time: f64,
-    /// Factor on the viscosity of water: what a slurry of ice and water would have more.
+    /// Factor on the viscosity of water, e.g. above 1 for a slurry of ice and water.
     pub viscosity_factor: f64,
-    /// Where steel and ice touch through the film.
+    /// Roughness and shear stress of asperities that touch through the film.
     pub boundary: BoundaryContact,
 }
 
@@ -158,16 +158,16 @@ impl FilmConditions {
 
 /// Asperities of steel and ice that touch through the film: mixed lubrication.
 ///
-/// The heights of both surfaces together are Gaussian with the standard deviation `sigma`. Where
-/// the film is `h` thick, those that are higher touch, and each bears the same shear stress:
+/// The heights of both surfaces together are Gaussian with the standard deviation `sigma`.
+/// Asperities higher than the film thickness `h` touch, with the same shear stress everywhere:
 ///
 /// ```text
 /// tau = mu V/h + tau_b phi(h/sigma),    phi(z) = erfc(z/sqrt 2)
 /// ```
 ///
 /// `phi` counts both tails, so that it is 1 where there is no film. Source of mixed lubrication: N.
-/// Patir, H.S. Cheng, J. Lubr. Technol. 100 (1978) 12-17; of the share of a Gaussian surface: J.A.
-/// Greenwood, J.B.P. Williamson, Proc. R. Soc. A 295 (1966) 300-319.
+/// Patir, H.S. Cheng, J. Lubr. Technol. 100 (1978) 12-17. Source of the share of a Gaussian
+/// surface: J.A. Greenwood, J.B.P. Williamson, Proc. R. Soc. A 295 (1966) 300-319.
 ///
 /// ```
 /// use kufe_sled::friction::film::BoundaryContact;
@@ -191,7 +191,7 @@ impl BoundaryContact {
         shear: 0.0,
     };
 
-    /// Share of the area that touches through a film `h` [m] thick; 0 of surfaces without
+    /// Share of the area that touches through a film of thickness `h` [m]; 0 for surfaces without
     /// roughness.
     pub fn share(&self, h: f64) -> f64 {
         let rough = self.roughness > 0.0;
@@ -202,7 +202,7 @@ impl BoundaryContact {
         }
     }
 
-    /// Derivative of [`share`](Self::share) by the thickness [1/m].
+    /// Derivative of [`share`](Self::share) with respect to the thickness [1/m].
     pub(crate) fn share_slope(&self, h: f64) -> f64 {
         if self.roughness > 0.0 {
             let z = h / (SQRT_2 * self.roughness);
@@ -213,14 +213,13 @@ impl BoundaryContact {
     }
 }
 
-/// How exactly the film's equation is integrated.
+/// Accuracy of the integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmOptions {
-    /// Discretisation error required of every total, 1e-10 to 0.1: relative to its value, that of
-    /// heat and water, which may be small differences, to the power that is dissipated and the
-    /// water that it would melt. Down to 1e-8 it is reached on any patch that was tried (thousands,
-    /// of pressures in steps among them); where it is not, [`Error::NotConverged`] states how far it
-    /// came.
+    /// Largest relative discretisation error of every total, 1e-10 to 0.1. Errors of heat and
+    /// water, which may be small differences, are relative to the dissipated power and to the water
+    /// that it would melt. 1e-8 is reached on every patch that was tried (thousands, some with
+    /// steps in the pressure); if not, [`Error::NotConverged`] states the error that was reached.
     pub accuracy: f64,
 }
 
@@ -241,11 +240,11 @@ impl FilmOptions {
     }
 }
 
-/// A contact patch much longer than wide, by stations from its leading edge.
+/// A contact patch much longer than wide, given at stations from its leading edge.
 ///
-/// Between stations the pressure and the *square* of the width are linear: a round section that
-/// sinks in has `w^2 = 8 r D`, so that the square grows evenly with depth and the rounded ends of a
-/// patch are met with few stations.
+/// Between stations the pressure and the *square* of the width are linear. A round section of
+/// radius `r` at the depth `D` has `w^2 = 8 r D`, linear in depth, so that few stations resolve the
+/// rounded ends of a patch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Strip {
     xi: Vec<f64>,
@@ -254,26 +253,26 @@ pub struct Strip {
 }
 
 impl Strip {
-    /// A strip from stations `xi` [m], widths [m] and pressures averaged over the width [Pa], all
-    /// of one length.
+    /// A strip from stations `xi` [m], widths [m] and pressures averaged over the width [Pa], three
+    /// columns of equal length.
     ///
     /// # Errors
     /// [`Error::TooFew`] for fewer than two stations or columns of unequal length.
-    /// [`Error::OutOfRange`] where the stations do not start at 0 and ascend, a width is negative
-    /// or, between the ends, 0, a pressure is negative, no load is carried, or a number is not
-    /// finite.
+    /// [`Error::OutOfRange`] if the stations do not start at 0 and ascend, if a width is negative
+    /// or, between the ends, 0, if a pressure is negative, if no load is carried, or if a number is
+    /// not finite.
     pub fn new(xi: Vec<f64>, width: Vec<f64>, pressure: Vec<f64>) -> Result<Self, Error> {
         let n = xi.len();
         for (what, have, holds, needed) in [
             ("stations of a strip", n, n >= 2, 2),
             (
-                "widths of a strip, one a station",
+                "widths of a strip, one per station",
                 width.len(),
                 width.len() == n,
                 n,
             ),
             (
-                "pressures of a strip, one a station",
+                "pressures of a strip, one per station",
                 pressure.len(),
                 pressure.len() == n,
                 n,
@@ -306,7 +305,7 @@ impl Strip {
         Ok(strip)
     }
 
-    /// A rectangle of `length` [m] and `width` [m] under the `pressure` [Pa].
+    /// A rectangle of `length` [m] and `width` [m] under the uniform `pressure` [Pa].
     ///
     /// # Errors
     /// [`Error::OutOfRange`] as for [`Strip::new`].
@@ -339,14 +338,14 @@ impl Strip {
         self.width.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Length over largest width.
+    /// Ratio of the length to the largest width.
     pub fn aspect(&self) -> f64 {
         self.length() / self.largest_width()
     }
 
     /// The strip on every second station, and the last one; `None` below four stations.
     ///
-    /// What it answers differently shows how far the stations resolve width and pressure.
+    /// The change of a result on it shows how well the stations resolve width and pressure.
     pub fn every_second(&self) -> Option<Self> {
         let n = self.xi.len();
         if n < 4 {
@@ -362,7 +361,7 @@ impl Strip {
     }
 }
 
-/// Linear between the values at the ends of segment `k` of `xi`.
+/// Linear interpolation at `at` between the values at the ends of segment `k` of `xi`.
 pub(crate) fn between(xi: &[f64], values: &[f64], k: usize, at: f64) -> f64 {
     let share = (at - xi[k]) / (xi[k + 1] - xi[k]);
     values[k] + share * (values[k + 1] - values[k])
@@ -374,7 +373,7 @@ const GAS_CONSTANT: f64 = 8.314_462_618;
 /// 0 C [K].
 const ZERO_CELSIUS: f64 = 273.15;
 
-/// Temperature at which the activation energy of ice's creep changes [C].
+/// Temperature at which the activation energy of the creep of ice changes [C].
 const KNEE: f64 = -8.0;
 
 /// Activation energy above the knee, where water between the grains helps [J/mol].
@@ -383,13 +382,12 @@ const ENERGY_ABOVE: f64 = 120.0e3;
 /// Activation energy below the knee [J/mol].
 const ENERGY_BELOW: f64 = 78.0e3;
 
-/// Stress exponent of ice's creep.
+/// Stress exponent of the creep of ice.
 pub const HARDNESS_EXPONENT: f64 = 3.0;
 
-/// Indentation hardness of ice from one known point, by the law of its creep.
+/// Indentation hardness of ice, extrapolated from one known point by the creep law.
 ///
-/// Creep at the rate `A H^n exp(-Q/(R T))` that has to make an indentation within the contact time
-/// `t` gives
+/// An indentation by creep at the rate `A H^n exp(-Q/(R T))` within the contact time `t` gives
 ///
 /// ```text
 /// H(T, t) = H_0 (t/t_0)^(-1/n) exp( integral from T_0 to T of Q/(n R) d(1/T) ),   n = 3
@@ -397,7 +395,7 @@ pub const HARDNESS_EXPONENT: f64 = 3.0;
 /// ```
 ///
 /// The energies and the law: P. Barnes, D. Tabor, J.C.F. Walker, Proc. R. Soc. Lond. A 324 (1971)
-/// 127-155. Over -8 C the integral is taken piece by piece, so that the hardness is continuous. The
+/// 127-155. Across -8 C the integral is taken piecewise, so that the hardness is continuous. The
 /// bound is pressure melting, [`pressure_melting_bound`].
 ///
 /// ```
@@ -433,11 +431,11 @@ impl IceHardness {
         })
     }
 
-    /// Hardness at `temperature` [C] within `contact_time` [s], at most the pressure that melts the
-    /// ice [Pa].
+    /// Hardness [Pa] at `temperature` [C] within `contact_time` [s], at most the pressure that
+    /// melts the ice.
     ///
-    /// A runner of contact length `l` at the speed `V` leaves the ice `l/V`. 0 at 0 C, where ice
-    /// bears nothing without melting.
+    /// The contact time of a runner with contact length `l` at the speed `V` is `l/V`. The hardness
+    /// at 0 C is 0, since ice there melts under any pressure.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a time that is not positive, or a temperature outside -100 to 0 C.
@@ -455,10 +453,11 @@ impl IceHardness {
     }
 }
 
-/// Pressure that melts ice of this temperature [C], which no contact exceeds for long [Pa].
+/// Pressure [Pa] that melts ice of the temperature `temperature` [C]; no contact exceeds it for
+/// long.
 ///
-/// `p = T/(dT_m/dp)`: 13.5 MPa a kelvin below 0 C. Without bound where the melting point does not
-/// fall with pressure.
+/// `p = T/(dT_m/dp)`: 13.5 MPa per kelvin below 0 C. Infinite if the melting point does not fall
+/// with pressure.
 pub fn pressure_melting_bound(temperature: f64, properties: &Properties) -> f64 {
     if properties.melting_slope < 0.0 {
         (temperature.min(0.0) / properties.melting_slope).abs()
@@ -467,7 +466,7 @@ pub fn pressure_melting_bound(temperature: f64, properties: &Properties) -> f64 
     }
 }
 
-/// `Q/(n R T)`, with the jump at the knee taken out.
+/// `Q/(n R T)` relative to its value at the knee, so that it is continuous there.
 fn exponent(temperature: f64) -> f64 {
     let inverse = 1.0 / (temperature + ZERO_CELSIUS);
     let knee = 1.0 / (KNEE + ZERO_CELSIUS);
@@ -483,8 +482,8 @@ fn check(temperature: f64, contact_time: f64) -> Result<(), Error> {
     in_range("contact_time", contact_time, holds, "a positive number")
 }
 
-/// Heat into ice whose surface is at the melting point from the moment the runner's leading edge
-/// reaches it.
+/// Heat flux into ice with its surface at the melting point from the arrival of the runner's
+/// leading edge.
 ///
 /// Conduction in depth alone (the Peclet number of a bob runner is a million) into ice at `T_ice`,
 /// with `D = T_m(p(xi)) - T_ice`:
@@ -493,11 +492,12 @@ fn check(temperature: f64, contact_time: f64) -> Result<(), Error> {
 /// q_i(xi) = k_i sqrt(V/(pi kappa)) [ D(0)/sqrt(xi) + integral_0^xi D'(s)/sqrt(xi - s) ds ]
 /// ```
 ///
-/// Exact for the pressure of a [`Strip`], linear between its stations. Under an even pressure it is
-/// `k_i D/sqrt(pi kappa xi/V)`. Source: H.S. Carslaw, J.C. Jaeger, Conduction of Heat in Solids,
-/// 2nd ed., Oxford 1959, section 2.5 with Duhamel's theorem.
+/// The integral is exact for the pressure of a [`Strip`], linear between its stations. Under
+/// uniform pressure the flux is `k_i D/sqrt(pi kappa xi/V)`. Source: H.S. Carslaw, J.C. Jaeger,
+/// Conduction of Heat in Solids, 2nd ed., Oxford 1959, section 2.5 with Duhamel's theorem.
 ///
-/// Negative where the pressure has pushed the melting point under the temperature of the ice.
+/// The flux is negative where the pressure lowers the melting point below the temperature of the
+/// ice.
 #[derive(Clone, Debug)]
 pub struct HeatIntoIce {
     factor: f64,
@@ -527,7 +527,7 @@ impl HeatIntoIce {
         }
     }
 
-    /// `q_i sqrt(xi)` at `xi` [m], which stays finite at the leading edge [W/m^1.5].
+    /// `q_i sqrt(xi)` at `xi` [m], finite at the leading edge [W/m^1.5].
     pub fn scaled(&self, xi: f64) -> f64 {
         let mut sum = 0.0;
         for (slope, ends) in self.slopes.iter().zip(self.xi.windows(2)) {
@@ -540,11 +540,11 @@ impl HeatIntoIce {
     }
 }
 
-/// Heat transfer coefficient of steel as deep as heat goes in the sliding time [W/(m2 K)].
+/// Heat transfer coefficient of the steel, a half-space heated during the sliding time [W/(m2 K)].
 ///
-/// `q_s = sqrt(k_s rho_s c_s/(pi t)) (T_m - T_s)` with the time `t` for which the runner has slid:
-/// the film stays at the same place of the steel. Some 2 kW/(m2 K) after 10 s, against megawatts of
-/// friction. Source: as [`HeatIntoIce`].
+/// `q_s = sqrt(k_s rho_s c_s/(pi t)) (T_m - T_s)` with the time `t` of sliding, since the film
+/// stays at the same place of the steel. About 2 kW/(m2 K) after 10 s, while friction gives
+/// megawatts per m2. Source: as [`HeatIntoIce`].
 pub(crate) fn steel_transfer(conditions: &FilmConditions, properties: &Properties) -> f64 {
     let effusivity_squared = properties.steel_conductivity * properties.steel_volumetric_heat;
     (effusivity_squared / (PI * conditions.sliding_time)).sqrt()

@@ -1,10 +1,10 @@
 //! Fit of the magic formula to measured slip angles, loads and lateral forces.
 //!
-//! Ordinary least squares takes the slip angle for exact. It is not: noise in it flattens the
-//! fitted curve (attenuation) and no amount of data helps. The fit therefore starts from least
-//! squares (Levenberg-Marquardt) and goes on to the root of a corrected score that is unbiased for
-//! slip noise of a stated standard deviation. Intervals come from leaving out one cluster (run) at
-//! a time, so that correlation within a run does not make them too narrow.
+//! Ordinary least squares assumes an exact slip angle. Noise in the slip flattens the fitted curve
+//! (attenuation), however many data there are. The fit therefore starts from least squares
+//! (Levenberg-Marquardt) and goes on to the root of a corrected score that is unbiased for slip
+//! noise of a stated standard deviation. Confidence intervals come from a jackknife over clusters
+//! (runs), so that correlation within a run does not make them too narrow.
 
 use std::collections::BTreeMap;
 use std::ops::Add;
@@ -19,7 +19,7 @@ use crate::friction::estimate::student_quantile;
 use crate::friction::lateral::law::MagicFormula;
 use crate::friction::least_squares::minimize;
 
-/// The fitted law of one runner and what is known of its parameters, as `fit.json` states it.
+/// The fitted law of one runner with the confidence intervals of its parameters, as in `fit.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LateralFit {
     /// Peak factor over load, mu_y zeta_y; conditional on C where C is fixed.
@@ -32,7 +32,7 @@ pub struct LateralFit {
     pub k_n_per_rad: Interval,
     /// Product of `mu_zeta` and `c`, which saturation determines.
     pub mu_zeta_c: Interval,
-    /// Whether C is fixed at the model's, because the data do not determine it.
+    /// Whether C is fixed at the model's value because the data do not determine it.
     pub c_held: bool,
     /// Whether the data determine `mu_zeta_c`; if not, it is 0 or more and only K counts.
     pub mu_zeta_c_determined: bool,
@@ -40,18 +40,18 @@ pub struct LateralFit {
     pub rank: usize,
     /// Standard deviation of the noise in the slip angles [rad].
     pub slip_sd_rad: f64,
-    /// Share of the stiffness that plain least squares finds.
+    /// Ratio of the stiffness by plain least squares to the corrected stiffness.
     pub attenuation_of_plain_least_squares: f64,
-    /// The law by plain least squares, without correction for noise in the slip.
+    /// The law by plain least squares, without the correction for slip noise.
     pub plain_least_squares: MagicFormula,
     /// Root mean square residual [N].
     pub residual_rms_n: f64,
     /// Samples used.
     pub samples: usize,
-    /// Runs or stretches that are resampled as one.
+    /// Number of clusters (runs, or stretches of one run) of the jackknife.
     pub clusters: usize,
-    /// What the data determine, judged with all three parameters free, the best determined first;
-    /// not part of the document.
+    /// Principal parameter combinations of the fit with all three parameters free, the best
+    /// determined first; not part of the document.
     #[serde(skip)]
     pub combinations: [Combination; 3],
 }
@@ -68,7 +68,7 @@ impl LateralFit {
     }
 }
 
-/// An estimate with its confidence interval; an end that the data do not bound is absent.
+/// An estimate with its confidence interval; `None` for an end that the data do not bound.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Interval {
     /// Best value.
@@ -79,45 +79,46 @@ pub struct Interval {
     pub high: Option<f64>,
 }
 
-/// Probability that the intervals are to cover.
+/// Confidence level of the intervals.
 pub(crate) const CONFIDENCE: f64 = 0.95;
-/// Fewest samples a fit accepts.
-const FEWEST: usize = 20;
-/// Factor on the product above which the data lie on the straight part of the curve.
-const STRAIGHT: f64 = 1e4;
-/// Largest shift of the scaled slip into the complex plane; the nearest singularity is at 1.
-const LARGEST_SHIFT: f64 = 0.5;
+/// Smallest number of samples of a fit.
+const MIN_SAMPLES: usize = 20;
+/// Factor on mu_zeta C that makes the curve a straight line over the data.
+const STRAIGHT_LINE_FACTOR: f64 = 1e4;
+/// Largest imaginary part of the scaled slip x; the nearest singularity of the formula is at 1.
+const MAX_SHIFT: f64 = 0.5;
 
 /// Fits the magic formula with predefined E to one runner's samples.
 ///
-/// Where all samples are one cluster it is cut into twenty stretches in the order given.
+/// If all samples are in one cluster, it is cut into twenty stretches in the given order.
 ///
 /// # Errors
 /// [`Error::TooFew`], [`Error::OutOfRange`] for NaN or options out of range,
-/// [`Error::Undetermined`] where not even K is determined or slip noise exceeds the slip,
+/// [`Error::Undetermined`] if the data do not determine K or if slip noise exceeds the slip,
 /// [`Error::NotConverged`].
 pub fn fit_lateral(
     samples: &[LateralSample],
     options: &LateralFitOptions,
 ) -> Result<LateralFit, Error> {
-    check(samples, options)?;
+    check_input(samples, options)?;
     let mut used: Vec<LateralSample> = samples.iter().copied().filter(|s| s.fz > 0.0).collect();
-    need(used.len())?;
+    check_count(used.len())?;
     cut_single_cluster(&mut used);
     let start = first_guess(&used, options)?;
     let fixed = [true, true, false];
-    let mut rough = least_squares(&used, start, fixed)?;
+    let mut start_fit = least_squares(&used, start, fixed)?;
     if options.slip_sd > 0.0 {
-        let reach =
-            3f64.sqrt() * options.slip_sd * rough.k_n_per_rad / (rough.mu_zeta_c() * LARGEST_SHIFT);
-        let loaded: Vec<LateralSample> = used.iter().copied().filter(|s| s.fz > reach).collect();
+        // Below this load the imaginary part of the scaled slip exceeds its limit.
+        let min_load = 3f64.sqrt() * options.slip_sd * start_fit.k_n_per_rad
+            / (start_fit.mu_zeta_c() * MAX_SHIFT);
+        let loaded: Vec<LateralSample> = used.iter().copied().filter(|s| s.fz > min_load).collect();
         if loaded.len() < used.len() {
-            need(loaded.len())?;
+            check_count(loaded.len())?;
             used = loaded;
-            rough = least_squares(&used, rough, fixed)?;
+            start_fit = least_squares(&used, start_fit, fixed)?;
         }
     }
-    let (mut free, least_squares_model, combinations) = choose_freedom(&used, rough, options)?;
+    let (mut free, least_squares_model, combinations) = choose_freedom(&used, start_fit, options)?;
     let attempt = |start: &MagicFormula, free: [bool; 3]| {
         let theta = corrected_root(&used, start, free, options)?;
         let model = model_of(&theta, options.e);
@@ -125,17 +126,17 @@ pub fn fit_lateral(
         Ok::<_, Error>((theta, model, covariance))
     };
     let both = attempt(&least_squares_model, free);
-    let certain = |covariance: &Matrix3<f64>| covariance[(1, 1)].sqrt() < Combination::LIMIT;
+    let is_determined = |covariance: &Matrix3<f64>| covariance[(1, 1)].sqrt() < Combination::LIMIT;
     let product_determined = both
         .as_ref()
-        .is_ok_and(|(.., covariance)| certain(covariance));
-    // Where the best product is infinite the curve is a straight line, and K is fitted alone.
+        .is_ok_and(|(.., covariance)| is_determined(covariance));
+    // If the best product is infinite, the curve is a straight line, and only K is fitted.
     let (theta, model, covariance) = match both {
         Ok(both) => both,
         Err(Error::Undetermined { .. } | Error::NotConverged { .. }) => {
             free = [true, false, false];
             let straight = MagicFormula {
-                mu_zeta: STRAIGHT * least_squares_model.mu_zeta,
+                mu_zeta: STRAIGHT_LINE_FACTOR * least_squares_model.mu_zeta,
                 ..least_squares_model
             };
             attempt(&straight, free)?
@@ -178,10 +179,10 @@ pub fn fit_lateral(
     })
 }
 
-fn need(found: usize) -> Result<(), Error> {
+fn check_count(found: usize) -> Result<(), Error> {
     let what = "lateral fit: samples with enough load";
-    let error = || Error::too_few(what, found, FEWEST);
-    (found >= FEWEST).then_some(()).ok_or_else(error)
+    let error = || Error::too_few(what, found, MIN_SAMPLES);
+    (found >= MIN_SAMPLES).then_some(()).ok_or_else(error)
 }
 
 /// Sum of the squared residual forces [N2].
@@ -190,7 +191,7 @@ fn squares(samples: &[LateralSample], model: &MagicFormula) -> f64 {
     samples.iter().map(|s| residual(s).powi(2)).sum()
 }
 
-fn check(samples: &[LateralSample], options: &LateralFitOptions) -> Result<(), Error> {
+fn check_input(samples: &[LateralSample], options: &LateralFitOptions) -> Result<(), Error> {
     in_range("e", options.e, options.e <= 1.0, "at most 1")?;
     let c = options.c > 0.0 && options.c < 2.0;
     in_range("c", options.c, c, "above 0, below 2")?;
@@ -215,7 +216,8 @@ fn cut_single_cluster(samples: &mut [LateralSample]) {
     }
 }
 
-/// K from a straight line through the origin, the product from the largest friction used.
+/// Starting values: K from a straight line through the origin, mu_zeta C from the 90 % quantile of
+/// `|F_y / F_z|`.
 fn first_guess(
     samples: &[LateralSample],
     options: &LateralFitOptions,
@@ -245,15 +247,15 @@ fn first_guess(
     })
 }
 
-/// What is known before the fit.
+/// Fixed parameters and slip noise of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LateralFitOptions {
     /// Curvature factor E, predefined and not fitted.
     pub e: f64,
-    /// Shape factor C that is fixed where the data do not determine it.
+    /// Value at which the shape factor C is fixed if the data do not determine it.
     pub c: f64,
-    /// Standard deviation of the noise in the slip angles as given, after any filter [rad]; 0 where
-    /// they are exact.
+    /// Standard deviation of the noise in the given slip angles, after any filter [rad]; 0 for
+    /// exact slip angles.
     pub slip_sd: f64,
 }
 
@@ -267,11 +269,11 @@ impl Default for LateralFitOptions {
     }
 }
 
-// The least-squares score of the magic formula in logarithms, for real and for complex slip.
+// Least-squares score of the magic formula, for real and for complex slip.
 //
-// Parameters are `theta = (ln K, ln P, ln C)` with `P = mu_zeta C`: logarithms keep all three
-// positive, and the product P is what saturating data determine, whereas C apart from P hardly
-// changes the force while C is small.
+// The parameters are `theta = (ln K, ln P, ln C)` with `P = mu_zeta C`. The logarithms keep all
+// three positive. Saturating data determine the product P; at a given P, a small C hardly changes
+// the force.
 
 /// One sample of a runner's lateral force.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -282,17 +284,17 @@ pub struct LateralSample {
     pub fz: f64,
     /// Lateral force [N].
     pub fy: f64,
-    /// Number of the run, or of the stretch of a run, within which errors may be correlated.
+    /// Number of the cluster: a run, or a stretch of a run, within which errors may be correlated.
     pub cluster: u32,
 }
 
-/// The point `theta` of a model.
+/// Parameters `theta` of a model.
 fn theta_of(model: &MagicFormula) -> Vector3<f64> {
     let (k, product) = (model.k_n_per_rad.ln(), model.mu_zeta_c().ln());
     Vector3::new(k, product, model.c.ln())
 }
 
-/// The model at a point `theta`.
+/// The model with parameters `theta`.
 fn model_of(theta: &Vector3<f64>, e: f64) -> MagicFormula {
     MagicFormula {
         k_n_per_rad: theta[0].exp(),
@@ -302,7 +304,7 @@ fn model_of(theta: &Vector3<f64>, e: f64) -> MagicFormula {
     }
 }
 
-/// Force and its gradient by `theta`, all in newtons.
+/// Force and its gradient with respect to `theta`, all in newtons.
 ///
 /// ```text
 /// x = K alpha / (P F_z),   u = (1-E) x + E atan x,   f = (P F_z / C) sin(C atan u)
@@ -316,16 +318,16 @@ fn force_and_gradient<T: ComplexField<RealField = f64>>(
 ) -> (T, [T; 3]) {
     let one = T::one();
     let real = |value: f64| T::from_real(value);
-    let reach = model.mu_zeta * model.c * fz;
-    let x = alpha.clone() * real(model.k_n_per_rad / reach);
+    let product_n = model.mu_zeta * model.c * fz;
+    let x = alpha.clone() * real(model.k_n_per_rad / product_n);
     let u = x.clone() * real(1.0 - model.e) + x.clone().atan() * real(model.e);
     let angle = u.clone().atan();
     let (sine, cosine) = (angle.clone() * real(model.c)).sin_cos();
-    let f = sine * real(reach / model.c);
+    let f = sine * real(product_n / model.c);
     let du_dx = real(1.0 - model.e) + real(model.e) / (one.clone() + x.clone() * x);
     let by_k = alpha * real(model.k_n_per_rad) * cosine.clone() * du_dx / (one + u.clone() * u);
     let by_p = f.clone() - by_k.clone();
-    let by_c = angle * cosine * real(reach) - f.clone();
+    let by_c = angle * cosine * real(product_n) - f.clone();
     (f, [by_k, by_p, by_c])
 }
 
@@ -365,25 +367,26 @@ impl Score {
         if slip_sd > 0.0 {
             let shifted = Complex::new(sample.alpha, 3f64.sqrt() * slip_sd);
             let (f, g) = force_and_gradient(model, shifted, sample.fz);
-            let off = Complex::from(sample.fy) - f;
-            sum.score += Vector3::from_fn(|i, _| (off * g[i]).re / 3.0);
+            let residual = Complex::from(sample.fy) - f;
+            sum.score += Vector3::from_fn(|i, _| (residual * g[i]).re / 3.0);
             sum.slope += Matrix3::from_fn(|i, j| (g[i] * g[j]).re / 3.0);
         }
         sum
     }
 }
 
-/// A direction in `(ln K, ln(mu_zeta C), ln C)` and how well it is known.
+/// A direction in `(ln K, ln(mu_zeta C), ln C)` with its standard deviation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Combination {
-    /// Exponents of K, of the product mu_zeta C and of C apart from that product, of unit length.
+    /// Exponents of K, mu_zeta C and C, a unit vector.
     pub exponents: [f64; 3],
-    /// Standard deviation of the combination's logarithm, robust to correlation within clusters.
+    /// Standard deviation of the logarithm of the combination, robust to correlation within
+    /// clusters.
     pub relative_sd: f64,
 }
 
 impl Combination {
-    /// A combination known to worse than a factor of about 1.6 (95 %) is called not determined.
+    /// Largest `relative_sd` of a determined combination: a factor of about 1.6 at 95 %.
     pub const LIMIT: f64 = 0.25;
 
     /// Whether the data determine it.
@@ -425,8 +428,8 @@ fn least_squares(
         });
         DMatrix::from_row_iterator(samples.len(), free.len(), gradients)
     };
-    // Looser than rounding: along a direction that the data do not determine the last digits cost
-    // most of the time, and the corrected score takes the parameters further.
+    // Looser than rounding: the last digits along an undetermined direction would take most of the
+    // time, and the corrected score refines the parameters.
     let method = LevenbergMarquardt::new().with_ftol(1e-12).with_xtol(1e-10);
     let from = DVector::from_iterator(free.len(), free.iter().map(|&i| whole[i]));
     let (found, report) = minimize(method, from, residuals, jacobian);
@@ -442,7 +445,7 @@ fn least_squares(
     Ok(model)
 }
 
-/// Decides by the three-parameter fit whether C is free.
+/// Decides by the three-parameter fit whether C is a free parameter.
 fn choose_freedom(
     samples: &[LateralSample],
     fixed: MagicFormula,
@@ -464,23 +467,28 @@ fn choose_freedom(
             best = found;
         }
     }
-    let judged = judge(samples, &best, options.slip_sd);
-    if rank(&judged) == 3 {
-        return Ok(([true; 3], best, judged));
+    let combinations = combinations_of(samples, &best, options.slip_sd);
+    if rank(&combinations) == 3 {
+        return Ok(([true; 3], best, combinations));
     }
-    let judged = judge(samples, &fixed, options.slip_sd);
-    if !judged[0].is_determined() {
+    let combinations = combinations_of(samples, &fixed, options.slip_sd);
+    if !combinations[0].is_determined() {
         return Err(Error::Undetermined {
             what: "cornering stiffness K",
-            ratio: Combination::LIMIT / judged[0].relative_sd,
+            ratio: Combination::LIMIT / combinations[0].relative_sd,
         });
     }
-    Ok(([true, true, false], fixed, judged))
+    Ok(([true, true, false], fixed, combinations))
 }
 
-/// The combinations, best determined first: right singular vectors of the Jacobian, in falling
-/// order of their singular values, with the covariance of the summed score.
-fn judge(samples: &[LateralSample], model: &MagicFormula, slip_sd: f64) -> [Combination; 3] {
+/// Parameter combinations, best determined first: right singular vectors of the Jacobian in falling
+/// order of their singular values. Their standard deviations come from the covariance of the summed
+/// score (sandwich estimator).
+fn combinations_of(
+    samples: &[LateralSample],
+    model: &MagicFormula,
+    slip_sd: f64,
+) -> [Combination; 3] {
     let clusters = by_cluster(samples, model, slip_sd);
     let scores = clusters.values().map(|cluster| cluster.score);
     let meat: Matrix3<f64> = scores.map(|score| score * score.transpose()).sum();
@@ -495,10 +503,10 @@ fn judge(samples: &[LateralSample], model: &MagicFormula, slip_sd: f64) -> [Comb
         }
         let curvature = eigen.eigenvalues[k].max(0.0);
         let spread = (direction.transpose() * meat * direction)[0].max(0.0);
-        let known = (curvature > 0.0).then(|| spread.sqrt() / curvature);
+        let relative_sd = (curvature > 0.0).then(|| spread.sqrt() / curvature);
         Combination {
             exponents: direction.into(),
-            relative_sd: known.unwrap_or(f64::INFINITY),
+            relative_sd: relative_sd.unwrap_or(f64::INFINITY),
         }
     })
 }
@@ -516,33 +524,34 @@ fn by_cluster(
     clusters
 }
 
-/// Step `slope^-1 score` over the free parameters, through a pseudo-inverse.
+/// Step `slope^-1 score` over the free parameters, 0 for the fixed ones; `None` if the slope is not
+/// positive definite.
 fn step(slope: &Matrix3<f64>, score: &Vector3<f64>, free: [bool; 3]) -> Option<Vector3<f64>> {
-    let retained: Vec<usize> = (0..3).filter(|&i| free[i]).collect();
-    let n = retained.len();
-    let matrix = DMatrix::from_fn(n, n, |i, j| slope[(retained[i], retained[j])]);
-    let right = DVector::from_fn(n, |i, _| score[retained[i]]);
+    let indices: Vec<usize> = (0..3).filter(|&i| free[i]).collect();
+    let n = indices.len();
+    let matrix = DMatrix::from_fn(n, n, |i, j| slope[(indices[i], indices[j])]);
+    let right = DVector::from_fn(n, |i, _| score[indices[i]]);
     let solved = matrix.cholesky()?.solve(&right);
     let mut whole = Vector3::zeros();
-    for (i, &k) in retained.iter().enumerate() {
+    for (i, &k) in indices.iter().enumerate() {
         whole[k] = solved[i];
     }
     Some(whole)
 }
 
-/// Root of the corrected score from the least-squares fit, by Gauss-Newton steps of at most one
-/// unit of logarithm.
+/// Root of the corrected score by Gauss-Newton steps from the least-squares fit; a step is at most
+/// 1 long in `theta`.
 fn corrected_root(
     samples: &[LateralSample],
     start: &MagicFormula,
     free: [bool; 3],
     options: &LateralFitOptions,
 ) -> Result<Vector3<f64>, Error> {
-    const MOST: usize = 100;
+    const MAX_ITERATIONS: usize = 100;
     const TOLERANCE: f64 = 1e-9;
     let mut theta = theta_of(start);
     let mut length = f64::INFINITY;
-    for _ in 0..MOST {
+    for _ in 0..MAX_ITERATIONS {
         let model = model_of(&theta, options.e);
         let scores = samples
             .iter()
@@ -550,7 +559,7 @@ fn corrected_root(
         let total = scores.fold(Score::default(), Score::add);
         let Some(move_by) = step(&total.slope, &total.score, free) else {
             return Err(Error::Undetermined {
-                what: "K with mu_zeta*c (slip too small against its noise, or no saturation)",
+                what: "K with mu_zeta*c (slip too small relative to its noise, or no saturation)",
                 ratio: 0.0,
             });
         };
@@ -562,14 +571,14 @@ fn corrected_root(
     }
     Err(Error::NotConverged {
         what: "lateral fit, corrected score",
-        iterations: MOST,
+        iterations: MAX_ITERATIONS,
         residual: length,
         tolerance: TOLERANCE,
     })
 }
 
-/// Covariance by leaving out one cluster at a time, one Newton step each (the jackknife "CR3" of
-/// Bell and McCaffrey).
+/// Jackknife covariance: leaves out one cluster at a time, with one Newton step each ("CR3" of Bell
+/// and McCaffrey).
 fn leave_one_cluster_out(
     samples: &[LateralSample],
     model: &MagicFormula,

@@ -45,16 +45,16 @@ pub struct LateralDerivatives {
     pub k_n_per_rad: f64,
 }
 
-/// Arguments and arctangents inside the formula at one slip angle and load, from which those close
-/// by follow without a library's function.
+/// Intermediate angles of the formula at one slip angle and load. Angles at a nearby slip and load
+/// follow from them by short series, without calls of the mathematical library.
 #[derive(Clone, Copy, Debug)]
 pub struct LateralAngles {
-    /// `x = B alpha` and its arctangent.
+    /// `x = B alpha` and `atan x`.
     x: (f64, f64),
-    /// `(1-E) x + E atan x` and its arctangent.
+    /// `u = (1-E) x + E atan x` and `atan u`.
     u: (f64, f64),
-    /// Sine and cosine of C times that.
-    wave: (f64, f64),
+    /// Sine and cosine of `C atan u`.
+    sine_cosine: (f64, f64),
 }
 
 impl MagicFormula {
@@ -91,20 +91,21 @@ impl MagicFormula {
         d * (self.c * self.inner(x, x.atan()).atan()).sin()
     }
 
-    /// Largest force over the normal force: `mu_zeta sin(C pi/2)`, with C at most 1.
+    /// Ratio of the largest lateral force to the normal force: `mu_zeta sin(min(C, 1) pi/2)`.
     pub fn peak(&self) -> f64 {
         self.mu_zeta * (self.c.min(1.0) * std::f64::consts::FRAC_PI_2).sin()
     }
 
     /// Force and all its derivatives at slip angle `alpha` [rad] and normal force `fz` [N].
     ///
-    /// At `fz = 0` the derivative by the load is the one-sided limit; below, everything is 0.
+    /// At `fz = 0` the derivative with respect to the load is the one-sided limit; for `fz < 0`
+    /// everything is 0.
     pub fn derivatives(&self, alpha: f64, fz: f64) -> LateralDerivatives {
         self.derivatives_near(alpha, fz, &mut None)
     }
 
-    /// The same, quicker where `near` holds the angles of a slip and load close by; it then has
-    /// those of this one.
+    /// As [`derivatives`](Self::derivatives), faster if `near` contains the angles of a nearby slip
+    /// and load. On return `near` contains the angles of this slip and load.
     pub fn derivatives_near(
         &self,
         alpha: f64,
@@ -116,8 +117,8 @@ impl MagicFormula {
         }
         let d = self.mu_zeta * fz;
         let x = self.k_n_per_rad * alpha / (self.c * d);
-        // Above this argument the arctangents are at their ends in every digit, while x^2 would
-        // overflow.
+        // Above this argument the arctangents are equal to their limits in every digit, and x^2
+        // would overflow.
         if x.abs() > 1e100 {
             let right = std::f64::consts::FRAC_PI_2;
             let end = if self.e < 1.0 { right } else { right.atan() };
@@ -131,41 +132,41 @@ impl MagicFormula {
                 ..Default::default()
             };
         }
-        let at = self.angles(x, near.as_ref());
-        *near = Some(at);
-        let ((x, of_x), (u, of_u), (sine, cosine)) = (at.x, at.u, at.wave);
+        let angles = self.angles(x, near.as_ref());
+        *near = Some(angles);
+        let ((x, atan_x), (u, atan_u), (sine, cosine)) = (angles.x, angles.u, angles.sine_cosine);
         let du_dx = (1.0 - self.e) + self.e / (1.0 + x * x);
         let slope = cosine * du_dx / (1.0 + u * u);
-        // The part of the sine that remains when the load is varied: B falls as D rises.
+        // Derivative of the force with respect to D: B falls as D rises.
         let by_load = sine - self.c * x * slope;
         LateralDerivatives {
             fy: d * sine,
             alpha: self.k_n_per_rad * slope,
             fz: self.mu_zeta * by_load,
             mu_zeta: fz * by_load,
-            c: d * (cosine * of_u - x * slope),
-            e: d * self.c * cosine / (1.0 + u * u) * (of_x - x),
+            c: d * (cosine * atan_u - x * slope),
+            e: d * self.c * cosine / (1.0 + u * u) * (atan_x - x),
             k_n_per_rad: alpha * slope,
         }
     }
 
     fn angles(&self, x: f64, near: Option<&LateralAngles>) -> LateralAngles {
-        let of_x = near.map_or_else(|| libm::atan(x), |near| atan_near(x, near.x));
-        let u = self.inner(x, of_x);
-        let of_u = near.map_or_else(|| libm::atan(u), |near| atan_near(u, near.u));
-        let wave = self.c * of_u;
+        let atan_x = near.map_or_else(|| libm::atan(x), |near| atan_near(x, near.x));
+        let u = self.inner(x, atan_x);
+        let atan_u = near.map_or_else(|| libm::atan(u), |near| atan_near(u, near.u));
+        let angle = self.c * atan_u;
         LateralAngles {
-            x: (x, of_x),
-            u: (u, of_u),
-            wave: match near {
-                Some(near) => sin_cos_near(wave, self.c * near.u.1, near.wave),
+            x: (x, atan_x),
+            u: (u, atan_u),
+            sine_cosine: match near {
+                Some(near) => sin_cos_near(angle, self.c * near.u.1, near.sine_cosine),
                 // C is small for a runner.
-                None => sin_cos_near(wave, 0.0, (0.0, 1.0)),
+                None => sin_cos_near(angle, 0.0, (0.0, 1.0)),
             },
         }
     }
 
-    /// The product `mu_zeta c`, which with K is all that small and moderate slip determine.
+    /// The product `mu_zeta c`. Data of small and moderate slip determine only it and K.
     pub fn mu_zeta_c(&self) -> f64 {
         self.mu_zeta * self.c
     }
@@ -175,7 +176,7 @@ impl MagicFormula {
     /// # Errors
     /// [`Error::OutOfRange`] with the key.
     pub fn check(&self) -> Result<(), Error> {
-        // Small slips do not determine it: fits to them may go to any value.
+        // No upper bound: fits to small slips do not determine it and may give any value.
         in_range(
             "mu_zeta",
             self.mu_zeta,
@@ -194,12 +195,12 @@ impl MagicFormula {
         )
     }
 
-    /// `(1-E) x + E atan x` with the arctangent of `x` known.
-    fn inner(&self, x: f64, of_x: f64) -> f64 {
+    /// `(1-E) x + E atan x` from `x` and its arctangent.
+    fn inner(&self, x: f64, atan_x: f64) -> f64 {
         if self.e == 1.0 {
-            return of_x;
+            return atan_x;
         }
-        (1.0 - self.e) * x + self.e * of_x
+        (1.0 - self.e) * x + self.e * atan_x
     }
 }
 
@@ -232,11 +233,12 @@ impl Braghin {
     }
 }
 
-/// Largest difference of which the series are used; the first term neglected is 4e-18 of the whole.
+/// Largest difference for which the series are used; the first neglected term is 4e-18 relative to
+/// the sum.
 const NEAR: f64 = 0.05;
 
-/// Sine and cosine of an angle [rad] from those of another, `from`; computed anew where the two are
-/// far apart.
+/// Sine and cosine of `angle` [rad] from the known sine and cosine of `from` [rad], by a series in
+/// their difference; by the library if they differ by more than 0.05.
 ///
 /// ```
 /// let known = 0.3_f64.sin_cos();
@@ -255,7 +257,7 @@ pub fn sin_cos_near(angle: f64, from: f64, (sine, cosine): (f64, f64)) -> (f64, 
     let q = d * d;
     let s = d
         * (1.0 - q * (1.0 / 6.0 - q * (1.0 / 120.0 - q * (1.0 / 5040.0 - q * (1.0 / 362_880.0)))));
-    // 1 - cos(d), so that what is known keeps its digits.
+    // 1 - cos(d), so that the known values keep their digits.
     let c = q * (0.5 - q * (1.0 / 24.0 - q * (1.0 / 720.0 - q * (1.0 / 40320.0))));
     (
         sine + (cosine * s - sine * c),
@@ -263,8 +265,8 @@ pub fn sin_cos_near(angle: f64, from: f64, (sine, cosine): (f64, f64)) -> (f64, 
     )
 }
 
-/// The arctangent of `x` [rad] from that of another of the same sign, `from`; computed anew where
-/// the two are far apart.
+/// The arctangent of `x` [rad] from that of `from`, by a series; by the library if the two are far
+/// apart or differ in sign.
 #[inline]
 fn atan_near(x: f64, (from, of_from): (f64, f64)) -> f64 {
     let d = (x - from) / (1.0 + x * from);
@@ -291,9 +293,9 @@ mod tests {
                 assert!((sine - to.sin()).abs() < 3e-16, "sin {to} from {from}");
                 assert!((cosine - to.cos()).abs() < 3e-16, "cos {to} from {from}");
                 let (to, from) = (to.exp2(), from.exp2());
-                let of_x = atan_near(to, (from, from.atan()));
+                let atan_x = atan_near(to, (from, from.atan()));
                 assert!(
-                    (of_x - to.atan()).abs() < 4e-16 * to.atan(),
+                    (atan_x - to.atan()).abs() < 4e-16 * to.atan(),
                     "atan {to} from {from}"
                 );
             }

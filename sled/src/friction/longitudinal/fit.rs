@@ -1,7 +1,7 @@
 //! Quadratic fit of the coefficient of friction over the peak pressure.
 //!
-//! Units inside the fit are the formula's: p in MPa, mu in 1e-3, so that the coefficients read like
-//! the published ones.
+//! Units inside the fit are those of the formula: p in MPa, mu in 1e-3, so that the coefficients
+//! compare with the published ones.
 
 use levenberg_marquardt::LevenbergMarquardt;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
@@ -13,32 +13,32 @@ use crate::friction::experiments::Experiment;
 use crate::friction::least_squares::minimize;
 use crate::friction::longitudinal::law::{PressureLaw, ZetaActsOn};
 
-/// The least standard deviation of a coefficient of friction that a weight is made of.
-const LEAST_SD: f64 = 1e-20;
+/// Smallest standard deviation of a coefficient of friction in a weighted fit.
+const MIN_SD: f64 = 1e-20;
 
 /// Fits the quadratic to experiments.
 ///
-/// Rows of one specimen at one pressure are one point, their mean: they share one error of the
-/// pressure.
+/// Rows of one specimen at one pressure are averaged to one point, since they share one error of
+/// the pressure.
 ///
 /// `Weighting::Both` minimises `sum ((mu_i - q(xi_i))/s_mu)^2 + ((p_i - xi_i)/s_p)^2` over the
 /// coefficients and the true pressures `xi_i` (P. Boggs and J. Rogers, "Orthogonal distance
-/// regression", 1990); the covariance is the coefficients' block of `(J^T J)^-1` with the errors
-/// taken as stated.
+/// regression", 1990); the covariance is the coefficients' block of `(J^T J)^-1` with the stated
+/// errors.
 ///
 /// # Errors
-/// [`Error::TooFew`] below four points, [`Error::OutOfRange`] where no friction is positive,
-/// [`Error::File`] where a weighted fit meets `mu_sd` below 1e-20, [`Error::Undetermined`] below
-/// three different pressures, [`Error::NotConverged`].
+/// [`Error::TooFew`] below four points, [`Error::OutOfRange`] if no coefficient is positive,
+/// [`Error::File`] for `mu_sd` below 1e-20 in a weighted fit, [`Error::Undetermined`] below three
+/// different pressures, [`Error::NotConverged`].
 pub fn fit_mu(
     experiments: &[Experiment],
     weighting: Weighting,
     confidence: f64,
 ) -> Result<MuFit, Error> {
-    let exact = experiments.iter().position(|e| e.mu_sd < LEAST_SD);
+    let exact = experiments.iter().position(|e| e.mu_sd < MIN_SD);
     if let (Some(i), Weighting::Both) = (exact, weighting) {
         let (name, mu_sd) = (&experiments[i].specimen, experiments[i].mu_sd);
-        let reason = format!("mu_sd = {mu_sd}: expected at least {LEAST_SD:e} in a weighted fit");
+        let reason = format!("mu_sd = {mu_sd}: expected at least {MIN_SD:e} in a weighted fit");
         let place = format!("experiment {} ({name})", i + 1);
         return Err(Error::file(place, reason));
     }
@@ -57,23 +57,23 @@ pub fn fit_mu(
         let quantile = student_quantile(confidence, freedom);
         return Ok(points.result(&plain, weighting, confidence, quantile));
     }
-    let found = points.orthogonal(plain.coefficients)?;
+    let weighted = points.orthogonal(plain.coefficients)?;
     let quantile = Normal::standard().inverse_cdf(0.5 + 0.5 * confidence);
     let distribution = ChiSquared::new(freedom as f64).ok();
     Ok(MuFit {
-        p_value: distribution.map(|d| d.sf(found.chi2)),
-        ..points.result(&found, weighting, confidence, quantile)
+        p_value: distribution.map(|d| d.sf(weighted.chi2)),
+        ..points.result(&weighted, weighting, confidence, quantile)
     })
 }
 
-/// The mean of all rows of a specimen at a pressure, in order of the first rows.
+/// The mean of all rows of each specimen at each pressure, in order of first appearance.
 fn combined(experiments: &[Experiment]) -> Vec<Experiment> {
     let mut groups: Vec<Vec<&Experiment>> = Vec::new();
     for one in experiments {
-        let own = |group: &&mut Vec<&Experiment>| {
+        let is_same = |group: &&mut Vec<&Experiment>| {
             group[0].specimen == one.specimen && group[0].p_max_pa == one.p_max_pa
         };
-        match groups.iter_mut().find(own) {
+        match groups.iter_mut().find(is_same) {
             Some(group) => group.push(one),
             None => groups.push(vec![one]),
         }
@@ -99,11 +99,11 @@ pub enum Weighting {
     /// By the stated errors of both mu and p: orthogonal distance regression.
     #[default]
     Both,
-    /// None: every point alike, errors from the scatter, as in the paper.
+    /// Equal weights, errors from the scatter, as in the paper.
     None,
 }
 
-/// A quadratic `mu = 1e-3 (b p^2 - c p + d)` with what is known of it.
+/// A fitted quadratic `mu = 1e-3 (b p^2 - c p + d)`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MuFit {
     /// Quadratic coefficient [1e-3/MPa2].
@@ -116,20 +116,22 @@ pub struct MuFit {
     pub covariance: Matrix3<f64>,
     /// How the points were weighted.
     pub weighting: Weighting,
-    /// Weighted sum of squares in both directions; without weights the plain one [1e-6].
+    /// Weighted sum of squared residuals in mu and p; of an unweighted fit the sum of squares in mu
+    /// [1e-6].
     pub chi2: f64,
-    /// Points less parameters.
+    /// Degrees of freedom: points minus parameters.
     pub freedom: usize,
-    /// Probability of a larger chi2 if curve and errors are right; none without weights or freedom.
+    /// Probability of a larger chi2 if curve and errors are right; `None` without weights or
+    /// degrees of freedom.
     pub p_value: Option<f64>,
-    /// Probability that intervals and band are to cover.
+    /// Confidence level of intervals and band.
     pub confidence: f64,
-    /// Two-sided quantile that the intervals use: normal with stated errors, Student's t from the
-    /// scatter.
+    /// Two-sided quantile of the intervals: normal for stated errors, Student's t for errors from
+    /// the scatter.
     pub quantile: f64,
 }
 
-/// Place and height of the least friction.
+/// Pressure of the least friction, and the coefficient there.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct LeastFriction {
     /// Pressure [Pa], interval by Fieller's theorem.
@@ -166,10 +168,9 @@ impl MuFit {
         Estimate { value, low, high }
     }
 
-    /// The minimum, where the data show one: `None` if a straight line or a maximum is within the
-    /// errors.
+    /// The minimum of the curve; `None` if a straight line or a maximum is within the errors.
     ///
-    /// The interval holds every p with `(2 b p - c)^2 <= q^2 var(2 b p - c)` (Fieller).
+    /// The interval contains every p with `(2 b p - c)^2 <= q^2 var(2 b p - c)` (Fieller).
     pub fn least_friction(&self) -> Option<LeastFriction> {
         let (v, q2) = (&self.covariance, self.quantile * self.quantile);
         let square = 4.0 * (self.b * self.b - q2 * v[(0, 0)]);
@@ -192,7 +193,7 @@ impl MuFit {
     }
 }
 
-/// Coefficients of (t^2, t, 1) with their covariance, and the sum of squares.
+/// Coefficients of (t^2, t, 1), their covariance, and the sum of squared residuals.
 struct Quadratic {
     coefficients: Vector3<f64>,
     covariance: Matrix3<f64>,
@@ -227,7 +228,7 @@ impl Points {
         }
     }
 
-    /// Unweighted, the covariance from the scatter.
+    /// Unweighted least squares, with the covariance from the scatter.
     fn plain(&self) -> Result<Quadratic, Error> {
         let design = DMatrix::from_fn(self.t.len(), 3, |i, j| self.t[i].powi(2 - j as i32));
         let singular = design.singular_values();
@@ -251,7 +252,7 @@ impl Points {
         })
     }
 
-    /// Weighted by the errors of both.
+    /// Orthogonal distance regression, weighted by the errors of mu and p.
     fn orthogonal(&self, start: Vector3<f64>) -> Result<Quadratic, Error> {
         let n = self.t.len();
         let residuals = |u: &DVector<f64>| {
@@ -282,8 +283,9 @@ impl Points {
         let method = LevenbergMarquardt::new();
         let (u, report) = minimize(method, unknowns, residuals, jacobian);
         let chi2 = 2.0 * report.objective_function;
-        let found = report.termination.was_successful().then(|| jacobian(&u));
-        let inverse = found.and_then(|jacobian| (jacobian.transpose() * &jacobian).try_inverse());
+        let jacobian = report.termination.was_successful().then(|| jacobian(&u));
+        let inverse =
+            jacobian.and_then(|jacobian| (jacobian.transpose() * &jacobian).try_inverse());
         let inverse = inverse.ok_or(Error::NotConverged {
             what: "mu(p) fit",
             iterations: report.number_of_evaluations,
@@ -297,7 +299,7 @@ impl Points {
         })
     }
 
-    /// From (t^2, t, 1) back to b, c, d.
+    /// Transforms the coefficients of (t^2, t, 1) to b, c, d.
     fn result(
         &self,
         found: &Quadratic,

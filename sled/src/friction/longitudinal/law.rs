@@ -82,7 +82,7 @@ impl PressureLaw {
         1e-3 * on_mu * ((self.b * p - self.c) * p + self.d)
     }
 
-    /// Slope dmu/dp [1/Pa], 0 where the cap or the floor at zero holds.
+    /// Slope dmu/dp [1/Pa]; 0 where the coefficient is capped or limited to 0.
     pub fn slope(&self, p_pa: f64) -> f64 {
         let mu = self.uncapped(p_pa);
         if mu > self.mu_cap || mu < 0.0 {
@@ -118,7 +118,7 @@ impl PressureLaw {
 /// Longitudinal friction of one runner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Longitudinal {
-    /// The same coefficient everywhere, dimensionless.
+    /// A constant coefficient, dimensionless.
     Fixed(f64),
     /// A quadratic in the peak pressure.
     Pressure(PressureLaw),
@@ -153,7 +153,7 @@ pub fn longitudinal_force(fz: f64, alpha: f64, mu: f64) -> f64 {
 ///
 /// Either `mu`, or `b`, `c`, `d` with `mu_cap` and optionally `zeta` and `zeta_acts_on`, or tables
 /// of mu alone with optionally `zeta`, or `film` with optionally `zeta`. The paths of the tables
-/// are carried along and opened by others.
+/// are stored here and opened by [`Vehicle::new`](crate::Vehicle::new).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LongitudinalKeys {
@@ -182,7 +182,7 @@ pub struct LongitudinalKeys {
 }
 
 impl LongitudinalKeys {
-    /// The factor on mu where that is read from the tables: no other key states a law.
+    /// The factor on mu if mu is read from the tables; `None` if another key states a law.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a factor that is not positive.
@@ -202,7 +202,7 @@ impl LongitudinalKeys {
         Ok(zeta)
     }
 
-    /// Keys that are stated, of those that a law other than the film may have.
+    /// Stated keys, except `film`.
     fn stated(&self) -> impl Iterator<Item = &'static str> {
         let keys = [
             ("mu", self.mu.is_some()),
@@ -219,8 +219,8 @@ impl LongitudinalKeys {
         stated.map(|(key, _)| key)
     }
 
-    /// The factor on mu where the melt film of friction experiments is the law: no other key states
-    /// one.
+    /// The factor on mu if the melt film of friction experiments is the law (`film = true`); `None`
+    /// otherwise.
     ///
     /// # Errors
     /// [`Error::KeysExclude`] where another law is stated, [`Error::OutOfRange`] for a factor that
@@ -239,13 +239,12 @@ impl LongitudinalKeys {
         self.factor().map(Some)
     }
 
-    /// The model the keys state, where it is not [tabled](Self::tabled).
+    /// The law that the keys state, unless it is [tabled](Self::tabled).
     ///
     /// # Errors
-    /// [`Error::MissingKey`] where the law is the [`film`](Self::film) of friction experiments.
-    /// [`Error::KeysExclude`] where `mu` is stated with a key of the quadratic,
-    /// [`Error::MissingKey`] where the quadratic is incomplete, [`Error::OutOfRange`] for numbers
-    /// no friction has.
+    /// [`Error::MissingKey`] if the law is the [`film`](Self::film) of friction experiments or the
+    /// quadratic is incomplete, [`Error::KeysExclude`] if `mu` is stated with a key of the
+    /// quadratic, [`Error::OutOfRange`] for numbers that no friction law has.
     pub fn model(&self) -> Result<Longitudinal, Error> {
         const EITHER: &str =
             "either mu, or b, c, d and mu_cap, or front_table and rear_table of mu";

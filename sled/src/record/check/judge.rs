@@ -15,8 +15,8 @@ use crate::record::check::rotation::BoxRotation;
 use crate::record::check::single::{plain_faults, range_faults};
 use crate::record::run::Run;
 
-/// Most corrections of one run that are searched, one after the other.
-const MOST: usize = 4;
+/// Largest number of successive corrections of one run.
+const MAX_CORRECTIONS: usize = 4;
 
 /// All faults of these runs, run by run.
 ///
@@ -29,7 +29,7 @@ pub fn judge(runs: &[impl Borrow<Run> + Sync]) -> Vec<Fault> {
     judge_by(runs, &RelationRules::default())
 }
 
-/// The same by other thresholds.
+/// As [`judge`], with the thresholds `rules`.
 pub fn judge_by(runs: &[impl Borrow<Run> + Sync], rules: &RelationRules) -> Vec<Fault> {
     let runs: Vec<&Run> = runs.iter().map(Borrow::borrow).collect();
     let single = |run| {
@@ -53,7 +53,7 @@ pub fn judge_by(runs: &[impl Borrow<Run> + Sync], rules: &RelationRules) -> Vec<
     own.chain(by_response).collect()
 }
 
-/// A run with its faults and, where relations can judge it, its slow channels, corrected.
+/// A run with its faults and, if relations can be checked, its low-passed, corrected channels.
 struct Judged<'a> {
     run: &'a Run,
     faults: Vec<Fault>,
@@ -61,8 +61,8 @@ struct Judged<'a> {
 }
 
 impl Judged<'_> {
-    /// Finds the faults by relations, of magnitudes and of the distance. Its slow channels remain
-    /// only where they agree then.
+    /// Checks relations, ranges and distance. Keeps the low-passed channels only if they are
+    /// consistent after correction.
     fn judge(&mut self, rotation: Option<&BoxRotation>, rules: &RelationRules) {
         if let Some(mut slow) = self.slow.take() {
             if let Some(rotation) = rotation {
@@ -83,8 +83,8 @@ impl Judged<'_> {
     }
 }
 
-/// A fault by relations is proved where every run of the campaign shows it, except for units, which
-/// differ by orders of magnitude.
+/// Sign, swap and gravity faults count as proved only if every run shows them. A wrong unit is
+/// proved by one run, since it is off by orders of magnitude.
 fn withdraw_where_runs_disagree(judged: &mut [Judged]) {
     use FaultKind::{Gravity, Sign, Swapped};
     let runs: Vec<Vec<Fault>> = judged.iter().map(|one| one.faults.clone()).collect();
@@ -96,11 +96,10 @@ fn withdraw_where_runs_disagree(judged: &mut [Judged]) {
     }
 }
 
-/// Refuses runs of which a fault is proved; suspected faults become one remark on the first run
-/// concerned.
+/// Refuses runs with a proved fault. Suspected faults become one remark on the first run concerned.
 ///
 /// # Errors
-/// [`Error::Wrong`] with the first fault proved and how many more there are.
+/// [`Error::Wrong`] with the first proved fault and the number of further ones.
 pub fn check_relations(runs: &mut [Run]) -> Result<(), Error> {
     let (proven, suspected): (Vec<Fault>, Vec<Fault>) =
         judge(runs).into_iter().partition(|fault| fault.proven);
@@ -156,7 +155,7 @@ fn remark_on_odd_stretches(run: &mut Run) {
     run.remarks.extend(remarks);
 }
 
-/// Corrections that are tried together, and how well the channels then agree.
+/// A set of corrections, and the agreement of the channels after them.
 struct Trial {
     corrections: Vec<Correction>,
     slow: Slow,
@@ -177,10 +176,10 @@ impl Trial {
 }
 
 impl RelationRules {
-    /// Corrects the channels as the relations require, and appends the faults.
+    /// Corrects the channels by the relations, and appends the faults.
     ///
-    /// Two corrections are tried together where the relations are not satisfied and none alone is
-    /// shown to be right: one fault may hide another.
+    /// If the relations are not satisfied and no single correction is accepted, pairs of
+    /// corrections are tried: one fault may hide another.
     fn correct(&self, run: &Run, slow: &mut Slow, faults: &mut Vec<Fault>) {
         let all = Correction::all(slow);
         let singles: Vec<Vec<Correction>> = all.iter().map(|one| vec![*one]).collect();
@@ -190,7 +189,7 @@ impl RelationRules {
             .map(|(k, other)| vec![all[k], other]);
         let pairs: Vec<Vec<Correction>> = pairs.collect();
         let mut found = Vec::new();
-        for _ in 0..MOST {
+        for _ in 0..MAX_CORRECTIONS {
             let before = Agreement::of(slow);
             let best = self.best(slow, &before, &singles);
             let best = best.or_else(|| {
@@ -203,7 +202,8 @@ impl RelationRules {
                 self.best(slow, &before, tried)
             });
             let Some(best) = best else { break };
-            // A relation is satisfied within its noise now, and was not before.
+            // Proved if a relation is satisfied within its noise after the correction and was not
+            // before.
             let mut changes = before.changes(&best.after);
             let proven = changes.any(|(_, b, a)| b >= self.noise && a < self.noise);
             for one in &best.corrections {
@@ -212,7 +212,7 @@ impl RelationRules {
             }
             *slow = best.slow;
         }
-        // A correction is not proved while a relation shows another fault.
+        // A correction is not proved if a relation still shows another fault.
         let mut residuals = Agreement::of(slow).residual.into_iter().flatten();
         if residuals.any(|residual| residual > self.shows) {
             found.iter_mut().for_each(|fault| fault.proven = false);
@@ -224,7 +224,7 @@ impl RelationRules {
         }
     }
 
-    /// The best of these that is shown to be right.
+    /// The best accepted set of corrections; `None` if none is accepted.
     fn best(&self, slow: &Slow, before: &Agreement, sets: &[Vec<Correction>]) -> Option<Trial> {
         let trials = sets.par_iter().map(|set| Trial::of(set.clone(), slow));
         let shown = trials.filter(|trial| self.shows(before, trial));
@@ -236,7 +236,8 @@ impl RelationRules {
         })
     }
 
-    /// Whether a relation shows the faults and no other gets worse.
+    /// Whether a set of corrections is accepted: a relation shows the faults, and no other gets
+    /// worse.
     fn shows(&self, before: &Agreement, trial: &Trial) -> bool {
         let changes = || before.changes(&trial.after);
         let better = changes().any(|(_, b, a)| a < self.holds && b > self.shows && a < 0.7 * b);
@@ -245,19 +246,20 @@ impl RelationRules {
         before.score() - trial.after.score() >= gain && better && hold
     }
 
-    /// The unit or the sign of the lateral acceleration by its size, which is often too small to
-    /// show in the residual of a relation and known well enough all the same.
+    /// A wrong unit or sign of the lateral acceleration, found by regression on the motion of the
+    /// other channels. Its effect on the residual of a relation is often too small to show, but the
+    /// scale is still determined well.
     ///
-    /// That of the longitudinal one is not: gravity along the sled is far larger, and where a
-    /// record's pitch rate misses changes of slope, it has any sign.
+    /// The scale of the longitudinal acceleration is not: gravity along the sled is far larger, and
+    /// if a record's pitch rate misses changes of slope, the estimate may have any sign.
     fn lateral_scale(&self, slow: &Slow) -> Option<(Correction, String)> {
         const AXIS: [Sensor; 1] = [Sensor::Ay];
-        // The size means nothing where the relation is not satisfied.
+        // The scale is meaningless if the relation is not satisfied.
         let residual = Agreement::of(slow).residual[AXIS[0] as usize]?;
         let found = [G, OTHER_SIGN].map(|scale| {
             let one = Correction::Scale(scale, &AXIS);
             let (steps, error) = required_change(slow, &one.applied(slow))?;
-            // A step leads from a factor of 1 to that of the scale.
+            // One step changes the factor from 1 to that of the scale.
             let (found, error) = (
                 1.0 + steps * (scale.factor - 1.0),
                 error * (scale.factor - 1.0).abs(),
@@ -278,11 +280,11 @@ impl RelationRules {
     }
 }
 
-/// Distance in another unit, by the integral of the corrected speed.
+/// Distance in another unit, compared with the integral of the corrected speed.
 fn distance_fault(run: &Run, slow: &Slow) -> Option<Fault> {
-    // Runs follow the middle of the track within a few per cent, and a speed in km/h divided once
-    // too often would be that of a distance in feet within a tenth. A circuit that starts anew is
-    // no distance run.
+    // Runs follow the middle of the track within a few per cent. A speed divided by 3.6 once too
+    // often would match a distance in feet within 10 %. A distance that restarts on a circuit
+    // matches no unit.
     const CLOSE: f64 = 0.06;
     let s = run.columns.get("s_m")?;
     let v = slow[Sensor::Speed].as_ref()?;
@@ -299,33 +301,36 @@ fn distance_fault(run: &Run, slow: &Slow) -> Option<Fault> {
 /// Thresholds of the relations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RelationRules {
-    /// Least decrease of the disagreement: a factor of e in the mean square residual of one
-    /// relation. In clean runs no candidate lowers it by more than 0.4; at half, one run in eleven
-    /// with little slip was taken to be in degrees.
+    /// Smallest decrease of the disagreement per correction; 1 is a factor of e in the mean square
+    /// residual of one relation. In clean runs no candidate lowers it by more than 0.4. With half
+    /// this threshold, 1 of 11 runs with little slip was falsely reported as in degrees.
     pub least_gain: f64,
-    /// A relation is satisfied where its residual over its terms is below this, as a mean square.
+    /// A relation is satisfied after a correction if its residual is below this. Residuals are mean
+    /// squares relative to the relation's terms.
     pub holds: f64,
-    /// A relation is satisfied within its noise where its residual is below this, as a mean square:
-    /// 15 % as a root mean square.
+    /// A relation is satisfied within its noise if its residual is below this: 15 % as a root mean
+    /// square.
     pub noise: f64,
-    /// A fault shows in a relation whose residual is above this, as a mean square; in clean runs it
-    /// is up to a tenth (`relations`), of which gravity that a record's pitch rate misses can be
-    /// lowered by a wrong sign.
+    /// A relation may show a fault if its residual before a correction is above this. In clean runs
+    /// it is up to 0.1 (`relations`); the part due to gravity that a record's pitch rate misses can
+    /// be lowered by a wrong sign. A residual between `shows` and `holds` is tolerated after a
+    /// correction, but makes it suspected instead of proved.
     pub shows: f64,
-    /// No relation may get worse by more than this when another is mended.
+    /// Largest increase of the residual of another relation by a correction.
     pub worse: f64,
-    /// Standard errors between a wrong coefficient and the right one: by chance once in 10^9.
+    /// Smallest distance of a wrong coefficient from the right one in standard errors: by chance
+    /// once in 10^9.
     pub least_t: f64,
-    /// Share of the runs that must agree where all together prove it.
+    /// Smallest share of runs that must agree on a fault that all runs prove together.
     pub agree: f64,
-    /// Share of the runs' median response that a single run needs to be judged by its sign: a wrong
-    /// sign does not change the size.
+    /// Smallest ratio of a run's response to the median response of the runs, for a check of its
+    /// sign: a wrong sign does not change the size.
     pub alike: f64,
-    /// Least drag area over mass of a sled or car [m2/kg]; a bobsled has 7e-4, an accelerometer in
-    /// g would show a tenth of that.
+    /// Smallest ratio of drag area to mass of a sled or car [m2/kg]; a bobsled has 7e-4, an
+    /// accelerometer in g would show a tenth of this.
     pub least_drag: f64,
-    /// Standard deviation of a_x above which something drives or brakes [m/s2]: the air is not
-    /// judged then.
+    /// Largest standard deviation of a_x for a check of the air drag [m/s2]; above it the vehicle
+    /// is driven or braked.
     pub free: f64,
 }
 
