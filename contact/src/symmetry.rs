@@ -1,7 +1,7 @@
 //! The mirror planes x = 0 and y = 0 of a contact, of which one side is solved.
 
-/// Number of parts like the one that is solved.
-pub(crate) fn copies(planes: [bool; 2]) -> f64 {
+/// Number of symmetric images of the part that is solved, itself included.
+pub(crate) fn image_count(planes: [bool; 2]) -> f64 {
     images(planes).count() as f64
 }
 

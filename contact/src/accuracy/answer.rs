@@ -32,7 +32,7 @@ impl SolvedMesh {
             values, figures, ..
         } = self.pressure;
         let resultant = mesh.contact.resultant(&state);
-        let fz = mesh.copies() * resultant[0];
+        let fz = mesh.image_count() * resultant[0];
         // A mirror plane holds the centre of pressure; otherwise it follows from the moments about
         // the line of action.
         let centre = |axis: usize, moment: f64| {

@@ -103,7 +103,7 @@ impl<'a> Meshes<'a> {
             let element = elastic.map(|e| e.element_kind());
             assemble(&mut mesh, element, options.max_stiffness_bytes)?;
         }
-        let (dofs, copies) = (mesh.free_dofs(), mesh.copies());
+        let (dofs, images) = (mesh.free_dofs(), mesh.image_count());
         let level = self.history.last().map_or(0, |last| last.level + 1);
         let reported = RefCell::new(Vec::new());
         let field = Field::new(&mesh, problem, &self.patch);
@@ -120,7 +120,7 @@ impl<'a> Meshes<'a> {
                 p_max: field.p_max(state),
                 sweeps: update.counts.sweeps,
                 accelerations: update.counts.accelerations,
-                energy: copies * update.energy,
+                energy: images * update.energy,
             };
             if let Some(watcher) = &options.progress {
                 watcher(&iterate);

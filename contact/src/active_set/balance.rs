@@ -4,55 +4,59 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::motion::{Motion, dot, solve_semidefinite};
 
-/// The motion under which nodes, each on its own, carry the load.
+/// Projection of a gap step onto the bounds and the load balance.
 ///
-/// With the forces f_i(t) = clamp(f_i - s_i (gap_i - N_i t)) of nodes that `may` move, t is such
-/// that N^T f(t) = balance for the free motions: the minimiser of a convex function of three
-/// numbers at most, whose gradient is what is out of balance. f(t) is the projection of the step
-/// along the gaps, each over its stiffness 1/s_i, onto bounds and balance; from balanced forces it
-/// leads where their energy falls.
+/// The forces are f_i(t) = clamp(f_i - s_i (gap_i - N_i t), 0, bound_i) at nodes with
+/// `may_change`. The rigid motion t is such that N^T f(t) = balance for the free motions. It
+/// minimises a convex function of at most three variables, whose gradient is the imbalance
+/// N^T f(t) - balance. f(t) is the projection of f - s gap onto bounds and balance in the norm of
+/// 1/s; from balanced forces it is a direction of descent of their energy.
 pub(crate) struct Balance<'a> {
     /// Forces to start from [N].
     pub force: &'a [f64],
     /// Gaps under them [m].
     pub gap: &'a [f64],
-    /// s [N/m].
-    pub softness: &'a [f64],
+    /// s, the stiffness of each node on its own [N/m].
+    pub stiffness: &'a [f64],
+    /// Rows of N.
     pub rows: &'a [[f64; 3]],
+    /// Largest forces [N].
     pub bound: &'a [f64],
-    /// Whose forces may change.
-    pub may: &'a [bool],
+    /// Nodes whose forces may change.
+    pub may_change: &'a [bool],
     pub motion: &'a Motion,
 }
 
-/// Balanced forces and the turn that goes with them.
+/// Balanced forces and the rigid motion t.
 pub(crate) struct BalancedForces {
     pub force: Vec<f64>,
-    pub turn: [f64; 3],
-    /// Whether the load is balanced: what may move can bear it.
-    pub met: bool,
+    pub motion_step: [f64; 3],
+    /// Whether the load is balanced: the nodes that may change can bear it.
+    pub feasible: bool,
 }
 
-/// Steps of the search; each is a sum over the nodes.
-const STEPS: usize = 200;
-/// What may be out of balance, over the load.
-const SLACK: f64 = 1e-12;
+/// Largest number of Newton steps; each is a sum over the nodes.
+const MAX_STEPS: usize = 200;
+/// Largest imbalance relative to the sum of the terms that it is computed from.
+const TOLERANCE: f64 = 1e-12;
 
 impl Balance<'_> {
-    /// Newton's method, damped as K. Levenberg (1944) does.
+    /// Newton's method with the damping of K. Levenberg (1944).
     pub fn solve(&self) -> BalancedForces {
-        let mut turn = Vector3::zeros();
-        let mut at = self.at(turn);
-        let whole = at.whole;
+        let mut motion_step = Vector3::zeros();
+        let mut point = self.evaluate(motion_step);
+        let full_hessian = point.full_hessian;
         let mut damping = 1e-9;
-        for _ in 0..STEPS {
-            if self.small(&at, SLACK) {
+        for _ in 0..MAX_STEPS {
+            if self.is_balanced(&point, TOLERANCE) {
                 break;
             }
-            let step = solve_semidefinite(at.slope + whole * damping, -at.out);
-            let next = self.at(turn + step);
-            if next.value < at.value || next.out.norm() < 0.5 * at.out.norm() {
-                (turn, at) = (turn + step, next);
+            let hessian = point.hessian + full_hessian * damping;
+            let step = solve_semidefinite(hessian, -point.imbalance);
+            let next = self.evaluate(motion_step + step);
+            let halved = next.imbalance.norm() < 0.5 * point.imbalance.norm();
+            if next.value < point.value || halved {
+                (motion_step, point) = (motion_step + step, next);
                 damping = (0.1 * damping).max(1e-15);
             } else if damping > 1e3 {
                 break;
@@ -61,65 +65,67 @@ impl Balance<'_> {
             }
         }
         let force = (0..self.force.len())
-            .map(|i| self.force_of(i, turn))
+            .map(|i| self.force_of(i, motion_step))
             .collect();
         BalancedForces {
             force,
-            turn: turn.into(),
-            met: self.small(&at, 1e3 * SLACK),
+            motion_step: motion_step.into(),
+            feasible: self.is_balanced(&point, 1e3 * TOLERANCE),
         }
     }
 
-    fn force_of(&self, i: usize, turn: Vector3<f64>) -> f64 {
-        if !self.may[i] {
+    fn force_of(&self, i: usize, motion_step: Vector3<f64>) -> f64 {
+        if !self.may_change[i] {
             return self.force[i];
         }
-        self.wanted(i, turn).clamp(0.0, self.bound[i])
+        self.unbounded_force(i, motion_step)
+            .clamp(0.0, self.bound[i])
     }
 
-    fn wanted(&self, i: usize, turn: Vector3<f64>) -> f64 {
-        self.force[i] - self.softness[i] * (self.gap[i] - dot(self.rows[i], turn.into()))
+    fn unbounded_force(&self, i: usize, motion_step: Vector3<f64>) -> f64 {
+        self.force[i] - self.stiffness[i] * (self.gap[i] - dot(self.rows[i], motion_step.into()))
     }
 
-    fn small(&self, at: &Point, slack: f64) -> bool {
-        (0..3).all(|a| at.out[a].abs() <= slack * at.size[a])
+    fn is_balanced(&self, point: &Point, tolerance: f64) -> bool {
+        (0..3).all(|a| point.imbalance[a].abs() <= tolerance * point.scale[a])
     }
 
-    fn at(&self, turn: Vector3<f64>) -> Point {
+    fn evaluate(&self, motion_step: Vector3<f64>) -> Point {
         let balance = Vector3::from(self.motion.balance);
         let mut point = Point {
             value: 0.0,
-            out: -balance,
-            size: balance.abs(),
-            slope: Matrix3::zeros(),
-            whole: Matrix3::zeros(),
+            imbalance: -balance,
+            scale: balance.abs(),
+            hessian: Matrix3::zeros(),
+            full_hessian: Matrix3::zeros(),
         };
         for i in 0..self.force.len() {
             let row = Vector3::from(self.rows[i]);
-            let force = self.force_of(i, turn);
-            point.out += row * force;
-            point.size += row.abs() * force;
-            if !self.may[i] {
+            let force = self.force_of(i, motion_step);
+            point.imbalance += row * force;
+            point.scale += row.abs() * force;
+            if !self.may_change[i] {
                 continue;
             }
-            let (s, wanted) = (self.softness[i], self.wanted(i, turn));
+            let unbounded = self.unbounded_force(i, motion_step);
+            let s = self.stiffness[i];
             // The integral of the force over the motion.
-            point.value += force * (wanted - 0.5 * force) / s;
+            point.value += force * (unbounded - 0.5 * force) / s;
             let square = row * row.transpose() * s;
-            point.whole += square;
-            if wanted > 0.0 && wanted < self.bound[i] {
-                point.slope += square;
+            point.full_hessian += square;
+            if unbounded > 0.0 && unbounded < self.bound[i] {
+                point.hessian += square;
             }
         }
         point.value -= (0..self.force.len())
-            .filter(|&i| !self.may[i])
-            .map(|i| -self.force[i] * dot(self.rows[i], turn.into()))
+            .filter(|&i| !self.may_change[i])
+            .map(|i| -self.force[i] * dot(self.rows[i], motion_step.into()))
             .sum::<f64>()
-            + balance.dot(&turn);
+            + balance.dot(&motion_step);
         for a in (0..3).filter(|&a| !self.motion.free[a]) {
-            point.out[a] = 0.0;
+            point.imbalance[a] = 0.0;
             for b in 0..3 {
-                for matrix in [&mut point.slope, &mut point.whole] {
+                for matrix in [&mut point.hessian, &mut point.full_hessian] {
                     matrix[(a, b)] = 0.0;
                     matrix[(b, a)] = 0.0;
                 }
@@ -132,11 +138,11 @@ impl Balance<'_> {
 /// The convex function and its derivatives.
 struct Point {
     value: f64,
-    /// What is out of balance.
-    out: Vector3<f64>,
-    /// Of how much.
-    size: Vector3<f64>,
-    slope: Matrix3<f64>,
-    /// The slope with every node between its bounds.
-    whole: Matrix3<f64>,
+    /// Gradient: N^T f - balance.
+    imbalance: Vector3<f64>,
+    /// Sum of the magnitudes of the imbalance's terms.
+    scale: Vector3<f64>,
+    hessian: Matrix3<f64>,
+    /// The Hessian with every node between its bounds.
+    full_hessian: Matrix3<f64>,
 }

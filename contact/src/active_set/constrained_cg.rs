@@ -1,25 +1,26 @@
-//! Conjugate gradients that keep the contact closed.
+//! Conjugate gradients on one contact set, in the subspace where its nodes stay closed.
 
 use faer::Mat;
 
 use crate::active_set::contact_set::{Control, Progress};
 use crate::bodies::elastic_body::BodyWork;
-use crate::green::closed_set::{ClosedSet, ITERATIONS};
+use crate::green::closed_set::{ClosedSet, MAX_ITERATIONS};
 use crate::green::matrix::Green;
 use crate::mesh::contact_mesh::{ContactMesh, Sets, State};
 use crate::motion::{dot, forces_and_motion};
 use crate::precondition::dense::DenseCholesky;
 use crate::vector;
 
-/// The constraint of one contact set.
+/// The constraint of one contact set: its nodes are closed and the load is balanced.
 pub(crate) struct Constraint<'a> {
+    /// ConstraintSolver nodes, as numbers of plane nodes.
     pub inside: Vec<usize>,
     rows: Vec<[f64; 3]>,
-    closed: Closed<'a>,
+    solver: ConstraintSolver<'a>,
 }
 
-/// The way to the forces that keep a set closed.
-enum Closed<'a> {
+/// Solver for the forces that keep a set closed.
+enum ConstraintSolver<'a> {
     /// The factor of G on the set, with G^-1 N.
     Factored {
         factor: DenseCholesky,
@@ -34,10 +35,10 @@ pub(crate) struct SetProblem<'a> {
     pub sets: &'a Sets,
     pub constraint: &'a Constraint<'a>,
     pub control: &'a Control<'a>,
-    /// Residual at which the signs are checked first: once sets have changed often, they are only
-    /// changed by what is well known, since forces known to a hundredth can send a set in circles.
+    /// Residual at which the signs are checked first. It is smaller once sets have changed often,
+    /// since forces that are accurate to a hundredth can make sets cycle.
     pub first_check: f64,
-    /// How far a converged set's signs may be wrong.
+    /// Relative magnitude of wrong signs that a converged set may have.
     pub slack: f64,
 }
 
@@ -51,30 +52,31 @@ pub(crate) struct Workspace {
 }
 
 impl ContactMesh {
+    /// The constraint of a contact set; `None` if its block of G cannot be factored.
     pub fn constrain<'a>(&self, sets: &Sets, green: &'a Green<'_>) -> Option<Constraint<'a>> {
         let inside = &sets.inside;
         let nodes: Vec<usize> = inside.iter().map(|&i| self.candidates[i]).collect();
         let rows: Vec<[f64; 3]> = nodes.iter().map(|&node| self.rows[node]).collect();
-        let closed = match green {
+        let solver = match green {
             Green::Dense(green) => {
                 let n = inside.len();
                 let matrix = Mat::from_fn(n, n, |i, j| green[(inside[i], inside[j])]);
                 let factor = DenseCholesky::new(&matrix)?;
                 let columns = Mat::from_fn(n, 3, |i, j| rows[i][j]);
                 let motion_columns = factor.solve(&columns);
-                Closed::Factored {
+                ConstraintSolver::Factored {
                     factor,
                     motion_columns,
                 }
             }
             Green::Modal(green) => {
-                Closed::Iterated(ClosedSet::new(green, inside, &rows, self.motion.free))
+                ConstraintSolver::Iterated(ClosedSet::new(green, inside, &rows, self.motion.free))
             }
         };
         Some(Constraint {
             inside: nodes,
             rows,
-            closed,
+            solver,
         })
     }
 
@@ -89,7 +91,7 @@ impl ContactMesh {
         }
     }
 
-    /// Conjugate gradients in the subspace where the nodes inside stay closed.
+    /// Conjugate gradients in the subspace where the set's nodes stay closed.
     ///
     /// Returns whether the tolerance was reached and the signs confirm the set.
     pub fn iterate(
@@ -106,15 +108,16 @@ impl ContactMesh {
             ..
         } = *set;
         self.project_forces(sets, state);
-        self.enter(constraint, state, work);
+        self.enter_subspace(constraint, state, work);
         progress.iterations += 1;
-        // Now the step's defect and imbalance are 0, and stay so.
+        // From here on the step's defect and imbalance are 0.
         let mut before = 0.0;
-        let mut turn_direction = [0.0; 3];
+        let mut motion_direction = [0.0; 3];
         let mut next_check = set.first_check;
         loop {
-            let (turn, rho) = self.equilibrate(constraint, state, work, progress);
-            if let Some(confirmed) = self.settled(set, state, progress.residual, &mut next_check) {
+            let (motion_step, rho) = self.equilibrate(constraint, state, work, progress);
+            if let Some(confirmed) = self.check_set(set, state, progress.residual, &mut next_check)
+            {
                 return confirmed;
             }
             if control.reached(progress.iterations) {
@@ -122,17 +125,17 @@ impl ContactMesh {
             }
             let beta = if before > 0.0 { rho / before } else { 0.0 };
             before = rho;
-            turn_direction = [0, 1, 2].map(|a| turn[a] + beta * turn_direction[a]);
-            let Some(alpha) = self.descend(beta, rho, state, work) else {
+            motion_direction = [0, 1, 2].map(|a| motion_step[a] + beta * motion_direction[a]);
+            let Some(alpha) = self.cg_step(beta, rho, state, work) else {
                 return false;
             };
-            state.motion = [0, 1, 2].map(|a| state.motion[a] + alpha * turn_direction[a]);
+            state.motion = [0, 1, 2].map(|a| state.motion[a] + alpha * motion_direction[a]);
             progress.iterations += 1;
         }
     }
 
-    /// What is out of equilibrium in a state, in the energy norm of the preconditioner and over the
-    /// state's energy: computed from the operator, whatever an iteration made of it.
+    /// Equilibrium residual of a state, in the energy norm of the preconditioner and relative to
+    /// the state's energy norm. It is computed from the operator, not updated by an iteration.
     pub fn out_of_equilibrium(&self, state: &State) -> f64 {
         let mut work = self.workspace();
         self.residual(state, &mut work.residual, &mut work.bodies);
@@ -150,16 +153,21 @@ impl ContactMesh {
         }
     }
 
-    /// Solves K u = load - B^T f for the displacements of a state, from those it has, by
-    /// preconditioned conjugate gradients; returns the iterations, `None` where `most` do not do.
+    /// Solves K u = load - B^T f for the displacements of a state by preconditioned conjugate
+    /// gradients, from its present displacements; returns the number of iterations, `None` if
+    /// `max_iterations` are not enough.
     ///
-    /// It ends where the residual in the energy norm is below `tolerance` of the forces' own
-    /// energy.
-    pub fn respond(&self, state: &mut State, tolerance: f64, most: usize) -> Option<usize> {
+    /// It ends when the residual is below `tolerance` times the energy norm of the state.
+    pub fn solve_displacement(
+        &self,
+        state: &mut State,
+        tolerance: f64,
+        max_iterations: usize,
+    ) -> Option<usize> {
         let mut work = self.workspace();
         self.residual(state, &mut work.residual, &mut work.bodies);
         let mut before = 0.0;
-        for iteration in 0..most {
+        for iteration in 0..max_iterations {
             self.precondition_bodies(&mut work);
             let rho = vector::dot(&work.residual, &work.step).max(0.0);
             let energy = self.energy(state).max(f64::MIN_POSITIVE);
@@ -168,14 +176,14 @@ impl ContactMesh {
             }
             let beta = if before > 0.0 { rho / before } else { 0.0 };
             before = rho;
-            self.descend(beta, rho, state, &mut work)?;
+            self.cg_step(beta, rho, state, &mut work)?;
         }
         None
     }
 
-    /// Goes on by conjugate gradients: the direction is the step plus `beta` times itself; returns
-    /// the length of the way along it, `None` where the curvature there is not positive.
-    fn descend(&self, beta: f64, rho: f64, state: &mut State, work: &mut Workspace) -> Option<f64> {
+    /// One step of conjugate gradients along z + `beta` times the previous direction; returns the
+    /// step length, `None` if the curvature is not positive.
+    fn cg_step(&self, beta: f64, rho: f64, state: &mut State, work: &mut Workspace) -> Option<f64> {
         vector::scale_add(&mut work.direction, beta, &work.step);
         self.apply(&work.direction, &mut work.image, &mut work.bodies);
         let curvature = vector::dot(&work.direction, &work.image);
@@ -191,9 +199,9 @@ impl ContactMesh {
         Some(alpha)
     }
 
-    /// Enters the subspace: closes what is open inside, balances the load. Leaves the residual of
-    /// the new state.
-    fn enter(&self, constraint: &Constraint, state: &mut State, work: &mut Workspace) {
+    /// Enters the subspace: closes the set's nodes and balances the load. `work.residual` is then
+    /// that of the new state.
+    fn enter_subspace(&self, constraint: &Constraint, state: &mut State, work: &mut Workspace) {
         self.residual(state, &mut work.residual, &mut work.bodies);
         let closing = self.closing(&state.displacement);
         let defect: Vec<f64> = constraint
@@ -208,17 +216,17 @@ impl ContactMesh {
                 *b -= r * force;
             }
         }
-        let (force, turn) = self.precondition(constraint, &defect, balance, work);
-        state.motion = [0, 1, 2].map(|a| state.motion[a] + turn[a]);
+        let (force, motion_step) = self.precondition(constraint, &defect, balance, work);
+        state.motion = [0, 1, 2].map(|a| state.motion[a] + motion_step[a]);
         vector::add(&mut state.displacement, &work.step);
         add_to(constraint, &force, state);
         self.residual(state, &mut work.residual, &mut work.bodies);
     }
 
-    /// The next step of a state in the subspace; returns its turn and r . z.
+    /// The next preconditioned step z in the subspace; returns its rigid motion and r . z.
     ///
-    /// The multipliers' increment goes into the forces, which leaves the residual what truly is out
-    /// of equilibrium.
+    /// The increment of the multipliers is added to the forces, so that the residual is that of
+    /// equilibrium with them.
     fn equilibrate(
         &self,
         constraint: &Constraint,
@@ -227,19 +235,20 @@ impl ContactMesh {
         progress: &mut Progress,
     ) -> ([f64; 3], f64) {
         let none = vec![0.0; constraint.inside.len()];
-        let (force, turn) = self.precondition(constraint, &none, [0.0; 3], work);
+        let (force, motion_step) = self.precondition(constraint, &none, [0.0; 3], work);
         let rho = vector::dot(&work.residual, &work.step).max(0.0);
         add_to(constraint, &force, state);
         let opposite = forces_on(constraint, &force, -1.0);
         self.add_forces(&opposite, &mut work.residual);
         let energy = self.energy(state).max(f64::MIN_POSITIVE);
         progress.residual = (rho / energy).sqrt();
-        (turn, rho)
+        (motion_step, rho)
     }
 
-    /// Whether the tolerance is reached and the signs confirm the set, or contradict it; checked at
-    /// whenever the residual has fallen a hundredfold.
-    fn settled(
+    /// `Some(true)` if the tolerance is reached and the signs confirm the set, `Some(false)` if
+    /// they contradict it, `None` to continue; signs are checked whenever the residual has fallen a
+    /// hundredfold.
+    fn check_set(
         &self,
         set: &SetProblem,
         state: &State,
@@ -260,7 +269,7 @@ impl ContactMesh {
     }
 
     /// Solves P z + B^T m = r, N^T m = `balance`, B z + N q = `defect` for the step z (into
-    /// `work.step`), the turn q and the multipliers m of the nodes inside.
+    /// `work.step`), the rigid motion q and the multipliers m of the closed nodes.
     fn precondition(
         &self,
         constraint: &Constraint,
@@ -272,16 +281,16 @@ impl ContactMesh {
         for ((body, part), body_work) in self.parts().zip(&mut work.bodies) {
             body.begin(&work.residual[part], &mut closing, body_work);
         }
-        let (multipliers, turn) = self.multipliers(constraint, &closing, defect, balance);
+        let (multipliers, motion_step) = self.multipliers(constraint, &closing, defect, balance);
         let forces = forces_on(constraint, &multipliers, 1.0);
         for ((body, part), body_work) in self.parts().zip(&mut work.bodies) {
             body.finish(&forces, &mut work.step[part], body_work);
         }
-        (multipliers, turn)
+        (multipliers, motion_step)
     }
 
-    /// The multipliers and the turn that close `defect` less `closing` = B P^-1 r; not finite where
-    /// an inner iteration fails.
+    /// The multipliers and the rigid motion that close `defect` less `closing` = B P^-1 r; NaN if an
+    /// inner iteration fails.
     fn multipliers(
         &self,
         constraint: &Constraint,
@@ -291,8 +300,8 @@ impl ContactMesh {
     ) -> (Vec<f64>, [f64; 3]) {
         let n = constraint.inside.len();
         let side = Mat::from_fn(n, 1, |i, _| defect[i] - closing[constraint.inside[i]]);
-        let solved = match &constraint.closed {
-            Closed::Factored {
+        let solved = match &constraint.solver {
+            ConstraintSolver::Factored {
                 factor,
                 motion_columns,
             } => {
@@ -302,9 +311,9 @@ impl ContactMesh {
                     _ => motion_columns[(i, j - 1)],
                 })
             }
-            Closed::Iterated(set) => {
+            ConstraintSolver::Iterated(set) => {
                 let gap: Vec<f64> = side.col(0).iter().copied().collect();
-                let found = set.solve(ITERATIONS, &gap, [balance, [0.0; 3]], &vec![0.0; n]);
+                let found = set.solve(MAX_ITERATIONS, &gap, [balance, [0.0; 3]], &vec![0.0; n]);
                 return found.unwrap_or((vec![f64::NAN; n], [f64::NAN; 3]));
             }
         };
@@ -312,13 +321,13 @@ impl ContactMesh {
     }
 }
 
-/// The forces on the nodes inside, times `factor`, with their nodes.
+/// Forces on the closed nodes times `factor`, as pairs of node and force.
 fn forces_on(constraint: &Constraint, force: &[f64], factor: f64) -> Vec<(usize, f64)> {
     let nodes = constraint.inside.iter().copied();
     nodes.zip(force.iter().map(|f| factor * f)).collect()
 }
 
-/// Adds the forces on the nodes inside to the state's.
+/// Adds forces on the closed nodes to the state's.
 fn add_to(constraint: &Constraint, force: &[f64], state: &mut State) {
     for (&node, f) in constraint.inside.iter().zip(force) {
         state.force[node] += f;

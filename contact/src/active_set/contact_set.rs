@@ -1,4 +1,4 @@
-//! Which nodes touch: accelerated projective SOR on the bodies' own stiffness.
+//! The contact set: projected SOR with minimisation on the active set, on the bodies' stiffness.
 
 use crate::Options;
 use crate::active_set::constrained_cg::SetProblem;
@@ -7,23 +7,24 @@ use crate::green::matrix::Green;
 use crate::mesh::contact_mesh::{ContactMesh, Sets, State, clip};
 use crate::motion::dot;
 
-/// Most contact sets of one solve.
-const UPDATES: usize = 200;
-/// After so many sets each further lot is checked ten times more closely.
-const UNHURRIED: usize = 10;
-/// Tension over the largest force, and penetration over the depth, that a converged set may have:
-/// rounding. After `PATIENT` lots of sets it is ten times more with each further lot, up to
-/// `MOST_SLACK` times: what then sends a set in circles is no contact.
+/// Largest number of contact sets of one solve.
+const MAX_SETS: usize = 200;
+/// Number of sets in a batch: with each further batch, signs are first checked at a ten times
+/// smaller residual.
+const BATCH: usize = 10;
+/// Tension relative to the largest force, and penetration relative to the depth, that a converged
+/// set may have: rounding. From batch `SLACK_BATCH` on it grows tenfold per batch, up to
+/// `MAX_SLACK_FACTOR` times: forces that small then make sets cycle and are no contact.
 const SLACK: f64 = 1e-10;
-const PATIENT: i32 = 2;
-/// After so many sets the plain active set takes over: no prediction, and forces only on the way to
-/// those of a set.
+const SLACK_BATCH: i32 = 2;
+const MAX_SLACK_FACTOR: f64 = 1e5;
+/// Number of sets after which the plain active-set method takes over: without prediction, and with
+/// forces that stop at the first bound they meet.
 const PLAIN: usize = 30;
-const MOST_SLACK: f64 = 1e5;
 
 impl ContactMesh {
-    /// Iterates from `state`, whose forces took `begun`, until the energy-norm residual is below
-    /// the tolerance and the contact set stays.
+    /// Iterates from `state` until the energy-norm residual is below the tolerance and the contact
+    /// set is confirmed; `begun` counts the sweeps and accelerations behind the initial forces.
     pub fn solve(
         &self,
         state: &mut State,
@@ -37,16 +38,15 @@ impl ContactMesh {
         })
     }
 
-    /// As [`ContactMesh::solve`] with an iteration within one contact set, which returns whether
-    /// tolerance and set were reached.
+    /// [`ContactMesh::solve`] with `iterate`, the iteration on one contact set, which returns
+    /// whether the tolerance is reached and the set confirmed.
     ///
-    /// The scheme is that of [`PlaneProblem::solve`] on the bodies' own stiffness: sweeps on the
-    /// contact plane, corrected to what the bodies answered last, find a set, and the iteration on
-    /// that set is the acceleration. It is accepted where the energy of the contact forces falls:
-    /// that of the forces put back to their bounds, or that of the point on the way where the first
-    /// force meets its bound. Where it does not fall the next set is that of the forces accepted
-    /// last with the nodes whose gaps contradict it: its minimiser lies lower, since those forces
-    /// are among its own.
+    /// The scheme is that of [`PlaneProblem::solve`] on the bodies' stiffness. Sweeps on the contact
+    /// plane, corrected to the bodies' last displacements, predict a set; the iteration on that set
+    /// is the acceleration. Its forces are accepted where their energy falls: clamped to the bounds,
+    /// or else where the first force meets its bound. Where the energy does not fall, the next set
+    /// is that of the last accepted forces with the nodes whose gaps contradict it. Its minimiser
+    /// has a lower energy, since the accepted forces are feasible for it.
     fn solve_by(
         &self,
         state: &mut State,
@@ -64,7 +64,7 @@ impl ContactMesh {
         let mut sets = Sets::of(&self.on_candidates(&state.force), &bound);
         let mut counts = begun;
         let mut accepted: Option<Feasible> = None;
-        for update in 0..UPDATES {
+        for update in 0..MAX_SETS {
             let gaps = self.gaps(state);
             sets.free_one(&self.motion, &bound, |i| gaps[self.candidates[i]]);
             let Some(constraint) = self.constrain(&sets, &greens[0]) else {
@@ -75,17 +75,16 @@ impl ContactMesh {
                 sets: &sets,
                 constraint: &constraint,
                 control,
-                first_check: 1e-2 * 0.1f64.powi((update / UNHURRIED) as i32),
+                first_check: 1e-2 * 0.1f64.powi((update / BATCH) as i32),
                 slack: SLACK
                     * 10f64
-                        .powi((update / UNHURRIED) as i32 - PATIENT)
-                        .clamp(1.0, MOST_SLACK),
+                        .powi((update / BATCH) as i32 - SLACK_BATCH)
+                        .clamp(1.0, MAX_SLACK_FACTOR),
             };
             let confirmed = iterate(&set, state, &mut progress);
             counts.accelerations += 1;
             let trial = self.feasible(state, &greens[1], accepted.as_ref());
-            // Forces put back to their bounds leave gaps that are only predicted: not good enough
-            // where sets go in circles.
+            // The gaps of clamped forces are only predicted: not accurate enough where sets cycle.
             let plain = update >= PLAIN;
             let exact = !plain || self.within_bounds(state);
             let falls = match &accepted {
@@ -93,7 +92,7 @@ impl ContactMesh {
                 Some(last) => confirmed || (exact && (plain || trial.energy < last.energy)),
             };
             let clipped = match &accepted {
-                Some(last) if !falls => Some(self.on_the_way(last, state))
+                Some(last) if !falls => Some(self.clipped(last, state))
                     .filter(|way| plain || way.energy < last.energy)
                     .map(|way| way.not_above(Some(last))),
                 _ => None,
@@ -138,7 +137,7 @@ impl ContactMesh {
         })
     }
 
-    /// The candidates' forces, put back to their bounds.
+    /// The candidates' forces, clamped to their bounds.
     fn clamped_forces(&self, state: &State) -> Vec<f64> {
         let nodes = self.candidates.iter();
         nodes
@@ -146,15 +145,15 @@ impl ContactMesh {
             .collect()
     }
 
-    /// Projected SOR on the plane, from the gaps as they are now.
+    /// Solves the contact on the plane from the gaps of the state.
     fn predict(&self, state: &State, scaled: &Green) -> PlaneState {
         let gaps = self.gaps(state);
         let nodes = || self.candidates.iter();
         let mut base: Vec<f64> = nodes()
             .map(|&c| gaps[c] + dot(self.rows[c], state.motion))
             .collect();
-        let taken: Vec<f64> = nodes().map(|&c| -state.force[c]).collect();
-        scaled.add_times(&taken, &mut base);
+        let removed: Vec<f64> = nodes().map(|&c| -state.force[c]).collect();
+        scaled.add_times(&removed, &mut base);
         let clamped = self.clamped_forces(state);
         self.plane_contact(scaled, &base, PlaneState::new(clamped, state.motion))
     }
@@ -164,6 +163,7 @@ impl ContactMesh {
         let gaps = self.gaps(state);
         let largest = state.force.iter().fold(0.0f64, |m, f| m.max(f.abs()));
         let depth = self.depth(state);
+        // 0 open, 1 inside the bounds, 2 at the upper bound.
         let mut kind = vec![0u8; self.candidates.len()];
         sets.inside.iter().for_each(|&i| kind[i] = 1);
         sets.full.iter().for_each(|&i| kind[i] = 2);
@@ -187,8 +187,8 @@ impl ContactMesh {
 
     /// Solves the contact on the plane alone, with the scaled Green's matrix.
     ///
-    /// `base` is the gap of the candidates without motion and forces, `start` the forces and motion
-    /// to begin with.
+    /// `base` is the gap of the candidates without motion and forces, `start` the initial forces and
+    /// motion.
     pub fn plane_contact(&self, scaled: &Green, base: &[f64], start: PlaneState) -> PlaneState {
         PlaneProblem {
             green: scaled,
@@ -201,16 +201,15 @@ impl ContactMesh {
     }
 }
 
-// The energy of contact forces on the bodies' own stiffness, from one contact set to the next.
+// The energy of contact forces on the bodies' stiffness, from one contact set to the next.
 
-/// Forces within their bounds, the gaps under them, and their energy.
+/// Forces within their bounds, their gaps and their energy.
 ///
-/// The energy is D(f) = 1/2 f^T S f + g^T f with S = B K^-1 B^T and g the gap without forces, the
-/// complementary one; at the solution it is minus the total potential energy, the load's work in
-/// it. Its gradient is the gap plus the motion's part, which does no work on balanced changes, so
-/// that between two states D changes by 1/2 (gap + gap') . (f' - f), exactly since S is linear:
-/// only nodes that enter or leave the set count, and the signs of their gaps and forces show which
-/// way.
+/// The complementary energy is D(f) = 1/2 f^T S f + g^T f with S = B K^-1 B^T and g the gap without
+/// forces. At the solution it is minus the total potential energy, which includes the load's work.
+/// Its gradient is the gap plus the rigid motion's part, which does no work on balanced changes.
+/// Between two states D therefore changes by 1/2 (gap + gap') . (f' - f), exactly since S is linear.
+/// Only nodes that enter or leave the set contribute.
 #[derive(Clone, Debug)]
 pub(crate) struct Feasible {
     /// Forces on the candidates [N].
@@ -232,7 +231,7 @@ impl Feasible {
         self
     }
 
-    /// The set of these forces, with the nodes whose gaps contradict it let go.
+    /// The set of these forces, after release of the nodes whose gaps contradict it.
     pub fn released(&self, bound: &[f64]) -> Sets {
         let slack = 1e-10 * self.depth;
         let mut sets = Sets::default();
@@ -246,17 +245,17 @@ impl Feasible {
         sets
     }
 
-    /// The set of these forces, with the one node let go whose gap contradicts it most: of several
-    /// some may have to come back.
+    /// The set of these forces, after release of the one node whose gap contradicts it most; of
+    /// several released nodes some might have to return.
     pub fn released_one(&self, bound: &[f64]) -> Sets {
         let mut sets = Sets::of(&self.force, bound);
-        let wrong = |i: usize| match self.force[i] {
+        let violation = |i: usize| match self.force[i] {
             f if f >= bound[i] => self.gap[i],
             f if f > 0.0 => 0.0,
             _ => -self.gap[i],
         };
-        let worst = (0..bound.len()).max_by(|&i, &j| wrong(i).total_cmp(&wrong(j)));
-        if let Some(worst) = worst.filter(|&i| wrong(i) > 0.0) {
+        let worst = (0..bound.len()).max_by(|&i, &j| violation(i).total_cmp(&violation(j)));
+        if let Some(worst) = worst.filter(|&i| violation(i) > 0.0) {
             sets.full.retain(|&i| i != worst);
             let place = sets.inside.partition_point(|&i| i < worst);
             sets.inside.insert(place, worst);
@@ -264,7 +263,7 @@ impl Feasible {
         sets
     }
 
-    /// The change of D on the way to other forces.
+    /// Change of D from these forces to others.
     fn change(&self, force: &[f64], gap: &[f64]) -> f64 {
         (0..force.len())
             .map(|i| 0.5 * (self.gap[i] + gap[i]) * (force[i] - self.force[i]))
@@ -273,12 +272,12 @@ impl Feasible {
 }
 
 impl ContactMesh {
-    /// The forces of a state put back to their bounds, with gaps corrected for that on the contact
-    /// plane.
+    /// The forces of a state clamped to their bounds, with gaps corrected for the change on the
+    /// contact plane.
     ///
-    /// Without a state before, energies count from no forces on the bodies as they lie under outer
-    /// loads, and the work of a load from first touch. Under a given approach no load works, and
-    /// the energy is minus what the bodies have stored.
+    /// Without a previous state (`last`), the energy is relative to the bodies under outer loads
+    /// alone, and the work of the contact load counts from first touch. Under a prescribed approach
+    /// no load does work, and the energy is minus the strain energy of the bodies.
     pub fn feasible(&self, state: &State, scaled: &Green, last: Option<&Feasible>) -> Feasible {
         let mut gap = self.on_candidates(&self.gaps(state));
         let force = self.clamped_forces(state);
@@ -288,11 +287,11 @@ impl ContactMesh {
         let energy = match last {
             Some(last) => last.energy + last.change(&force, &gap),
             None => {
-                // Motions that are fixed belong to the gap without forces.
+                // Prescribed motions belong to the gap without forces.
                 let sign = |a: usize| if self.motion.free[a] { 1.0 } else { -1.0 };
-                let moved = [0, 1, 2].map(|a| sign(a) * state.motion[a]);
+                let motion = [0, 1, 2].map(|a| sign(a) * state.motion[a]);
                 let unpressed = self.unpressed_gap();
-                // A load is at no height of its own: its work counts from first touch.
+                // The origin of a load's work is first touch.
                 let lowest = if self.motion.free[0] {
                     unpressed.iter().copied().fold(f64::INFINITY, f64::min)
                 } else {
@@ -300,7 +299,7 @@ impl ContactMesh {
                 };
                 let work = |i: usize| {
                     let row = self.rows[self.candidates[i]];
-                    force[i] * (0.5 * (unpressed[i] + gap[i] + dot(row, moved)) - lowest)
+                    force[i] * (0.5 * (unpressed[i] + gap[i] + dot(row, motion)) - lowest)
                 };
                 (0..force.len()).map(work).sum()
             }
@@ -313,14 +312,14 @@ impl ContactMesh {
         }
     }
 
-    /// The forces on the way from accepted ones to those of a state where the first one meets its
+    /// The forces between the accepted ones and those of a state at which the first force meets its
     /// bound.
-    pub fn on_the_way(&self, last: &Feasible, state: &State) -> Feasible {
+    pub fn clipped(&self, last: &Feasible, state: &State) -> Feasible {
         let to = self.on_candidates(&state.force);
-        let (part, force) = clip(&last.force, &to, &self.on_candidates(&self.bound));
+        let (step, force) = clip(&last.force, &to, &self.on_candidates(&self.bound));
         let gaps = self.on_candidates(&self.gaps(state));
         let pairs = gaps.iter().zip(&last.gap);
-        let gap: Vec<f64> = pairs.map(|(gap, b)| b + part * (gap - b)).collect();
+        let gap: Vec<f64> = pairs.map(|(gap, b)| b + step * (gap - b)).collect();
         let energy = last.energy + last.change(&force, &gap);
         Feasible {
             force,
@@ -331,7 +330,7 @@ impl ContactMesh {
     }
 }
 
-// How an iteration goes and when it ends.
+// Progress and limits of an iteration.
 
 /// Sweeps and accelerations of projected SOR.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -340,46 +339,46 @@ pub(crate) struct Counts {
     pub accelerations: usize,
 }
 
-/// How an iteration went.
+/// Outcome of an iteration.
 #[derive(Clone, Debug)]
 pub(crate) struct Progress {
-    /// Conjugate-gradient iterations in all.
+    /// Total number of conjugate-gradient iterations.
     pub iterations: usize,
-    /// Energy-norm residual over the energy of the solution.
+    /// Energy-norm residual relative to the energy norm of the solution.
     pub residual: f64,
-    /// Whether tolerance and set were both reached.
+    /// Whether the tolerance was reached and the set confirmed.
     pub converged: bool,
 }
 
 /// The limits of an iteration and its callback.
 pub(crate) struct Control<'a> {
-    /// Most iterations.
+    /// Largest number of iterations.
     pub iterations: usize,
-    /// The requested residual, and the flag that stops it.
+    /// The residual tolerance, and the flag that stops the iteration.
     pub options: &'a Options,
-    /// Called at every update of the contact set, with the state as it is then.
+    /// Called at every update of the contact set, with the present state.
     pub report: &'a dyn Fn(&SetUpdate, &State),
 }
 
 impl Control<'_> {
-    /// Whether it is to end after so many iterations.
+    /// Whether the iteration ends after this number of iterations.
     pub fn reached(&self, iterations: usize) -> bool {
         iterations >= self.iterations || self.options.stopped()
     }
 }
 
-/// What happened with one contact set.
+/// Report on one contact set.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SetUpdate {
-    /// Nodes that touch.
+    /// Nodes in contact.
     pub contact_nodes: usize,
-    /// Conjugate-gradient iterations with this set.
+    /// Conjugate-gradient iterations on this set.
     pub iterations: usize,
-    /// Residual that they reached.
+    /// Residual after them.
     pub residual: f64,
-    /// Of the prediction of this set; the iteration on the set is one more acceleration.
+    /// Counts of the prediction of this set; the iteration on the set is one more acceleration.
     pub counts: Counts,
-    /// Energy of the forces accepted so far, of the part that is solved [J].
+    /// Energy of the last accepted forces, of the part that is solved [J].
     pub energy: f64,
 }
 

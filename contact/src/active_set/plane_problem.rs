@@ -1,10 +1,10 @@
-//! Accelerated projective SOR on the contact plane.
+//! Contact on the contact plane alone: projected SOR (PSOR) with minimisation on the active set.
 
 use faer::Mat;
 
 use crate::active_set::balance::{Balance, BalancedForces};
 use crate::active_set::contact_set::Counts;
-use crate::green::closed_set::{ClosedSet, ITERATIONS};
+use crate::green::closed_set::{ClosedSet, MAX_ITERATIONS};
 use crate::green::matrix::Green;
 use crate::mesh::contact_mesh::{Sets, clip};
 use crate::motion::{Motion, dot, forces_and_motion};
@@ -21,7 +21,7 @@ pub(crate) struct PlaneProblem<'a> {
     pub green: &'a Green<'a>,
     /// Gap without motion and forces [m].
     pub gap: &'a [f64],
-    /// Rows N.
+    /// Rows of N: gap change of a node per unit of each rigid motion.
     pub rows: &'a [[f64; 3]],
     /// Largest force of each node [N]; infinite where the ice has no hardness.
     pub bound: &'a [f64],
@@ -36,9 +36,9 @@ pub(crate) struct PlaneState {
     pub force: Vec<f64>,
     /// Approach [m], pitch and roll [rad].
     pub motion: [f64; 3],
-    /// Whether the last set was confirmed.
-    pub settled: bool,
-    /// What it took.
+    /// Whether the signs of forces and gaps confirm the last set.
+    pub converged: bool,
+    /// Numbers of sweeps and accelerations.
     pub counts: Counts,
     /// D after each step that was accepted [J].
     pub energies: Vec<f64>,
@@ -50,78 +50,85 @@ impl PlaneState {
         PlaneState {
             force,
             motion,
-            settled: false,
+            converged: false,
             counts: Counts::default(),
             energies: Vec::new(),
         }
     }
 }
 
+/// Over-relaxation factor of SOR.
 const RELAXATION: f64 = 1.4;
 
-/// Sweeps at the first motion.
+/// Sweeps at the initial motion.
 const FIRST_SWEEPS: usize = 3;
 
-/// Rounds with sweeps between accelerations; later ones sweep only from the minimiser of
-/// a set.
+/// Rounds with a sweep after every acceleration; later rounds sweep only from the minimiser of a
+/// set.
 const FREE_ROUNDS: usize = 60;
 
-/// Most rounds in all.
-const ROUNDS: usize = 400;
+/// Largest number of rounds.
+const MAX_ROUNDS: usize = 400;
 
 /// How an acceleration ended.
 #[derive(PartialEq)]
 enum Acceleration {
     /// At the minimiser of its set.
-    Arrived,
-    /// On the way, with a smaller set.
-    Short,
-    /// Nothing lowered the energy.
-    Refused,
+    Minimiser,
+    /// At feasible forces before the minimiser, with another set.
+    Shortened,
+    /// The reduced system of the set could not be solved.
+    Singular,
 }
 
 impl PlaneProblem<'_> {
     /// Sweeps and accelerations until the contact set confirms itself, from `state`.
     ///
-    /// After the first sweeps, which search a beginning at the motion given, forces keep their
-    /// bounds and the balance, and every step is taken only where D falls. An acceleration goes to
-    /// the minimiser of D on the set of the forces: forces outside their bounds are put back and
-    /// the load is balanced anew where that lowers D, and otherwise the step ends where the first
-    /// force meets its bound, which lowers D since D is convex. From the minimiser of a set that
-    /// gaps contradict, a sweep lowers D: along the change of an SOR sweep at fixed motion,
-    /// balanced anew, where D falls that way, and else along the projected gradient, where it must.
-    /// So no set's minimiser is met twice, and there are finitely many: it ends, from wherever it
-    /// begins (L. Banz and A. Schroeder, Comp. Appl. Math. 2024, doi 10.1007/s40314-024-03066-x,
-    /// for the scheme without the balance).
+    /// The first sweeps, at the initial motion, give initial forces. From then on forces keep their
+    /// bounds and the balance, and a step is taken only where D falls.
+    ///
+    /// - An acceleration goes to the minimiser of D on the set of the forces. Forces outside their
+    ///   bounds are projected onto the bounds and the balance where that lowers D. Otherwise the
+    ///   step ends where the first force meets its bound, which lowers D since D is convex.
+    /// - From the minimiser of a set that gaps contradict, a sweep lowers D: along the projected
+    ///   change of an SOR sweep at fixed motion where D falls in that direction, otherwise along
+    ///   the projected gradient, where it must fall.
+    ///
+    /// So no set's minimiser occurs twice. There are finitely many sets, so the iteration ends from
+    /// any initial state (L. Banz and A. Schroeder, Comp. Appl. Math. 2024, doi
+    /// 10.1007/s40314-024-03066-x, for the scheme without the balance).
     pub fn solve(&self, mut state: PlaneState) -> PlaneState {
         let mut deflection = self.deflection(&state.force);
         for _ in 0..FIRST_SWEEPS {
             self.sweep(&mut state, &mut deflection);
         }
-        let everyone = vec![true; self.gap.len()];
+        let all_nodes = vec![true; self.gap.len()];
         let precision = self.green.precision();
         let gaps = self.open_gaps(&state, &deflection);
-        let begun = self.balanced(&state.force, &gaps, &everyone);
-        let feasible = begun.met;
-        state.force = begun.force;
-        state.motion = [0, 1, 2].map(|a| state.motion[a] + begun.turn[a]);
+        let initial = self.balanced(&state.force, &gaps, &all_nodes);
+        let feasible = initial.feasible;
+        state.force = initial.force;
+        state.motion = [0, 1, 2].map(|a| state.motion[a] + initial.motion_step[a]);
         deflection = self.deflection(&state.force);
         if !feasible {
-            // What may touch cannot bear the load: these forces show where more is needed.
+            // The candidates cannot bear the load: these forces show where more are needed.
             return state;
         }
         state.energies.push(self.energy(&state, &deflection));
-        for round in 0..ROUNDS {
-            let way = self.accelerate(&mut state, &mut deflection);
-            if way == Acceleration::Arrived && self.confirmed(&state, &deflection, precision) {
-                state.settled = true;
+        for round in 0..MAX_ROUNDS {
+            let outcome = self.accelerate(&mut state, &mut deflection);
+            let shortened = outcome == Acceleration::Shortened;
+            if outcome == Acceleration::Minimiser && self.confirmed(&state, &deflection, precision)
+            {
+                state.converged = true;
                 break;
             }
-            let falls = (way == Acceleration::Short && round >= FREE_ROUNDS)
-                || self.balanced_sweep(&mut state, &mut deflection);
-            if !falls && way != Acceleration::Short {
+            if shortened && round >= FREE_ROUNDS {
+                continue;
+            }
+            if !self.balanced_sweep(&mut state, &mut deflection) && !shortened {
                 // The energy falls no more in this precision.
-                state.settled = self.confirmed(&state, &deflection, 1e3 * precision);
+                state.converged = self.confirmed(&state, &deflection, 1e3 * precision);
                 break;
             }
         }
@@ -134,72 +141,75 @@ impl PlaneProblem<'_> {
     fn sweep(&self, state: &mut PlaneState, deflection: &mut [f64]) {
         state.counts.sweeps += 1;
         let motion = state.motion;
-        let wanted = |i: usize, force: f64, deflection: f64| {
+        let update = |i: usize, force: f64, deflection: f64| {
             let gap = self.gap[i] - dot(self.rows[i], motion) + deflection;
-            (force - RELAXATION * gap / self.green.own(i)).clamp(0.0, self.bound[i])
+            (force - RELAXATION * gap / self.green.diagonal(i)).clamp(0.0, self.bound[i])
         };
-        self.green.sweep(&mut state.force, deflection, wanted);
+        self.green.sweep(&mut state.force, deflection, update);
     }
 
-    /// A sweep whose outcome keeps the balance; returns whether D fell.
+    /// A sweep followed by projection onto the balance, or a projected gradient step; returns
+    /// whether D fell.
     fn balanced_sweep(&self, state: &mut PlaneState, deflection: &mut Vec<f64>) -> bool {
-        let everyone = vec![true; self.gap.len()];
+        let all_nodes = vec![true; self.gap.len()];
         let mut swept = state.clone();
         let mut swept_deflection = deflection.clone();
         self.sweep(&mut swept, &mut swept_deflection);
         state.counts = swept.counts;
         let gaps = self.open_gaps(&swept, &swept_deflection);
-        let along_sweep = self.balanced(&swept.force, &gaps, &everyone);
-        if along_sweep.met && self.descend(state, deflection, along_sweep) {
+        let along_sweep = self.balanced(&swept.force, &gaps, &all_nodes);
+        if along_sweep.feasible && self.line_search(state, deflection, along_sweep) {
             return true;
         }
         let gaps = self.gaps(state, deflection);
-        let along_gradient = self.balanced(&state.force, &gaps, &everyone);
-        along_gradient.met && self.descend(state, deflection, along_gradient)
+        let along_gradient = self.balanced(&state.force, &gaps, &all_nodes);
+        along_gradient.feasible && self.line_search(state, deflection, along_gradient)
     }
 
-    /// Goes to the least D on the way to `answer`, or all of it; returns whether D fell.
-    fn descend(
+    /// Exact line search of D along `target.force - state.force`, with a step length of at most 1;
+    /// returns whether D fell.
+    fn line_search(
         &self,
         state: &mut PlaneState,
         deflection: &mut Vec<f64>,
-        answer: BalancedForces,
+        target: BalancedForces,
     ) -> bool {
-        let pairs = answer.force.iter().zip(&state.force);
-        let change: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
-        let image = self.deflection(&change);
+        let pairs = target.force.iter().zip(&state.force);
+        let direction: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
+        let g_direction = self.deflection(&direction);
         let gaps = self.gaps(state, deflection);
-        let slope: f64 = gaps.iter().zip(&change).map(|(g, c)| g * c).sum();
-        let curvature: f64 = image.iter().zip(&change).map(|(i, c)| i * c).sum();
+        let slope: f64 = gaps.iter().zip(&direction).map(|(g, d)| g * d).sum();
+        let curvature: f64 = g_direction.iter().zip(&direction).map(|(i, d)| i * d).sum();
         if slope >= 0.0 || curvature <= 0.0 {
             return false;
         }
-        let part = (-slope / curvature).min(1.0);
-        let fall = part * (slope + 0.5 * part * curvature);
-        if part < 1.0 {
-            for (force, change) in state.force.iter_mut().zip(&change) {
-                *force += part * change;
+        let step = (-slope / curvature).min(1.0);
+        let energy_change = step * (slope + 0.5 * step * curvature);
+        if step < 1.0 {
+            for (force, d) in state.force.iter_mut().zip(&direction) {
+                *force += step * d;
             }
-            for (d, i) in deflection.iter_mut().zip(&image) {
-                *d += part * i;
+            for (d, i) in deflection.iter_mut().zip(&g_direction) {
+                *d += step * i;
             }
         } else {
-            state.force = answer.force;
+            state.force = target.force;
             *deflection = self.deflection(&state.force);
         }
         let before = state.energies.last().copied().unwrap_or(0.0);
-        state.energies.push(before + fall);
-        before + fall < before
+        state.energies.push(before + energy_change);
+        before + energy_change < before
     }
 
-    /// Gaps in a state.
+    /// gap - N q + G f of a state.
     fn gaps(&self, state: &PlaneState, deflection: &[f64]) -> Vec<f64> {
         (0..self.gap.len())
             .map(|i| self.gap[i] - dot(self.rows[i], state.motion) + deflection[i])
             .collect()
     }
 
-    /// The gaps after a sweep: 0 at nodes where it set a force, the positive gaps elsewhere.
+    /// Gaps after a sweep: 0 at nodes with a force inside the bounds, positive gaps without force,
+    /// negative gaps at the upper bound.
     fn open_gaps(&self, state: &PlaneState, deflection: &[f64]) -> Vec<f64> {
         let gaps = self.gaps(state, deflection).into_iter().zip(&state.force);
         gaps.zip(self.bound)
@@ -211,24 +221,24 @@ impl PlaneProblem<'_> {
             .collect()
     }
 
-    /// What the nodes that `may` answer to the motion that balances the load, each on its own
-    /// stiffness.
-    fn balanced(&self, force: &[f64], gaps: &[f64], may: &[bool]) -> BalancedForces {
-        let softness = (0..gaps.len()).map(|i| RELAXATION / self.green.own(i));
-        let softness: Vec<f64> = softness.collect();
+    /// Projects the forces after a step along the gaps onto the bounds and the load balance, in the
+    /// norm of the diagonal of G; only nodes with `may_change` change.
+    fn balanced(&self, force: &[f64], gaps: &[f64], may_change: &[bool]) -> BalancedForces {
+        let stiffness = (0..gaps.len()).map(|i| RELAXATION / self.green.diagonal(i));
+        let stiffness: Vec<f64> = stiffness.collect();
         Balance {
             force,
             gap: gaps,
-            softness: &softness,
+            stiffness: &stiffness,
             rows: self.rows,
             bound: self.bound,
-            may,
+            may_change,
             motion: self.motion,
         }
         .solve()
     }
 
-    /// D of forces that keep the balance; motions that are fixed belong to the gap.
+    /// D of balanced forces; prescribed motions belong to the gap.
     fn energy(&self, state: &PlaneState, deflection: &[f64]) -> f64 {
         let fixed = |a: usize| {
             if self.motion.free[a] {
@@ -252,11 +262,11 @@ impl PlaneProblem<'_> {
         deflection
     }
 
-    /// Towards the minimiser of D on the set of the state's forces.
+    /// Step towards the minimiser of D on the set of the state's forces.
     fn accelerate(&self, state: &mut PlaneState, deflection: &mut Vec<f64>) -> Acceleration {
         let set = Sets::of(&state.force, self.bound);
         let Some((force, motion)) = self.minimiser(&set, state) else {
-            return Acceleration::Refused;
+            return Acceleration::Singular;
         };
         state.counts.accelerations += 1;
         let largest = force.iter().fold(0.0f64, |m, f| m.max(f.abs()));
@@ -266,31 +276,31 @@ impl PlaneProblem<'_> {
         let clamped = force.iter().zip(self.bound).map(|(f, b)| f.clamp(0.0, *b));
         let clamped: Vec<f64> = clamped.collect();
         if !set.inside.iter().any(out_of_bounds) {
-            // D is no higher there: the forces before are of this set.
+            // D is no higher there: the previous forces belong to this set.
             let step = self.step(state, deflection, clamped, motion);
-            step.take(state, deflection);
-            return Acceleration::Arrived;
+            step.apply(state, deflection);
+            return Acceleration::Minimiser;
         }
-        // Back to the bounds and to balance, with the forces of this set alone.
-        let mut may = vec![false; force.len()];
-        set.inside.iter().for_each(|&i| may[i] = true);
-        let answer = self.balanced(&clamped, &vec![0.0; force.len()], &may);
-        if answer.met {
-            let turned = [0, 1, 2].map(|a| motion[a] + answer.turn[a]);
-            let step = self.step(state, deflection, answer.force, turned);
-            if step.fall < 0.0 {
-                step.take(state, deflection);
-                return Acceleration::Short;
+        // Projection onto bounds and balance, with the forces of this set alone.
+        let mut may_change = vec![false; force.len()];
+        set.inside.iter().for_each(|&i| may_change[i] = true);
+        let projected = self.balanced(&clamped, &vec![0.0; force.len()], &may_change);
+        if projected.feasible {
+            let projected_motion = [0, 1, 2].map(|a| motion[a] + projected.motion_step[a]);
+            let step = self.step(state, deflection, projected.force, projected_motion);
+            if step.energy_change < 0.0 {
+                step.apply(state, deflection);
+                return Acceleration::Shortened;
             }
         }
-        let (part, force) = clip(&state.force, &force, self.bound);
-        let motion = [0, 1, 2].map(|a| state.motion[a] + part * (motion[a] - state.motion[a]));
+        let (length, force) = clip(&state.force, &force, self.bound);
+        let motion = [0, 1, 2].map(|a| state.motion[a] + length * (motion[a] - state.motion[a]));
         let step = self.step(state, deflection, force, motion);
-        step.take(state, deflection);
-        Acceleration::Short
+        step.apply(state, deflection);
+        Acceleration::Shortened
     }
 
-    /// From balanced forces to others.
+    /// The step from the balanced forces of a state to others.
     fn step(
         &self,
         from: &PlaneState,
@@ -298,27 +308,27 @@ impl PlaneProblem<'_> {
         force: Vec<f64>,
         motion: [f64; 3],
     ) -> Step {
-        let image = self.deflection(&force);
-        let fall = |i: usize| {
+        let g_force = self.deflection(&force);
+        let energy_change = |i: usize| {
             let gap = self.gap[i] - dot(self.rows[i], from.motion);
-            (force[i] - from.force[i]) * (gap + 0.5 * (deflection[i] + image[i]))
+            (force[i] - from.force[i]) * (gap + 0.5 * (deflection[i] + g_force[i]))
         };
         Step {
-            fall: (0..force.len()).map(fall).sum(),
+            energy_change: (0..force.len()).map(energy_change).sum(),
             force,
             motion,
-            image,
+            g_force,
         }
     }
 
-    /// Exact forces and motion for a fixed set: the gap is 0 inside, the force at its bound where
-    /// full.
+    /// Exact forces and motion of a fixed set: gap 0 at nodes inside the bounds, the bound's force
+    /// at full ones; `None` where the reduced system cannot be solved.
     fn minimiser(&self, set: &Sets, state: &PlaneState) -> Option<(Vec<f64>, [f64; 3])> {
         let mut force = vec![0.0; self.gap.len()];
         for &i in &set.full {
             force[i] = self.bound[i];
         }
-        let pressed = self.deflection(&force);
+        let bound_deflection = self.deflection(&force);
         let inside = &set.inside;
         let n = inside.len();
         if n == 0 {
@@ -331,8 +341,9 @@ impl PlaneProblem<'_> {
             }
         }
         let rows: Vec<[f64; 3]> = inside.iter().map(|&i| self.rows[i]).collect();
-        let gap: Vec<f64> = inside.iter().map(|&i| self.gap[i] + pressed[i]).collect();
-        let (found, motion) = match self.green {
+        let gap = inside.iter().map(|&i| self.gap[i] + bound_deflection[i]);
+        let gap: Vec<f64> = gap.collect();
+        let (inside_force, motion) = match self.green {
             Green::Dense(green) => {
                 let matrix = Mat::from_fn(n, n, |i, j| green[(inside[i], inside[j])]);
                 let sides = Mat::from_fn(n, 4, |i, j| match j {
@@ -343,19 +354,19 @@ impl PlaneProblem<'_> {
                 forces_and_motion(self.motion, &rows, &solved, balance, state.motion)
             }
             Green::Modal(green) => {
-                let near: Vec<f64> = inside.iter().map(|&i| state.force[i]).collect();
+                let initial: Vec<f64> = inside.iter().map(|&i| state.force[i]).collect();
                 let set = ClosedSet::new(green, inside, &rows, self.motion.free);
-                set.solve(ITERATIONS, &gap, [balance, state.motion], &near)?
+                set.solve(MAX_ITERATIONS, &gap, [balance, state.motion], &initial)?
             }
         };
-        for (&node, f) in inside.iter().zip(found) {
+        for (&node, f) in inside.iter().zip(inside_force) {
             force[node] = f;
         }
         Some((force, motion))
     }
 
-    /// Whether gaps are open where forces are 0 and pressed in where they are at their bound, to
-    /// `slack` of the depth.
+    /// Whether gaps are not negative where forces are 0 and not positive where forces are at their
+    /// bound, to within `slack` times the largest deflection of a loaded node.
     fn confirmed(&self, state: &PlaneState, deflection: &[f64], slack: f64) -> bool {
         let gaps = self.gaps(state, deflection);
         let depth = (0..self.gap.len())
@@ -370,30 +381,30 @@ impl PlaneProblem<'_> {
     }
 }
 
-/// Balanced forces and their motion, to be taken.
+/// Balanced forces and motion at the end of a step.
 struct Step {
     force: Vec<f64>,
     motion: [f64; 3],
     /// G f.
-    image: Vec<f64>,
-    /// The change of D.
-    fall: f64,
+    g_force: Vec<f64>,
+    /// Change of D over the step.
+    energy_change: f64,
 }
 
 impl Step {
-    fn take(self, state: &mut PlaneState, deflection: &mut Vec<f64>) {
+    fn apply(self, state: &mut PlaneState, deflection: &mut Vec<f64>) {
         state.force = self.force;
         state.motion = self.motion;
-        *deflection = self.image;
-        if let Some(&before) = state.energies.last().filter(|_| self.fall < 0.0) {
-            state.energies.push(before + self.fall);
+        *deflection = self.g_force;
+        if let Some(&before) = state.energies.last().filter(|_| self.energy_change < 0.0) {
+            state.energies.push(before + self.energy_change);
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    //! Claims on accelerated projective SOR on the contact plane.
+    //! Claims on projected SOR with minimisation on the active set.
 
     use std::borrow::Cow;
 
@@ -464,7 +475,7 @@ mod tests {
             for start in [0.0, 0.4, 30.0] {
                 let motion = free([true; 3], [load, 0.1 * load, 0.05 * load]);
                 let s = square.solve(bound, &motion, start);
-                assert!(s.settled, "{load} {bound} {start}: {:?}", s.counts);
+                assert!(s.converged, "{load} {bound} {start}: {:?}", s.counts);
                 assert!(
                     s.energies.windows(2).all(|e| e[1] <= e[0]),
                     "{:?}",
@@ -525,7 +536,7 @@ mod tests {
     fn a_load_that_the_nodes_cannot_bear_is_not_settled_and_presses_all_of_them() {
         let square = Square::new(7, 0.0);
         let s = square.solve(1e-3, &free([true, false, false], [1.0, 0.0, 0.0]), 0.1);
-        assert!(!s.settled && s.energies.is_empty());
+        assert!(!s.converged && s.energies.is_empty());
         assert!(s.force.iter().all(|&f| f == 1e-3));
     }
 }

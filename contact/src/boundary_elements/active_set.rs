@@ -1,5 +1,5 @@
-//! Pressures on cells: sets of open, pressed and yielding cells, each solved by projected conjugate
-//! gradients.
+//! Pressures on cells by a primal-dual active set: each set of open, pressed and yielding cells is
+//! solved by projected conjugate gradients.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -9,12 +9,14 @@ use crate::boundary_elements::window::{CheckUnavailable, Window};
 use crate::problem::gap::Gap;
 use crate::{Load, Options, Problem};
 
-/// Where a cell is.
+/// State of a cell in the active set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Cell {
+    /// Pressure 0.
     Open,
+    /// Gap 0.
     Pressed,
-    /// At the hardness.
+    /// Pressure at the hardness.
     Yielding,
 }
 
@@ -23,68 +25,69 @@ enum Cell {
 pub(super) struct PressureState {
     /// Pressures [Pa].
     pub pressure: Vec<f64>,
-    /// Gap of the deformed surface, negative where the ice yields [m].
-    pub opening: Vec<f64>,
+    /// Gap of the deformed surface, negative where the ice yield_threshold [m].
+    pub deformed_gap: Vec<f64>,
     /// Displacement of the surface, downwards [m].
-    pub sunk: Vec<f64>,
+    pub displacement: Vec<f64>,
     /// The free motions, in the order of [`Plane::motions`].
     pub motion: Vec<f64>,
-    /// Sets that were solved for.
+    /// Number of sets that were solved.
     pub sets: usize,
-    /// Steps of conjugate gradients on all of them.
+    /// Total number of conjugate-gradient steps.
     pub steps: usize,
 }
 
-/// When pressures are solved for.
+/// Convergence criteria.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Precision {
-    /// Largest root mean square of the gaps of pressed cells, over the approach.
+pub(super) struct Criteria {
+    /// Largest root mean square of the gaps of pressed cells, relative to the approach.
     pub residual: f64,
-    /// Part of the largest pressure and of the approach within which a cell stays where it is.
+    /// Fraction of the largest pressure and of the approach up to which a wrong sign does not
+    /// change a cell's state.
     pub slack: f64,
 }
 
-/// Sets that are tried.
-const MOST_SETS: usize = 60;
-/// Sets after which residuals are made smaller though cells change.
-const PATIENCE: usize = 15;
-/// Steps of one set's conjugate gradients.
-const MOST_STEPS: usize = 400;
-/// Residuals over the approach: of the first sets, and of a set that did not change over those
-/// before.
-const ROUGH: f64 = 1e-2;
-const FINER: f64 = 0.03;
-/// Part of the cells that the first set has, those of the least gaps.
-const FIRST: f64 = 0.3;
+/// Largest number of sets.
+const MAX_SETS: usize = 60;
+/// Number of sets after which the residual tolerance is tightened although the set changes.
+const FREE_SETS: usize = 15;
+/// Largest number of conjugate-gradient steps on one set.
+const MAX_STEPS: usize = 400;
+/// Residual tolerance of the first sets, relative to the approach.
+const INITIAL_RTOL: f64 = 1e-2;
+/// Factor by which the residual tolerance is tightened when the set did not change.
+const RTOL_FACTOR: f64 = 0.03;
+/// Fraction of the cells that are in the first set: the cells with the smallest gaps.
+const INITIAL_FRACTION: f64 = 0.3;
 
 /// Solves for pressures that balance the load, 0 where the gap is open and at most the hardness.
 ///
-/// They make 1/2 p^T K p + g^T p least over 0 <= p <= hardness with N^T p as the load requires. On
-/// a set, conjugate gradients keep the balance by projecting residuals; motions are what the
-/// projection takes out (after I. A. Polonsky and L. M. Keer, Wear 231, 1999). Cells change where
-/// their sign is wrong (primal-dual active set; M. Hintermueller, K. Ito and K. Kunisch, SIAM J.
-/// Optim. 13, 2002).
+/// They minimise 1/2 p^T K p + g^T p over 0 <= p <= hardness with N^T p as the load requires. On a
+/// set, conjugate gradients keep the balance by projecting residuals; the rigid motion is the part
+/// that the projection removes (after I. A. Polonsky and L. M. Keer, Wear 231, 1999). Cells with a
+/// wrong sign of pressure or gap change their state (primal-dual active set; M. Hintermueller, K.
+/// Ito and K. Kunisch, SIAM J. Optim. 13, 2002).
 pub(super) fn press(
     plane: &Plane,
     operator: &mut Operator,
     start: Option<Vec<f64>>,
-    precision: Precision,
+    precision: Criteria,
     options: &Options,
 ) -> Result<PressureState, CheckUnavailable> {
     let mut solve = Solve::new(plane, operator, start, options);
-    let mut tolerance = ROUGH;
-    for set in 0..MOST_SETS {
-        // With rough residuals the sets may cycle.
-        if set >= PATIENCE {
-            tolerance = (tolerance * FINER).max(precision.residual);
+    let mut tolerance = INITIAL_RTOL;
+    for set in 0..MAX_SETS {
+        // With large residuals the sets may cycle.
+        if set >= FREE_SETS {
+            tolerance = (tolerance * RTOL_FACTOR).max(precision.residual);
         }
-        solve.on_set(tolerance)?;
+        solve.solve_set(tolerance)?;
         let changed = solve.change_set(precision.slack);
         if !changed && tolerance <= precision.residual {
             return Ok(solve.finished());
         }
         if !changed {
-            tolerance = (tolerance * FINER).max(precision.residual);
+            tolerance = (tolerance * RTOL_FACTOR).max(precision.residual);
         }
     }
     Err(CheckUnavailable::NotSettled)
@@ -94,10 +97,10 @@ struct Solve<'a> {
     plane: &'a Plane,
     operator: &'a mut Operator,
     cells: Vec<Cell>,
-    now: PressureState,
+    state: PressureState,
     direction: Vec<f64>,
     product: Vec<f64>,
-    /// With the flag that ends the solve.
+    /// Holds the flag that stops the solve.
     options: &'a Options,
 }
 
@@ -113,7 +116,7 @@ impl<'a> Solve<'a> {
             let finite = plane.gap.iter().copied().filter(|g| g.is_finite());
             let mut sorted: Vec<f64> = finite.collect();
             sorted.sort_by(f64::total_cmp);
-            let first = sorted.get((FIRST * sorted.len() as f64) as usize);
+            let first = sorted.get((INITIAL_FRACTION * sorted.len() as f64) as usize);
             let deepest = first.copied().unwrap_or(0.0);
             let level = plane.gap.iter().map(|g| (deepest - g).max(0.0));
             level.collect()
@@ -125,10 +128,10 @@ impl<'a> Solve<'a> {
             cells: pressure.iter().map(state).collect(),
             plane,
             operator,
-            now: PressureState {
+            state: PressureState {
                 pressure,
-                opening: vec![0.0; count],
-                sunk: vec![0.0; count],
+                deformed_gap: vec![0.0; count],
+                displacement: vec![0.0; count],
                 motion: Vec::new(),
                 sets: 0,
                 steps: 0,
@@ -139,9 +142,9 @@ impl<'a> Solve<'a> {
         }
     }
 
-    /// Pressures of the set as it is, to a residual over the approach.
-    fn on_set(&mut self, tolerance: f64) -> Result<(), CheckUnavailable> {
-        self.now.sets += 1;
+    /// Solves for the pressures of the present set, to a residual relative to the approach.
+    fn solve_set(&mut self, tolerance: f64) -> Result<(), CheckUnavailable> {
+        self.state.sets += 1;
         let count = self.cells.len();
         let pressed: Vec<usize> = (0..count)
             .filter(|&c| self.cells[c] == Cell::Pressed)
@@ -149,77 +152,81 @@ impl<'a> Solve<'a> {
         let balance = Balance::new(self.plane, &pressed)?;
         for c in 0..count {
             match self.cells[c] {
-                Cell::Open => self.now.pressure[c] = 0.0,
-                Cell::Yielding => self.now.pressure[c] = self.plane.hardness,
+                Cell::Open => self.state.pressure[c] = 0.0,
+                Cell::Yielding => self.state.pressure[c] = self.plane.hardness,
                 Cell::Pressed => {}
             }
         }
-        balance.restore(self.plane, &pressed, &mut self.now.pressure);
-        let mut moved = vec![0.0; count];
-        self.operator.apply(&self.now.pressure, &mut moved);
-        let moved = moved.iter().zip(&self.plane.gap);
-        let mut residual: Vec<f64> = moved.map(|(u, g)| u + g).collect();
+        balance.restore_balance(self.plane, &pressed, &mut self.state.pressure);
+        let mut displacement = vec![0.0; count];
+        self.operator.apply(&self.state.pressure, &mut displacement);
+        let pairs = displacement.iter().zip(&self.plane.gap);
+        let mut residual: Vec<f64> = pairs.map(|(u, g)| u + g).collect();
         self.direction.fill(0.0);
-        let mut before = f64::INFINITY;
-        for _ in 0..MOST_STEPS {
+        // Infinite at first, so that beta is 0.
+        let mut previous_square = f64::INFINITY;
+        for _ in 0..MAX_STEPS {
             if self.options.stopped() {
                 return Err(CheckUnavailable::Stopped);
             }
-            self.now.motion = balance.take_out(self.plane, &pressed, &residual);
+            self.state.motion = balance.fit_motion(self.plane, &pressed, &residual);
             self.plane
-                .opened(&residual, &self.now.motion, &mut self.now.opening);
-            let opening = &self.now.opening;
-            // How deep the hull's lowest place goes: closing - gap = residual - gap - opening.
+                .subtract_motion(&residual, &self.state.motion, &mut self.state.deformed_gap);
+            let deformed_gap = &self.state.deformed_gap;
+            // Depth of the hull's lowest place: closing - gap = residual - gap - deformed gap.
             let (mut square, mut depth) = (0.0, f64::MIN_POSITIVE);
             for &c in &pressed {
-                square += opening[c] * opening[c];
-                depth = f64::max(depth, residual[c] - self.plane.gap[c] - opening[c]);
+                square += deformed_gap[c] * deformed_gap[c];
+                depth = f64::max(depth, residual[c] - self.plane.gap[c] - deformed_gap[c]);
             }
             if square.sqrt() <= tolerance * depth * (pressed.len() as f64).sqrt() {
                 return Ok(());
             }
-            let turn = square / before;
-            before = square;
+            let beta = square / previous_square;
+            previous_square = square;
             for &c in &pressed {
-                self.direction[c] = turn * self.direction[c] - opening[c];
+                self.direction[c] = beta * self.direction[c] - deformed_gap[c];
             }
-            self.now.steps += 1;
+            self.state.steps += 1;
             self.operator.apply(&self.direction, &mut self.product);
-            let along = pressed.iter().map(|&c| self.direction[c] * self.product[c]);
-            let curvature: f64 = along.sum();
+            let terms = pressed.iter().map(|&c| self.direction[c] * self.product[c]);
+            let curvature: f64 = terms.sum();
             if curvature.is_nan() || curvature <= 0.0 {
                 return Err(CheckUnavailable::NotSettled);
             }
-            let step = square / curvature;
+            let alpha = square / curvature;
             for &c in &pressed {
-                self.now.pressure[c] += step * self.direction[c];
+                self.state.pressure[c] += alpha * self.direction[c];
             }
             for (r, k) in residual.iter_mut().zip(&self.product) {
-                *r += step * k;
+                *r += alpha * k;
             }
         }
         Err(CheckUnavailable::NotSettled)
     }
 
-    /// The state with pressures within their bounds and the displacements that they make.
+    /// The final state: pressures clamped to their bounds, with their displacements and gaps.
     fn finished(mut self) -> PressureState {
         let hardness = self.plane.hardness;
-        let pressures = self.now.pressure.iter_mut();
+        let pressures = self.state.pressure.iter_mut();
         pressures.for_each(|p| *p = p.clamp(0.0, hardness));
-        self.operator.apply(&self.now.pressure, &mut self.now.sunk);
-        let sunk = self.now.sunk.iter().zip(&self.plane.gap);
-        let residual: Vec<f64> = sunk.map(|(u, g)| u + g).collect();
+        self.operator
+            .apply(&self.state.pressure, &mut self.state.displacement);
+        let displacement = self.state.displacement.iter().zip(&self.plane.gap);
+        let residual: Vec<f64> = displacement.map(|(u, g)| u + g).collect();
         self.plane
-            .opened(&residual, &self.now.motion, &mut self.now.opening);
-        self.now
+            .subtract_motion(&residual, &self.state.motion, &mut self.state.deformed_gap);
+        self.state
     }
 
-    /// The pressure from which cells yield next: the hardness, but for half of the overloaded ones
-    /// where these are most of the set, which would carry nothing without them [Pa].
-    fn yields(&self) -> f64 {
+    /// Pressure from which pressed cells become yielding [Pa]: any above the hardness.
+    ///
+    /// If more than half of the pressed cells exceed the hardness, only the more loaded half of
+    /// these yields: the remaining set could otherwise not carry the load.
+    fn yield_threshold(&self) -> f64 {
         let hardness = self.plane.hardness;
         let pressed = || {
-            let cells = self.cells.iter().zip(&self.now.pressure);
+            let cells = self.cells.iter().zip(&self.state.pressure);
             cells.filter(|(cell, _)| **cell == Cell::Pressed)
         };
         let over = pressed().map(|(_, p)| *p).filter(|p| *p > hardness);
@@ -231,26 +238,26 @@ impl<'a> Solve<'a> {
         over[over.len() / 2]
     }
 
-    /// Opens, closes and yields where signs are wrong; whether any cell was.
+    /// Changes the state of cells with a wrong sign; returns whether any changed.
     fn change_set(&mut self, slack: f64) -> bool {
         let PressureState {
             pressure,
-            opening,
+            deformed_gap,
             motion,
             ..
-        } = &self.now;
+        } = &self.state;
         let top = pressure.iter().copied().fold(0.0, f64::max);
-        let depth = (0..opening.len())
+        let depth = (0..deformed_gap.len())
             .map(|c| self.plane.closing(c, motion) - self.plane.gap[c])
             .fold(0.0, f64::max);
-        let yields = self.yields();
+        let threshold = self.yield_threshold();
         let mut changed = false;
         for (c, cell) in self.cells.iter_mut().enumerate() {
             let next = match *cell {
                 Cell::Pressed if pressure[c] < -slack * top => Cell::Open,
-                Cell::Pressed if pressure[c] >= yields => Cell::Yielding,
-                Cell::Open if opening[c] < -slack * depth => Cell::Pressed,
-                Cell::Yielding if opening[c] > slack * depth => Cell::Pressed,
+                Cell::Pressed if pressure[c] >= threshold => Cell::Yielding,
+                Cell::Open if deformed_gap[c] < -slack * depth => Cell::Pressed,
+                Cell::Yielding if deformed_gap[c] > slack * depth => Cell::Pressed,
                 same => same,
             };
             changed |= next != *cell;
@@ -260,7 +267,7 @@ impl<'a> Solve<'a> {
     }
 }
 
-/// The projection that keeps pressures of a set in balance.
+/// Orthogonal projection of pressures of a set onto the load balance.
 struct Balance {
     /// Inverse of N^T N on the set.
     inverse: DMatrix<f64>,
@@ -283,45 +290,46 @@ impl Balance {
         }
     }
 
-    /// The motions that a residual on the set contains.
-    fn take_out(&self, plane: &Plane, pressed: &[usize], residual: &[f64]) -> Vec<f64> {
+    /// The rigid motion that fits a residual on the set in least squares.
+    fn fit_motion(&self, plane: &Plane, pressed: &[usize], residual: &[f64]) -> Vec<f64> {
         let sum = |row: &Vec<f64>| -> f64 { pressed.iter().map(|&c| row[c] * residual[c]).sum() };
         let sums = plane.motions.iter().map(sum);
         let sums = DVector::from_iterator(plane.motions.len(), sums);
         (&self.inverse * sums).as_slice().to_vec()
     }
 
-    /// Changes pressures of the set by as little as balances the load.
-    fn restore(&self, plane: &Plane, pressed: &[usize], pressure: &mut [f64]) {
+    /// Changes pressures of the set by the smallest amount (2-norm) that balances the load.
+    fn restore_balance(&self, plane: &Plane, pressed: &[usize], pressure: &mut [f64]) {
         let motions = plane.motions.iter().zip(&plane.balance);
-        let short = motions.map(|(row, required)| {
+        let imbalance = motions.map(|(row, required)| {
             let terms = row.iter().zip(pressure.iter()).map(|(n, p)| n * p);
             required - terms.sum::<f64>()
         });
-        let short = DVector::from_iterator(plane.motions.len(), short);
-        let by = &self.inverse * short;
+        let imbalance = DVector::from_iterator(plane.motions.len(), imbalance);
+        let multipliers = &self.inverse * imbalance;
         for &c in pressed {
-            pressure[c] += plane.closing(c, by.as_slice());
+            pressure[c] += plane.closing(c, multipliers.as_slice());
         }
     }
 }
 
 // A contact problem on the cells of a window.
 
-/// What presses, cell by cell (x fastest).
+/// The discretised contact problem, cell by cell (x fastest).
 pub(super) struct Plane {
-    /// Cells along x that are solved for.
+    /// Number of solved cells along x.
     pub width: usize,
-    /// Undeformed gap at the centres less the motion that is fixed; infinite where there is no hull
+    /// Undeformed gap at the centres less the prescribed motion; infinite where there is no hull
     /// [m].
     pub gap: Vec<f64>,
-    /// How the motions that follow from balance close the gap, one list a motion.
+    /// N: closing of the gap by each free motion, one list of cells per motion.
     pub motions: Vec<Vec<f64>>,
-    /// Which motions these are: approach, and tilts by x and by y.
+    /// Indices of the free motions: approach, and tilts by x and by y.
     free: Vec<usize>,
-    /// The motion that is fixed [m].
+    /// The prescribed approach [m].
     fixed: f64,
-    /// What the cells' pressures times those rows sum to [Pa], [Pa m].
+    /// Right-hand side of N^T p = balance: force and moments divided by the area of a cell [Pa],
+    /// [Pa m].
     pub balance: Vec<f64>,
     /// Largest pressure [Pa].
     pub hardness: f64,
@@ -341,7 +349,7 @@ impl Plane {
         let [dx, dy] = window.size();
         let (mut balance, mut fixed) = (vec![0.0; free.len()], 0.0);
         match problem.load {
-            Load::Force { fz, .. } => balance[0] = fz / (window.copies() * dx * dy),
+            Load::Force { fz, .. } => balance[0] = fz / (window.image_count() * dx * dy),
             Load::Approach { approach, .. } => {
                 let lowest = gaps.iter().copied().fold(window.lowest, f64::min);
                 fixed = approach + lowest;
@@ -359,30 +367,30 @@ impl Plane {
         }
     }
 
-    /// `opening` = `residual` less the closing by motions, cell by cell [m].
-    pub fn opened(&self, residual: &[f64], motion: &[f64], opening: &mut [f64]) {
-        opening.copy_from_slice(residual);
+    /// `deformed_gap` = `residual` - N `motion` [m].
+    pub fn subtract_motion(&self, residual: &[f64], motion: &[f64], deformed_gap: &mut [f64]) {
+        deformed_gap.copy_from_slice(residual);
         for (row, q) in self.motions.iter().zip(motion) {
-            for (opening, n) in opening.iter_mut().zip(row) {
-                *opening -= n * q;
+            for (deformed_gap, n) in deformed_gap.iter_mut().zip(row) {
+                *deformed_gap -= n * q;
             }
         }
     }
 
-    /// Approach, pitch and roll of the free motions; what is fixed is part of the gap.
+    /// Approach, pitch and roll from the free motions; the prescribed motion is part of the gap.
     pub fn motion(&self, motion: &[f64]) -> [f64; 3] {
         let mut all = [0.0; 3];
         self.free.iter().zip(motion).for_each(|(&a, q)| all[a] = *q);
         all
     }
 
-    /// How much motions close the gap of a cell [m].
+    /// Closing of the gap of a cell by motions [m].
     pub fn closing(&self, cell: usize, motion: &[f64]) -> f64 {
         let terms = self.motions.iter().zip(motion);
         terms.map(|(row, q)| row[cell] * q).sum()
     }
 
-    /// How deep the hull lies below the undeformed ice anywhere on the plane [m].
+    /// Depth of the hull below the undeformed ice at a place (x, y) [m].
     pub fn depth(&self, gap: &Gap, motion: &[f64], [x, y]: [f64; 2]) -> f64 {
         let row = gap.motion_row(x, y);
         let closed: f64 = self.free.iter().zip(motion).map(|(a, q)| row[*a] * q).sum();

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::accuracy::estimators::{REFINEMENT, first_resolution, next_refinement};
 use crate::accuracy::meshes::FEWEST as LEAST_RESOLUTION;
 use crate::accuracy::watched::{FigureHistory, Limits, Place};
-use crate::boundary_elements::active_set::Precision;
+use crate::boundary_elements::active_set::Criteria;
 use crate::boundary_elements::operator::Operator;
 use crate::boundary_elements::window::{CellAxis, CheckUnavailable, Surface, Window};
 use crate::boundary_elements::window_contact::{AllCells, MOST_WINDOWS, Search, WindowContact};
@@ -27,11 +27,11 @@ const FEWEST: f64 = 20.0;
 const FIRST: f64 = 4096.0;
 const SCOUTED: f64 = 65_536.0;
 /// How well pressures are known there, and where they are the answer.
-const ROUGH: Precision = Precision {
+const ROUGH: Criteria = Criteria {
     residual: 1e-3,
     slack: 1e-3,
 };
-const FINE: Precision = Precision {
+const FINE: Criteria = Criteria {
     residual: 1e-8,
     slack: 1e-7,
 };
@@ -299,11 +299,11 @@ impl<'a> Asperities<'a> {
         });
         let [pitch, roll] = self.tilt(contact);
         let bound = ROUNDED * contact.plane.hardness;
-        let gap = contact.unfolded(&contact.pressed.opening);
+        let gap = contact.unfolded(&contact.pressed.deformed_gap);
         let cells = all.pressure.iter().zip(&gap);
         let yielded = cells.map(|(p, gap)| if *p >= bound { -gap } else { 0.0 });
         let yielded = yielded.collect();
-        let sunk = contact.unfolded(&contact.pressed.sunk);
+        let displacement = contact.unfolded(&contact.pressed.displacement);
         Solution {
             p_max: limits.peak.value,
             p_max_error: limits.peak.error,
@@ -336,7 +336,7 @@ impl<'a> Asperities<'a> {
                 pressure: all.pressure,
                 yielded,
                 gap,
-                uz: sunk.iter().map(|u| -u).collect(),
+                uz: displacement.iter().map(|u| -u).collect(),
             },
             volume: None,
             runner_volume: None,
@@ -427,13 +427,14 @@ impl Search<'_> {
             let start = (first[1] + j) * width + first[0];
             all[start..start + row.len()].copy_from_slice(row);
         }
-        let mut sunk = vec![0.0; all.len()];
-        Operator::new(&wide, self.surface)?.apply(&all, &mut sunk);
+        let mut displacement = vec![0.0; all.len()];
+        Operator::new(&wide, self.surface)?.apply(&all, &mut displacement);
         let least = DEEP * found.approach();
         let gap = &self.checked.gap;
         let depth = |place| found.plane.depth(gap, &found.pressed.motion, place);
-        let touches =
-            |cell: &usize| all[*cell] == 0.0 && depth(wide.place(*cell)) - sunk[*cell] > least;
+        let touches = |cell: &usize| {
+            all[*cell] == 0.0 && depth(wide.place(*cell)) - displacement[*cell] > least
+        };
         let touching = (0..all.len()).into_par_iter().filter(touches);
         let touching: Vec<usize> = touching.collect();
         let (place, below) = found.deepest_outside(self);
@@ -537,20 +538,20 @@ impl WindowContact {
             plane.gap.iter().copied().fold(f64::INFINITY, f64::min)
         };
         let pressures = self.pressed.pressure.iter();
-        let cells = pressures.zip(&plane.gap).zip(&self.pressed.sunk);
+        let cells = pressures.zip(&plane.gap).zip(&self.pressed.displacement);
         let pressed = cells.filter(|((p, _), _)| **p > 0.0);
         let sum: f64 = pressed.map(|((p, g), u)| p * (g - lowest + 0.5 * u)).sum();
         let [dx, dy] = self.window.size();
-        self.window.copies() * dx * dy * sum
+        self.window.image_count() * dx * dy * sum
     }
 
     /// Largest relative violation of the contact conditions and of the load's balance.
     fn violation(&self) -> f64 {
         let (plane, pressed) = (&self.plane, &self.pressed);
         let violated = |c: usize| match pressed.pressure[c] {
-            p if p >= plane.hardness => pressed.opening[c].max(0.0),
-            p if p > 0.0 => pressed.opening[c].abs(),
-            _ => (-pressed.opening[c]).max(0.0),
+            p if p >= plane.hardness => pressed.deformed_gap[c].max(0.0),
+            p if p > 0.0 => pressed.deformed_gap[c].abs(),
+            _ => (-pressed.deformed_gap[c]).max(0.0),
         };
         let gaps = (0..plane.gap.len()).map(violated).fold(0.0, f64::max) / self.approach();
         let rows = plane.motions.iter().zip(&plane.balance);

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::boundary_elements::active_set::Precision;
+use crate::boundary_elements::active_set::Criteria;
 use crate::boundary_elements::window::{CheckUnavailable, Surface};
 use crate::boundary_elements::window_contact::Search;
 use crate::problem::check::CheckedProblem;
@@ -105,8 +105,8 @@ pub fn boundary_elements_to_compare(
     solved(problem, f64::INFINITY).map(|(found, _)| found)
 }
 
-/// Precision of the pressures: far below the error of the grids.
-const PRECISION: Precision = Precision {
+/// Criteria of the pressures: far below the error of the grids.
+const PRECISION: Criteria = Criteria {
     residual: 1e-6,
     slack: 1e-5,
 };

@@ -1,5 +1,5 @@
-//! Pressures on cells to displacements at their centres: a convolution, by fast Fourier transforms
-//! on a padded grid.
+//! Displacements at the centres of cells under pressures on the cells: DC-FFT, a discrete
+//! convolution by fast Fourier transforms on a zero-padded grid.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -13,34 +13,37 @@ use rustfft::{Fft, FftPlanner};
 use crate::Bed;
 use crate::boundary_elements::window::{CheckUnavailable, Surface, Window};
 
-/// Most cells' sizes over the upper layer's thickness.
-const COARSEST: f64 = 12.0;
+/// Largest ratio of the size of a cell to the thickness of the upper layer.
+const MAX_CELL_RATIO: f64 = 12.0;
 
-/// Lines of cells that one task transforms together: what it writes for one wave are whole lines of
-/// the processor's memory.
+/// Lines of cells that one task transforms together: its writes for one wave number fill whole
+/// cache lines.
 const BLOCK: usize = 8;
-/// Grids of fewer cells are transformed by one task: waking up others would take longer.
-const ALONE: usize = 1 << 14;
+/// Grids of fewer cells are expect_fft by one task: waking up others would take longer.
+const MIN_PARALLEL_CELLS: usize = 1 << 14;
 
-/// Displacement at every cell's centre under a pressure on every cell.
+/// Linear map from the pressures on the cells to the displacements at their centres.
 ///
-/// The convolution with the response to one cell's pressure is a product on a ring of twice as many
-/// cells each way, where pressures do not meet their own images (S. Liu, Q. Wang and G. Liu, Wear
-/// 243, 2000): n log n operations for n cells. Cells across a mirror plane are copies.
+/// The convolution with the response to one cell's pressure is a product of spectra on a periodic
+/// grid of twice as many cells in each direction, where the periodic images do not interact (S.
+/// Liu, Q. Wang and G. Liu, Wear 243, 2000): n log n operations for n cells. Cells across a mirror
+/// plane are copies.
 pub(super) struct Operator {
     /// Cells along x and y.
     cells: [usize; 2],
     /// The first of the cells that are solved for; those before it are their images.
     first: [usize; 2],
-    to_waves: Arc<dyn RealToComplex<f64>>,
-    from_waves: Arc<dyn ComplexToReal<f64>>,
-    /// Along y, forward and back.
-    across: [Arc<dyn Fft<f64>>; 2],
-    /// What each pair of waves is multiplied with [m/Pa], those along y of one along x together.
-    response: Vec<f64>,
-    /// Waves along x of the lines that are solved for, by blocks of lines.
+    /// Transforms along x, real to complex and back.
+    r2c_x: Arc<dyn RealToComplex<f64>>,
+    c2r_x: Arc<dyn ComplexToReal<f64>>,
+    /// Transforms along y, forward and inverse.
+    fft_y: [Arc<dyn Fft<f64>>; 2],
+    /// Transfer function divided by the length of the transforms [m/Pa], wave numbers along y
+    /// fastest.
+    transfer: Vec<f64>,
+    /// Spectra along x of the solved lines, by blocks of lines.
     lines: Vec<Complex<f64>>,
-    /// The same line by line after those along y, by waves.
+    /// Spectra along x of the displacements, lines fastest.
     columns: Vec<Complex<f64>>,
 }
 
@@ -51,28 +54,28 @@ impl Operator {
         let [nx, ny] = cells;
         let table = kernel(cells, window.size(), surface)?;
         let (mut real, mut complex) = (RealFftPlanner::new(), FftPlanner::new());
-        let to_waves = real.plan_fft_forward(2 * nx);
-        let across = [
+        let r2c_x = real.plan_fft_forward(2 * nx);
+        let fft_y = [
             complex.plan_fft_forward(2 * ny),
             complex.plan_fft_inverse(2 * ny),
         ];
-        // The response is even on the ring, so that its transforms are real.
-        let by_waves: Vec<f64> = table
+        // The response is even on the periodic grid, so that its transforms are real.
+        let spectra_x: Vec<f64> = table
             .par_chunks(nx + 1)
             .flat_map_iter(|places| {
                 let mut ring: Vec<f64> = (0..2 * nx).map(|i| places[i.min(2 * nx - i)]).collect();
-                let mut waves = to_waves.make_output_vec();
-                transformed(to_waves.process(&mut ring, &mut waves));
+                let mut waves = r2c_x.make_output_vec();
+                expect_fft(r2c_x.process(&mut ring, &mut waves));
                 waves.into_iter().map(|wave| wave.re)
             })
             .collect();
         let scale = 1.0 / (4 * nx * ny) as f64;
-        let response = (0..=nx)
+        let transfer = (0..=nx)
             .into_par_iter()
             .flat_map_iter(|wave| {
-                let place = |j: usize| by_waves[j.min(2 * ny - j) * (nx + 1) + wave];
+                let place = |j: usize| spectra_x[j.min(2 * ny - j) * (nx + 1) + wave];
                 let mut ring: Vec<_> = (0..2 * ny).map(|j| Complex::from(place(j))).collect();
-                across[0].process(&mut ring);
+                fft_y[0].process(&mut ring);
                 ring.into_iter().take(ny + 1).map(|value| scale * value.re)
             })
             .collect();
@@ -81,35 +84,49 @@ impl Operator {
         Ok(Operator {
             cells,
             first: window.axes.map(|axis| axis.first_solved()),
-            to_waves,
-            from_waves: real.plan_fft_inverse(2 * nx),
-            across,
-            response,
+            r2c_x,
+            c2r_x: real.plan_fft_inverse(2 * nx),
+            fft_y,
+            transfer,
             lines: vec![Complex::default(); blocks * BLOCK * (nx + 1)],
             columns: vec![Complex::default(); solved * (nx + 1)],
         })
     }
 
-    /// `to` = displacements [m] under `pressure` [Pa], cell by cell, x fastest.
-    pub fn apply(&mut self, pressure: &[f64], to: &mut [f64]) {
+    /// `displacement` [m] under `pressure` [Pa], cell by cell, x fastest.
+    pub fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
+        self.forward_x(pressure);
+        self.convolve_y();
+        self.inverse_x(displacement);
+    }
+
+    /// Items of a parallel loop of `count` that one task takes at least.
+    fn min_len(&self, count: usize) -> usize {
         let [nx, ny] = self.cells;
-        let ([x0, y0], half) = (self.first, nx + 1);
+        if nx * ny < MIN_PARALLEL_CELLS {
+            count
+        } else {
+            1
+        }
+    }
+
+    /// `lines` = spectra along x of the pressures.
+    fn forward_x(&mut self, pressure: &[f64]) {
+        let [nx, ny] = self.cells;
+        let ([x0, y0], spectrum) = (self.first, nx + 1);
         let width = nx - x0;
-        let solved = ny - y0;
-        let alone = nx * ny < ALONE;
-        let tasks = |count: usize| if alone { count } else { 1 };
-        let (to_waves, from_waves) = (&self.to_waves, &self.from_waves);
-        let count = solved.div_ceil(BLOCK);
+        let min_len = self.min_len((ny - y0).div_ceil(BLOCK));
+        let r2c_x = &self.r2c_x;
         self.lines
-            .par_chunks_mut(BLOCK * half)
+            .par_chunks_mut(BLOCK * spectrum)
             .zip(pressure.par_chunks(BLOCK * width))
-            .with_min_len(tasks(count))
+            .with_min_len(min_len)
             .for_each_init(
                 || {
                     (
-                        to_waves.make_input_vec(),
-                        to_waves.make_output_vec(),
-                        to_waves.make_scratch_vec(),
+                        r2c_x.make_input_vec(),
+                        r2c_x.make_output_vec(),
+                        r2c_x.make_scratch_vec(),
                     )
                 },
                 |(line, waves, scratch), (block, pressures)| {
@@ -119,26 +136,33 @@ impl Operator {
                         for i in 0..x0 {
                             line[i] = pressures[x0 - 1 - i];
                         }
-                        transformed(to_waves.process_with_scratch(line, waves, scratch));
+                        expect_fft(r2c_x.process_with_scratch(line, waves, scratch));
                         for (values, wave) in block.chunks_exact_mut(BLOCK).zip(waves.iter()) {
                             values[r] = *wave;
                         }
                     }
                 },
             );
-        let (lines, [forward, back]) = (&self.lines, &self.across);
-        let [length, other] = [forward, back].map(|plan| plan.get_inplace_scratch_len());
+    }
+
+    /// `columns` = `lines` convolved along y, for each wave number along x.
+    fn convolve_y(&mut self) {
+        let [nx, ny] = self.cells;
+        let (y0, spectrum) = (self.first[1], nx + 1);
+        let min_len = self.min_len(spectrum);
+        let (lines, [forward, inverse]) = (&self.lines, &self.fft_y);
+        let [length, other] = [forward, inverse].map(|plan| plan.get_inplace_scratch_len());
         let scratch = length.max(other);
         self.columns
-            .par_chunks_mut(solved)
-            .zip(self.response.par_chunks(ny + 1))
+            .par_chunks_mut(ny - y0)
+            .zip(self.transfer.par_chunks(ny + 1))
             .enumerate()
-            .with_min_len(tasks(half))
+            .with_min_len(min_len)
             .for_each_init(
                 || [2 * ny, scratch].map(|length| vec![Complex::default(); length]),
-                |[ring, scratch], (wave, (column, response))| {
+                |[ring, scratch], (wave, (column, transfer))| {
                     for (block, values) in ring[y0..ny].chunks_mut(BLOCK).enumerate() {
-                        let start = (block * half + wave) * BLOCK;
+                        let start = (block * spectrum + wave) * BLOCK;
                         values.copy_from_slice(&lines[start..start + values.len()]);
                     }
                     for j in 0..y0 {
@@ -147,22 +171,30 @@ impl Operator {
                     ring[ny..].fill(Complex::default());
                     forward.process_with_scratch(ring, scratch);
                     for (k, value) in ring.iter_mut().enumerate() {
-                        *value *= response[k.min(2 * ny - k)];
+                        *value *= transfer[k.min(2 * ny - k)];
                     }
-                    back.process_with_scratch(ring, scratch);
+                    inverse.process_with_scratch(ring, scratch);
                     column.copy_from_slice(&ring[y0..ny]);
                 },
             );
-        let columns = &self.columns;
-        to.par_chunks_mut(BLOCK * width)
+    }
+
+    /// Displacements from their spectra along x, `columns`.
+    fn inverse_x(&self, displacement: &mut [f64]) {
+        let [nx, ny] = self.cells;
+        let [x0, y0] = self.first;
+        let (width, solved) = (nx - x0, ny - y0);
+        let (columns, c2r_x) = (&self.columns, &self.c2r_x);
+        displacement
+            .par_chunks_mut(BLOCK * width)
             .enumerate()
-            .with_min_len(tasks(count))
+            .with_min_len(self.min_len(solved.div_ceil(BLOCK)))
             .for_each_init(
                 || {
                     (
-                        from_waves.make_input_vec(),
-                        from_waves.make_output_vec(),
-                        from_waves.make_scratch_vec(),
+                        c2r_x.make_input_vec(),
+                        c2r_x.make_output_vec(),
+                        c2r_x.make_scratch_vec(),
                     )
                 },
                 |(waves, line, scratch), (block, to)| {
@@ -171,10 +203,10 @@ impl Operator {
                         for (wave, value) in waves.iter_mut().enumerate() {
                             *value = columns[wave * solved + j];
                         }
-                        // Of a real line the longest and the shortest wave are real but for
-                        // rounding.
+                        // The mean and the Nyquist coefficient of a real signal are real up to
+                        // rounding; realfft requires exact zeros.
                         (waves[0].im, waves[nx].im) = (0.0, 0.0);
-                        transformed(from_waves.process_with_scratch(waves, line, scratch));
+                        expect_fft(c2r_x.process_with_scratch(waves, line, scratch));
                         to.copy_from_slice(&line[x0..nx]);
                     }
                 },
@@ -182,13 +214,13 @@ impl Operator {
     }
 }
 
-/// Passes the end of a transform on whose vectors are its plan's own.
-fn transformed(done: Result<(), realfft::FftError>) {
+/// Panics if a buffer of a transform had another length than its plan.
+fn expect_fft(done: Result<(), realfft::FftError>) {
     assert!(done.is_ok(), "{done:?}");
 }
 
-/// Displacement of the cell i steps along x and j along y away under unit pressure on the first
-/// one, x fastest [m/Pa].
+/// Displacement of the cell at offset (i, j) under unit pressure on the cell at (0, 0), x fastest
+/// [m/Pa].
 fn kernel(
     cells: [usize; 2],
     size: [f64; 2],
@@ -200,14 +232,13 @@ fn kernel(
     let Some(upper) = surface.layers.first() else {
         return Ok(table);
     };
-    if size[0].max(size[1]) > COARSEST * upper.thickness {
+    if size[0].max(size[1]) > MAX_CELL_RATIO * upper.thickness {
         return Err(CheckUnavailable::ThinLayer);
     }
     let reach = [0, 1].map(|axis| (cells[axis] as f64 + 1.0) * size[axis]);
-    let radial = Radial::new(&surface.layers, reach[0].hypot(reach[1]));
-    // Points of a cell that a smooth function over a layer's thickness is averaged on, as offsets
-    // from its middle, with weights.
-    let points = size.map(|size| mean(size, upper.thickness));
+    let radial = LayerCorrection::new(&surface.layers, reach[0].hypot(reach[1]));
+    // Quadrature points of a cell, as offsets from its middle, with weights.
+    let points = size.map(|size| averaging_rule(size, upper.thickness));
     let half = [0, 1].map(|axis| 0.5 * size[axis]);
     table
         .par_chunks_mut(cells[0] + 1)
@@ -215,8 +246,8 @@ fn kernel(
         .for_each(|(j, row)| {
             for (i, value) in row.iter_mut().enumerate() {
                 let (x, y) = (i as f64 * size[0], j as f64 * size[1]);
-                if (x - half[0]).max(0.0).hypot((y - half[1]).max(0.0)) > radial.end {
-                    // Nothing moves there, whatever quadrature leaves of both parts.
+                if (x - half[0]).max(0.0).hypot((y - half[1]).max(0.0)) > radial.cutoff {
+                    // The displacement is 0 there; the two parts would cancel up to quadrature.
                     *value = 0.0;
                     continue;
                 }
@@ -232,8 +263,9 @@ fn kernel(
     Ok(table)
 }
 
-/// Offsets and weights of the mean over `size` of a function that is smooth over `scale`.
-fn mean(size: f64, scale: f64) -> Vec<[f64; 2]> {
+/// Nodes, as offsets from the middle, and weights of composite Gauss-Legendre averaging over an
+/// interval of length `size`, for functions that are smooth on the length `scale`.
+fn averaging_rule(size: f64, scale: f64) -> Vec<[f64; 2]> {
     if size < 0.02 * scale {
         return vec![[0.0, 1.0]];
     }
@@ -280,18 +312,18 @@ pub(super) fn rectangles(cells: [usize; 2], size: [f64; 2]) -> Vec<f64> {
         .collect()
 }
 
-// What layers change of a half-space's displacement, over the distance from a point force.
+// Difference between the displacements of layers and of a half-space under a point force.
 
-/// Largest wave number times the upper layer's thickness that is computed: above it, layers and
-/// half-space differ by e^-20.
-const LARGEST: f64 = 10.0;
-/// Distance over the layers' whole thickness from which nothing moves: displacements over a rigid
+/// Largest product of wave number and thickness of the upper layer in the quadrature: above it,
+/// layers and half-space differ by e^-20.
+const MAX_WAVE_NUMBER: f64 = 10.0;
+/// Ratio of the cutoff distance to the total thickness of the layers: displacements over a rigid
 /// bed fall exponentially.
-const FARTHEST: f64 = 15.0;
-/// Places of the table over the upper layer's thickness.
-const PLACES: f64 = 8.0;
-/// Most that k r may grow over one panel of the quadrature.
-const PANEL: f64 = 4.0;
+const CUTOFF: f64 = 15.0;
+/// Number of table entries per thickness of the upper layer.
+const POINTS_PER_THICKNESS: f64 = 8.0;
+/// Largest increment of k r over one panel of the quadrature.
+const MAX_PANEL: f64 = 4.0;
 
 /// Abscissae and weights of Gauss-Legendre quadrature on [-1, 1] (M. Abramowitz and I. A. Stegun,
 /// Handbook, 1964, table 25.4).
@@ -307,25 +339,25 @@ const GAUSS: [[f64; 2]; 4] = [
 ///
 /// D(r) = 1/(2 pi) int (k C(k) - c) J0(k r) dk with the layers' compliance C and c = k times the
 /// half-space's.
-pub(super) struct Radial {
-    /// Values at even steps from r = 0.
+pub(super) struct LayerCorrection {
+    /// Values at equidistant r from 0.
     values: Vec<f64>,
     step: f64,
-    /// 1 / (pi E*) of the half-space [1/Pa].
-    force: f64,
-    /// From here on the layers do not move [m].
-    pub end: f64,
+    /// r times the displacement of the half-space under a unit force, 1 / (pi E*) [1/Pa].
+    half_space_factor: f64,
+    /// Distance from which the displacement of the layers is taken as 0 [m].
+    pub cutoff: f64,
 }
 
-impl Radial {
+impl LayerCorrection {
     /// A table up to `reach` [m].
     pub fn new(layers: &[Bed], reach: f64) -> Self {
-        let own = half_space(&layers[0]);
+        let half_space_compliance = half_space(&layers[0]);
         let upper = layers[0].thickness;
-        let end = FARTHEST * layers.iter().map(|layer| layer.thickness).sum::<f64>();
-        let reach = reach.min(end);
-        let last = LARGEST / upper;
-        let panels = (LARGEST.max(last * reach) / PANEL).ceil();
+        let cutoff = CUTOFF * layers.iter().map(|layer| layer.thickness).sum::<f64>();
+        let reach = reach.min(cutoff);
+        let last = MAX_WAVE_NUMBER / upper;
+        let panels = (MAX_WAVE_NUMBER.max(last * reach) / MAX_PANEL).ceil();
         let half = 0.5 * last / panels;
         let waves: Vec<[f64; 2]> = (0..panels as usize)
             .flat_map(|panel| {
@@ -334,9 +366,14 @@ impl Radial {
                     .iter()
                     .flat_map(move |&[x, w]| [[middle - half * x, w], [middle + half * x, w]])
             })
-            .map(|[k, w]| [k, w * half * (k * compliance(layers, k) - own) / (2.0 * PI)])
+            .map(|[k, w]| {
+                [
+                    k,
+                    w * half * (k * compliance(layers, k) - half_space_compliance) / (2.0 * PI),
+                ]
+            })
             .collect();
-        let step = upper / PLACES;
+        let step = upper / POINTS_PER_THICKNESS;
         let places = (reach / step).ceil() as usize + 3;
         let values = (0..places)
             .into_par_iter()
@@ -345,18 +382,18 @@ impl Radial {
                 waves.iter().map(|[k, w]| w * libm::j0(k * r)).sum()
             })
             .collect();
-        Radial {
+        LayerCorrection {
             values,
             step,
-            force: own / (2.0 * PI),
-            end,
+            half_space_factor: half_space_compliance / (2.0 * PI),
+            cutoff,
         }
     }
 
-    /// D at a distance [m/N], by the cubic through the four nearest places.
+    /// D at a distance [m/N], by the cubic through the four nearest table entries.
     pub fn at(&self, r: f64) -> f64 {
-        if r >= self.end {
-            return -self.force / r;
+        if r >= self.cutoff {
+            return -self.half_space_factor / r;
         }
         let place = r / self.step;
         let cell = (place as usize).min(self.values.len() - 3);
@@ -373,12 +410,12 @@ impl Radial {
     }
 }
 
-// How much the surface of bonded elastic layers over a rigid bed gives, wave by wave.
+// Surface compliance of bonded elastic layers over a rigid bed, by wave number.
 
-/// Largest wave number times thickness that one step in depth takes: its exponentials stay near 1.
-const STEP: f64 = 2.0;
-/// Thickness times k above which the layers below have no influence: e^-80.
-const DEEP: f64 = 40.0;
+/// Largest product of wave number and thickness of one step in depth: its exponentials stay near 1.
+const MAX_STEP: f64 = 2.0;
+/// Product of thickness and k above which the layers below have no influence: e^-80.
+const MAX_DEPTH: f64 = 40.0;
 
 /// k times the displacement of a half-space of a layer's material under a pressure of amplitude 1
 /// and any wave number k: 2 (1 - nu^2) / E [1/Pa].
@@ -386,13 +423,13 @@ fn half_space(layer: &Bed) -> f64 {
     2.0 * (1.0 - layer.poissons_ratio.powi(2)) / layer.youngs_modulus
 }
 
-/// Takes the compliance of the plane below a layer (displacements u_r, u_z under tractions
-/// tau, sigma of wave number `k`) to that of its upper plane.
+/// Compliance matrix of a layer's upper plane (displacements u_r, u_z under tractions tau, sigma of
+/// wave number `k`) from that of its lower plane, `below`.
 ///
 /// In depth d/dz (U, W, T, S) = A (U, W, T, S) for u_r = U J1(k r), u_z = W J0(k r). A has the
 /// eigenvalues k and -k twice each, so that N = A^2 - k^2 has N^2 = 0 and e^(A t) = cosh kt + A
 /// sinh(kt)/k + N t sinh(kt)/(2k) + A N (kt cosh kt - sinh kt)/(2 k^3).
-fn raise(layer: &Bed, k: f64, below: Matrix2<f64>) -> Matrix2<f64> {
+fn through_layer(layer: &Bed, k: f64, below: Matrix2<f64>) -> Matrix2<f64> {
     let (e, nu) = (layer.youngs_modulus, layer.poissons_ratio);
     let (lambda, mu) = (
         e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)),
@@ -409,8 +446,8 @@ fn raise(layer: &Bed, k: f64, below: Matrix2<f64>) -> Matrix2<f64> {
         [0.0, 0.0, -1.0, 0.0],
     ];
     let a = Matrix4::from_row_slice(rows.as_flattened());
-    let deep = (k * layer.thickness).min(DEEP);
-    let steps = (deep / STEP).ceil().max(1.0);
+    let deep = (k * layer.thickness).min(MAX_DEPTH);
+    let steps = (deep / MAX_STEP).ceil().max(1.0);
     let t = deep / steps;
     let n = a * a - Matrix4::identity();
     let through = Matrix4::identity() * t.cosh()
@@ -435,7 +472,10 @@ fn raise(layer: &Bed, k: f64, below: Matrix2<f64>) -> Matrix2<f64> {
 /// Fourier Transforms, 1951, chapter 10).
 pub(super) fn compliance(layers: &[Bed], k: f64) -> f64 {
     let bed = Matrix2::zeros();
-    layers.iter().rev().fold(bed, |c, layer| raise(layer, k, c))[(1, 1)]
+    layers
+        .iter()
+        .rev()
+        .fold(bed, |c, layer| through_layer(layer, k, c))[(1, 1)]
 }
 
 #[cfg(test)]
@@ -463,7 +503,7 @@ mod tests {
             operator.apply(&pressure, &mut found);
             let table = kernel(cells, window.size(), &surface).expect("a half-space");
             let whole = |c: usize| [c % cells[0], c / cells[0]];
-            let own = |[i, j]: [usize; 2]| {
+            let index = |[i, j]: [usize; 2]| {
                 let [x, y] = &window.axes;
                 y.solved_cell(j) * nx + x.solved_cell(i)
             };
@@ -474,10 +514,10 @@ mod tests {
                     .map(|other| {
                         let [k, l] = whole(other);
                         table[j.abs_diff(l) * (cells[0] + 1) + i.abs_diff(k)]
-                            * pressure[own([k, l])]
+                            * pressure[index([k, l])]
                     })
                     .sum();
-                let off = (found[own([i, j])] - sum).abs();
+                let off = (found[index([i, j])] - sum).abs();
                 assert!(
                     off < 1e-12 * largest,
                     "{cells:?} {mirrored:?} {i} {j}: {off:e}"

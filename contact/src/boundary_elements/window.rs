@@ -2,7 +2,7 @@
 
 use crate::bisection::{bisect, bisect_scales};
 use crate::problem::gap::Gap;
-use crate::symmetry::copies;
+use crate::symmetry::image_count;
 use crate::{Bed, Foundation, Load, Problem};
 
 /// How far along x contact is searched under a hull without ends [m].
@@ -263,8 +263,8 @@ impl Window {
     }
 
     /// Number of cells with the pressure of a solved one.
-    pub fn copies(&self) -> f64 {
-        copies(self.mirrored())
+    pub fn image_count(&self) -> f64 {
+        image_count(self.mirrored())
     }
 
     /// Centre of a solved cell, by its number with x fastest [m].

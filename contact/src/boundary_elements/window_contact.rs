@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
-use crate::boundary_elements::active_set::{Plane, Precision, PressureState, press};
-use crate::boundary_elements::operator::{Operator, Radial};
+use crate::boundary_elements::active_set::{Criteria, Plane, PressureState, press};
+use crate::boundary_elements::operator::{LayerCorrection, Operator};
 use crate::boundary_elements::window::{CheckUnavailable, Surface, Window};
 use crate::problem::check::CheckedProblem;
 use crate::result::measure::PressureField;
@@ -27,7 +27,7 @@ pub(super) struct WindowContact {
 pub(super) struct Search<'a> {
     pub checked: &'a CheckedProblem<'a>,
     pub surface: &'a Surface,
-    pub precision: Precision,
+    pub precision: Criteria,
 }
 
 impl Search<'_> {
@@ -99,7 +99,7 @@ impl WindowContact {
         let deep: Vec<([f64; 2], f64)> = depths.filter(|(_, depth)| *depth > 0.0).collect();
         let farthest = deep.iter().map(|(place, _)| window.farthest(*place));
         let layers = (!surface.layers.is_empty() && !deep.is_empty())
-            .then(|| Radial::new(&surface.layers, farthest.fold(0.0, f64::max)));
+            .then(|| LayerCorrection::new(&surface.layers, farthest.fold(0.0, f64::max)));
         // A force on a half-space moves its surface by F / (pi E* r).
         let response = |r: f64| {
             surface.compliance / (PI * r) + layers.as_ref().map_or(0.0, |layers| layers.at(r))

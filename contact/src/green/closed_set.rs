@@ -1,23 +1,24 @@
-//! Forces that keep a set of nodes closed, by conjugate gradients on a Green's matrix that is not
-//! stored.
+//! Forces that keep a set of nodes closed, by conjugate gradients with a Green's matrix that is
+//! applied but not stored.
 
 use nalgebra::{Matrix3, Vector3};
 
 use crate::green::modal::ModalGreen;
 use crate::motion::{dot, solve_semidefinite};
 
-/// Relative error of the forces, in their own energy, at which the iteration ends.
-const PRECISION: f64 = 1e-11;
+/// Tolerance on the forces' error in the energy norm, relative to the energy norm of the forces.
+const TOLERANCE: f64 = 1e-11;
 
-/// Most iterations; a few dozen are usual, whatever the set.
-pub(crate) const ITERATIONS: usize = 300;
+/// Largest number of iterations; a few dozen are usual on any set.
+pub(crate) const MAX_ITERATIONS: usize = 300;
 
-/// G f = N q - g on a set A of candidates, with N^T f = balance for the free motions.
+/// The system G f = N q - g on a set A of candidates, with N^T f = balance for the free motions.
 ///
-/// Conjugate gradients in the subspace of balanced forces, with residuals freed of N q before each
-/// step (N. I. M. Gould, M. E. Hribar and J. Nocedal, SIAM J. Sci. Comput. 23 (2001), 1376-1395).
-/// They are preconditioned by the block of A in the plane's G^-1: an operator of the opposite order
-/// on the same nodes, so that iterations hardly grow with the mesh.
+/// It is solved by conjugate gradients in the subspace of balanced forces; before each step the
+/// part N q is removed from the residual (N. I. M. Gould, M. E. Hribar and J. Nocedal, SIAM J. Sci.
+/// Comput. 23 (2001), 1376-1395). The preconditioner W is the block of A in the plane's G^-1: an
+/// operator of the opposite order on the same nodes, so that the number of iterations hardly grows
+/// with the mesh.
 pub(crate) struct ClosedSet<'a> {
     green: &'a ModalGreen<'a>,
     /// The set, as numbers of candidates.
@@ -31,7 +32,7 @@ pub(crate) struct ClosedSet<'a> {
 }
 
 impl<'a> ClosedSet<'a> {
-    /// Of the candidates `inside`, with the rows N of each.
+    /// The system on the candidates `inside`, with their rows of N.
     pub fn new(
         green: &'a ModalGreen<'a>,
         inside: &[usize],
@@ -60,17 +61,18 @@ impl<'a> ClosedSet<'a> {
         set
     }
 
-    /// The forces and the motion for gaps g without either, from forces near them; fixed motions,
-    /// and those that the set does not feel, stay as in `current`. None where `most` iterations do
-    /// not do.
+    /// Forces f and motion q for gaps g, from the forces `initial`.
+    ///
+    /// Fixed motions, and motions that do not change the gaps of the set, stay as in `current`.
+    /// `None` if `max_iterations` are not enough.
     pub fn solve(
         &self,
-        most: usize,
+        max_iterations: usize,
         gap: &[f64],
         [balance, current]: [[f64; 3]; 2],
-        near: &[f64],
+        initial: &[f64],
     ) -> Option<(Vec<f64>, [f64; 3])> {
-        let mut force = near.to_vec();
+        let mut force = initial.to_vec();
         let imbalance = self.on_free(|a| balance[a] - self.resultant(&force, a));
         self.add_columns(solve_semidefinite(self.gram, imbalance), &mut force);
         let mut image = self.times(&force);
@@ -79,34 +81,38 @@ impl<'a> ClosedSet<'a> {
             .map(|i| gap[i] - dot(self.rows[i], motion) + image[i])
             .collect();
         let mut direction = vec![0.0; force.len()];
-        let mut before = 0.0;
-        for _ in 0..most {
+        let mut previous_rho = 0.0;
+        for _ in 0..max_iterations {
             let mut step = self.precondition(&residual);
-            let felt = self.on_free(|a| self.resultant(&step, a));
-            let turn = solve_semidefinite(self.gram, felt);
-            self.add_columns(-turn, &mut step);
+            let imbalance = self.on_free(|a| self.resultant(&step, a));
+            let motion_step = solve_semidefinite(self.gram, imbalance);
+            self.add_columns(-motion_step, &mut step);
             for (r, row) in residual.iter_mut().zip(&self.rows) {
-                *r -= dot(*row, turn.into());
+                *r -= dot(*row, motion_step.into());
             }
-            motion = [0, 1, 2].map(|a| motion[a] + turn[a]);
+            motion = [0, 1, 2].map(|a| motion[a] + motion_step[a]);
             let rho = product(&residual, &step);
             if !rho.is_finite() {
                 return None;
             }
-            if rho <= PRECISION.powi(2) * product(&force, &image) {
+            if rho <= TOLERANCE.powi(2) * product(&force, &image) {
                 return Some((force, motion));
             }
-            let beta = if before > 0.0 { rho / before } else { 0.0 };
-            before = rho;
+            let beta = if previous_rho > 0.0 {
+                rho / previous_rho
+            } else {
+                0.0
+            };
+            previous_rho = rho;
             for (d, z) in direction.iter_mut().zip(&step) {
                 *d = -z + beta * *d;
             }
-            let moved = self.times(&direction);
-            let alpha = rho / product(&direction, &moved);
+            let g_direction = self.times(&direction);
+            let alpha = rho / product(&direction, &g_direction);
             for i in 0..force.len() {
                 force[i] += alpha * direction[i];
-                image[i] += alpha * moved[i];
-                residual[i] += alpha * moved[i];
+                image[i] += alpha * g_direction[i];
+                residual[i] += alpha * g_direction[i];
             }
         }
         None
@@ -134,19 +140,20 @@ impl<'a> ClosedSet<'a> {
 
     /// G f on the set.
     fn times(&self, force: &[f64]) -> Vec<f64> {
-        let mut all = vec![0.0; self.green.own.len()];
+        let mut all = vec![0.0; self.green.diagonal.len()];
         for (&number, &f) in self.inside.iter().zip(force) {
             all[number] = f;
         }
-        let moved = self.green.times(&all);
-        self.inside.iter().map(|&number| moved[number]).collect()
+        let deflection = self.green.times(&all);
+        let inside = self.inside.iter();
+        inside.map(|&number| deflection[number]).collect()
     }
 
     /// W r, the set's block of the plane's G^-1.
     fn precondition(&self, residual: &[f64]) -> Vec<f64> {
         let window = &self.green.window;
         let values = self.inside.iter().copied().zip(residual.iter().copied());
-        let field = self.green.stiffness.times(&window.spread(values));
+        let field = self.green.stiffness.times(&window.scatter(values));
         let at = |&number: &usize| window.at(&field, number);
         self.inside.iter().map(at).collect()
     }
@@ -194,7 +201,7 @@ mod tests {
             let set = ClosedSet::new(&green, &inside, &rows, contact.motion.free);
             let balance = contact.motion.balance;
             let none = vec![0.0; inside.len()];
-            let count = (1..ITERATIONS)
+            let count = (1..MAX_ITERATIONS)
                 .find(|&most| set.solve(most, &gap, [balance, [0.0; 3]], &none).is_some());
             println!("{} nodes: {count:?} iterations", inside.len());
             let (force, motion) = set

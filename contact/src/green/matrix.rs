@@ -8,27 +8,29 @@ use rayon::prelude::*;
 
 use crate::green::modal::ModalGreen;
 
-/// Most candidates whose matrix is stored.
+/// Largest number of candidates for which the matrix is stored.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StorageLimit {
-    /// Where faces of their grids alone hold the bodies.
+    /// For bodies that are constrained only on faces of their grids.
     pub faces: usize,
-    /// Where a mount holds one, or one has hexahedra of its own.
+    /// For a runner with a mount or with hexahedra of its own.
     pub mounted: usize,
 }
 
 impl StorageLimit {
-    /// Products are as fast as what is stored from some 300 nodes that touch on, a thousand that
-    /// may, and at 2,700 that touch on a bed take a third of the time and a sixth of the memory.
-    /// Together with a mount's matrix they are as fast at best, and the matrices' memory is the
-    /// limit, 0.8 GB each.
+    /// The usual limits.
+    ///
+    /// From about 300 contact nodes (1000 candidates) on, the product through the modes is as fast
+    /// as the stored matrix. At 2,700 contact nodes on a bed it takes a third of the time and a
+    /// sixth of the memory. With a mount's matrix it is at best as fast, and the memory of the
+    /// matrices is the limit, 0.8 GB each.
     pub const USUAL: StorageLimit = StorageLimit {
         faces: 2_500,
         mounted: 10_000,
     };
 }
 
-/// G between the nodes that may touch [m/N].
+/// Green's matrix G between the candidates of contact [m/N].
 pub(crate) enum Green<'a> {
     /// Every entry.
     Dense(Cow<'a, Mat<f64>>),
@@ -37,12 +39,11 @@ pub(crate) enum Green<'a> {
 }
 
 impl Green<'_> {
-    /// Displacement that a unit force causes at its own node, without what a mount or a solid adds
-    /// where the matrix is not stored.
-    pub fn own(&self, i: usize) -> f64 {
+    /// G_ii [m/N]; where the matrix is not stored, without the contribution of a mount or a solid.
+    pub fn diagonal(&self, i: usize) -> f64 {
         match self {
             Green::Dense(matrix) => matrix[(i, i)],
-            Green::Modal(modal) => modal.own[i],
+            Green::Modal(modal) => modal.diagonal[i],
         }
     }
 
@@ -57,25 +58,25 @@ impl Green<'_> {
                 }
             }
             Green::Modal(modal) if force.iter().any(|f| *f != 0.0) => {
-                let moved = modal.times(force);
-                out.iter_mut().zip(moved).for_each(|(out, m)| *out += m);
+                let deflection = modal.times(force);
+                out.iter_mut().zip(deflection).for_each(|(o, d)| *o += d);
             }
             Green::Modal(_) => {}
         }
     }
 
-    /// Sets forces one after another to `wanted` of a node, its force and its
-    /// deflection; `deflection` = G f follows.
+    /// Gauss-Seidel sweep: sets `force[i] = update(i, force[i], deflection[i])` for one node after
+    /// another and keeps `deflection` = G `force`.
     pub fn sweep(
         &self,
         force: &mut [f64],
         deflection: &mut [f64],
-        wanted: impl Fn(usize, f64, f64) -> f64,
+        update: impl Fn(usize, f64, f64) -> f64,
     ) {
         match self {
             Green::Dense(matrix) => {
                 for i in 0..force.len() {
-                    let next = wanted(i, force[i], deflection[i]);
+                    let next = update(i, force[i], deflection[i]);
                     let change = next - force[i];
                     if change != 0.0 {
                         force[i] = next;
@@ -85,12 +86,12 @@ impl Green<'_> {
                     }
                 }
             }
-            Green::Modal(modal) => modal.sweep(force, deflection, wanted),
+            Green::Modal(modal) => modal.sweep(force, deflection, update),
         }
     }
 
-    /// How far rounding and inner iterations leave forces and gaps from those of a set, over the
-    /// largest.
+    /// Accuracy of the forces and gaps of a solve on one set, relative to the largest, as limited
+    /// by rounding and inner iterations.
     pub fn precision(&self) -> f64 {
         match self {
             Green::Dense(_) => 1e-12,
@@ -101,20 +102,21 @@ impl Green<'_> {
 
 // The rectangle of the contact plane that the candidates lie in, and products over it.
 
-/// The smallest rectangle of plane nodes around the candidates; its longer side is counted first.
-pub(crate) struct Window {
-    /// First node and number of nodes, along x and along y.
+/// The smallest rectangle of plane nodes around the candidates; the axis of its longer side comes
+/// first.
+pub(crate) struct CandidateRectangle {
+    /// Node indices along x and along y.
     pub along: [std::ops::Range<usize>; 2],
     /// The axes of its longer and of its shorter side.
     pub axes: [usize; 2],
-    /// Place of each candidate, longer side first.
+    /// Indices of each candidate in the rectangle, along the longer side first.
     pub places: Vec<[usize; 2]>,
-    /// The candidates of each line across the longer side: place on the line and number.
+    /// The candidates of each line across the longer side: index on the line and number.
     pub lines: Vec<Vec<[usize; 2]>>,
 }
 
-impl Window {
-    /// Around `candidates`, nodes of a plane of `width` nodes along x.
+impl CandidateRectangle {
+    /// The rectangle around `candidates`, nodes of a plane of `width` nodes along x.
     pub fn new(candidates: &[usize], width: usize) -> Self {
         let at = |node: &usize| [node % width, node / width];
         let along = [0, 1].map(|axis| {
@@ -134,7 +136,7 @@ impl Window {
         for (number, &[line, place]) in places.iter().enumerate() {
             lines[line].push([place, number]);
         }
-        Window {
+        CandidateRectangle {
             along,
             axes,
             places,
@@ -147,8 +149,8 @@ impl Window {
         self.axes.map(|axis| self.along[axis].len())
     }
 
-    /// Values at some candidates as a plane field, 0 elsewhere.
-    pub fn spread(&self, values: impl Iterator<Item = (usize, f64)>) -> Mat<f64> {
+    /// Field on the rectangle with the values of some candidates, 0 elsewhere.
+    pub fn scatter(&self, values: impl Iterator<Item = (usize, f64)>) -> Mat<f64> {
         let [long, short] = self.shape();
         let mut field = Mat::zeros(long, short);
         for (number, value) in values {
@@ -158,25 +160,25 @@ impl Window {
         field
     }
 
-    /// A plane field at a candidate.
+    /// Value of a field on the rectangle at a candidate.
     pub fn at(&self, field: &Mat<f64>, number: usize) -> f64 {
         let [i, j] = self.places[number];
         field[(i, j)]
     }
 }
 
-/// A quadratic form in the modes of both axes: values on the window, modal form, a factor for each
-/// pair of modes, and back.
-pub(crate) struct QuadraticForm {
-    /// Modes by nodes of the longer side.
+/// Linear operator on fields of the rectangle that is diagonal in the product basis of both axes'
+/// modes, F -> X (T o (X^T F Y)) Y^T.
+pub(crate) struct SeparableOperator {
+    /// X^T: modes by nodes of the longer side.
     pub long: Mat<f64>,
-    /// Nodes of the shorter side by modes.
+    /// Y: nodes of the shorter side by modes.
     pub short: Mat<f64>,
-    /// The factors, modes of the longer side by modes of the shorter.
+    /// T: a factor for each mode of the longer side and each of the shorter.
     pub table: Mat<f64>,
 }
 
-impl QuadraticForm {
+impl SeparableOperator {
     /// X (T o (X^T F Y)) Y^T.
     pub fn times(&self, field: &Mat<f64>) -> Mat<f64> {
         let mut modal = self.to_modes(field);
@@ -195,8 +197,8 @@ impl QuadraticForm {
         product(half.as_ref(), self.short.as_ref())
     }
 
-    /// Takes the changes of a line's values into their modal form.
-    fn take(&self, line: usize, changes: &[f64], modal: &mut Mat<f64>) {
+    /// Adds the changes of the values on a line to their modal form: an update of rank one.
+    fn add_line(&self, line: usize, changes: &[f64], modal: &mut Mat<f64>) {
         let along = self.long.col(line);
         for (b, column) in modal.col_iter_mut().enumerate() {
             let modes = self.short.col(b);
@@ -207,7 +209,36 @@ impl QuadraticForm {
         }
     }
 
-    /// The form's diagonal on the window.
+    /// Adds the deflection of a line under the modal forces `load`, and the block of G between the
+    /// line's own nodes.
+    fn add_line_response(
+        &self,
+        line: usize,
+        load: &Mat<f64>,
+        deflection: &mut [f64],
+        line_green: &mut Mat<f64>,
+    ) {
+        let along = self.long.col(line);
+        let count = self.short.ncols();
+        let (mut modal, mut weights) = (vec![0.0; count], vec![0.0; count]);
+        for b in 0..count {
+            let sums = (along.iter()).zip(self.table.col(b).iter().zip(load.col(b).iter()));
+            for (x, (t, l)) in sums {
+                modal[b] += x * t * l;
+                weights[b] += x * x * t;
+            }
+        }
+        for (i, deflection) in deflection.iter_mut().enumerate() {
+            let row = self.short.row(i);
+            *deflection += row.iter().zip(&modal).map(|(y, v)| y * v).sum::<f64>();
+        }
+        let weighted = Mat::from_fn(deflection.len(), count, |i, b| {
+            self.short[(i, b)] * weights[b]
+        });
+        *line_green += product(weighted.as_ref(), self.short.transpose());
+    }
+
+    /// The operator's diagonal as a field on the rectangle.
     pub fn diagonal(&self) -> Mat<f64> {
         let squared = |m: &Mat<f64>| Mat::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)].powi(2));
         let half = product(self.table.as_ref(), squared(&self.short).transpose());
@@ -218,7 +249,7 @@ impl QuadraticForm {
 /// Rows that one task computes; fixed, so that bits do not depend on the number of threads.
 const ROWS: usize = 128;
 
-/// left right, by tasks of some rows.
+/// The matrix product left right, computed by tasks of [`ROWS`] rows.
 pub(crate) fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Mat<f64> {
     let mut out = Mat::zeros(left.nrows(), right.ncols());
     out.par_row_chunks_mut(ROWS)
@@ -232,21 +263,21 @@ pub(crate) fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Mat<f64>
 
 // Projected SOR where the Green's matrix is not stored.
 
-/// One pass over lines of the window: sets the candidates' forces to `wanted` of a node, its force
-/// and its deflection, of which `others` is the part that is not of the modes.
+/// One Gauss-Seidel sweep over the lines of the rectangle.
 ///
-/// The forces are in the modes of the plane, L = Qx^T F Qy. The deflection of one line, and what
-/// the line's own forces change on it, are sums over the modes of the other axis; the line's change
-/// of L is a product of a column and a row. So a pass costs as much as a product, and every node
-/// meets the forces as they are then.
+/// It sets a candidate's force to `update` of the node, its force and its deflection, of which
+/// `others` is the part that the modes do not give. The forces are kept in the modes of the plane,
+/// L = Qx^T F Qy. The deflection of one line, and its change by the line's own forces, are sums
+/// over the modes of the other axis; the line's change of L has rank one. So a sweep costs as much
+/// as a product with G, and every node sees the current forces.
 pub(crate) fn sweep_lines(
-    window: &Window,
-    forms: &[QuadraticForm],
+    window: &CandidateRectangle,
+    forms: &[SeparableOperator],
     others: &[f64],
     force: &mut [f64],
-    wanted: impl Fn(usize, f64, f64) -> f64,
+    update: impl Fn(usize, f64, f64) -> f64,
 ) {
-    let field = window.spread(force.iter().copied().enumerate());
+    let field = window.scatter(force.iter().copied().enumerate());
     let mut loads: Vec<Mat<f64>> = forms.iter().map(|form| form.to_modes(&field)).collect();
     let [_, short] = window.shape();
     for (line, nodes) in window.lines.iter().enumerate() {
@@ -254,41 +285,25 @@ pub(crate) fn sweep_lines(
             continue;
         }
         let mut deflection = vec![0.0; short];
-        let mut own = Mat::<f64>::zeros(short, short);
+        let mut line_green = Mat::<f64>::zeros(short, short);
         for (form, load) in forms.iter().zip(&loads) {
-            let along = form.long.col(line);
-            let count = form.short.ncols();
-            let (mut here, mut weights) = (vec![0.0; count], vec![0.0; count]);
-            for b in 0..count {
-                let sums = (along.iter()).zip(form.table.col(b).iter().zip(load.col(b).iter()));
-                for (x, (t, l)) in sums {
-                    here[b] += x * t * l;
-                    weights[b] += x * x * t;
-                }
-            }
-            for (i, deflection) in deflection.iter_mut().enumerate() {
-                let row = form.short.row(i);
-                *deflection += row.iter().zip(&here).map(|(y, v)| y * v).sum::<f64>();
-            }
-            let weighted = Mat::from_fn(short, count, |i, b| form.short[(i, b)] * weights[b]);
-            own += product(weighted.as_ref(), form.short.transpose());
+            form.add_line_response(line, load, &mut deflection, &mut line_green);
         }
         let mut changes = vec![0.0; short];
         for &[place, number] in nodes {
-            let moved = deflection[place] + others[number];
-            let next = wanted(number, force[number], moved);
+            let next = update(number, force[number], deflection[place] + others[number]);
             let change = next - force[number];
             if change != 0.0 {
                 force[number] = next;
                 changes[place] = change;
-                for (d, g) in deflection.iter_mut().zip(own.col(place).iter()) {
+                for (d, g) in deflection.iter_mut().zip(line_green.col(place).iter()) {
                     *d += change * g;
                 }
             }
         }
         if changes.iter().any(|c| *c != 0.0) {
             for (form, load) in forms.iter().zip(&mut loads) {
-                form.take(line, &changes, load);
+                form.add_line(line, &changes, load);
             }
         }
     }

@@ -6,23 +6,23 @@ use faer::{Mat, MatRef};
 use kufe_fem::Tridiagonal;
 
 use crate::bodies::elastic_body::{BodyWork, ElasticBody, Inverse, Stiffness};
-use crate::green::matrix::{QuadraticForm, Window, sweep_lines};
+use crate::green::matrix::{CandidateRectangle, SeparableOperator, sweep_lines};
 
-/// G = B M^-1 B^T of all bodies, as a product.
+/// G = B M^-1 B^T of all bodies, applied without storing it.
 ///
-/// A body that faces of its grid alone hold answers through the modes of x and y of the contact
-/// plane, G f = Qx (T o (Qx^T F Qy)) Qy^T: four products of matrices as wide as the plane. The
-/// others answer through their own preconditioner. Near G^-1 is the same form with the inverse of T
-/// and the dual modes M Q, since Q^-1 = Q^T M on the nodes that nothing holds; of the ice alone it
-/// is what conjugate gradients on a part of the nodes are preconditioned with.
+/// For a body that is constrained only on faces of its grid, G is diagonal in the modes of x and y
+/// of the contact plane, G f = Qx (T o (Qx^T F Qy)) Qy^T: four products of matrices as wide as the
+/// plane. For the other bodies the preconditioner M^-1 is applied. G^-1 is approximated by the
+/// operator with 1/T and the dual modes M Q, since Q^-1 = Q^T M on free nodes; for the ice alone it
+/// preconditions conjugate gradients on a subset of the nodes.
 pub(crate) struct ModalGreen<'a> {
-    pub window: Window,
-    /// G of the bodies that faces alone hold.
-    pub forms: Vec<QuadraticForm>,
-    /// G^-1 of the ice over the whole plane, on the window.
-    pub stiffness: QuadraticForm,
-    /// Diagonal of the forms together, by candidate.
-    pub own: Vec<f64>,
+    pub window: CandidateRectangle,
+    /// G of the bodies that are constrained only on faces.
+    pub forms: Vec<SeparableOperator>,
+    /// G^-1 of the ice over the whole plane, on the rectangle.
+    pub stiffness: SeparableOperator,
+    /// Diagonal of the sum of the forms, by candidate.
+    pub diagonal: Vec<f64>,
     candidates: &'a [usize],
     /// Length of a plane vector.
     plane: usize,
@@ -30,9 +30,9 @@ pub(crate) struct ModalGreen<'a> {
 }
 
 impl<'a> ModalGreen<'a> {
-    /// Between `candidates` of a plane of `plane` nodes, on and under these bodies; with `scaled`
-    /// the responses of those that faces alone hold are elasticity's, not their preconditioner's.
-    /// None where the first body is fixed by more than faces.
+    /// G between `candidates` of a plane of `plane` nodes. With `scaled`, the responses of bodies
+    /// that are constrained only on faces are those of elasticity, not of their preconditioner.
+    /// `None` if the first body is constrained otherwise than on faces.
     pub fn new(
         bodies: &'a [ElasticBody],
         candidates: &'a [usize],
@@ -42,7 +42,7 @@ impl<'a> ModalGreen<'a> {
         let Inverse::Planewise(first) = &bodies.first()?.inverse else {
             return None;
         };
-        let window = Window::new(candidates, first.columns.plane_width);
+        let window = CandidateRectangle::new(candidates, first.columns.plane_width);
         let mut forms = Vec::new();
         let mut others = Vec::new();
         for body in bodies {
@@ -71,18 +71,18 @@ impl<'a> ModalGreen<'a> {
         let [mx, my] = [response.nrows(), response.ncols()];
         let inverse = Mat::from_fn(mx, my, |a, b| response[(a, b)].recip());
         let stiffness = form(&window, rows, inverse);
-        let mut own = vec![0.0; candidates.len()];
+        let mut diagonal = vec![0.0; candidates.len()];
         for form in &forms {
-            let diagonal = form.diagonal();
-            for (number, own) in own.iter_mut().enumerate() {
-                *own += window.at(&diagonal, number);
+            let field = form.diagonal();
+            for (number, diagonal) in diagonal.iter_mut().enumerate() {
+                *diagonal += window.at(&field, number);
             }
         }
         Some(ModalGreen {
             window,
             forms,
             stiffness,
-            own,
+            diagonal,
             candidates,
             plane,
             others,
@@ -91,19 +91,19 @@ impl<'a> ModalGreen<'a> {
 
     /// G f.
     pub fn times(&self, force: &[f64]) -> Vec<f64> {
-        let mut moved = self.of_others(force);
-        let field = self.window.spread(force.iter().copied().enumerate());
+        let mut deflection = self.others_deflection(force);
+        let field = self.window.scatter(force.iter().copied().enumerate());
         for form in &self.forms {
             let field = form.times(&field);
-            for (number, moved) in moved.iter_mut().enumerate() {
-                *moved += self.window.at(&field, number);
+            for (number, deflection) in deflection.iter_mut().enumerate() {
+                *deflection += self.window.at(&field, number);
             }
         }
-        moved
+        deflection
     }
 
-    /// The part of G f that no modes of the plane give.
-    pub fn of_others(&self, force: &[f64]) -> Vec<f64> {
+    /// The part of G f of the bodies that are not in `forms`.
+    pub fn others_deflection(&self, force: &[f64]) -> Vec<f64> {
         if self.others.is_empty() {
             return vec![0.0; force.len()];
         }
@@ -116,29 +116,29 @@ impl<'a> ModalGreen<'a> {
         self.candidates.iter().map(|&node| closing[node]).collect()
     }
 
-    /// One pass of [`crate::green::matrix::Green::sweep`], line by line across the window's longer
-    /// side.
+    /// One pass of [`crate::green::matrix::Green::sweep`], line by line across the rectangle's
+    /// longer side.
     ///
-    /// What other bodies answer stays as it was before the pass.
+    /// The deflection of the bodies that are not in `forms` is that before the pass.
     pub fn sweep(
         &self,
         force: &mut [f64],
         deflection: &mut [f64],
-        wanted: impl Fn(usize, f64, f64) -> f64,
+        update: impl Fn(usize, f64, f64) -> f64,
     ) {
-        let others = self.of_others(force);
-        sweep_lines(&self.window, &self.forms, &others, force, wanted);
+        let others = self.others_deflection(force);
+        sweep_lines(&self.window, &self.forms, &others, force, update);
         deflection.copy_from_slice(&self.times(force));
     }
 }
 
-/// Modes along x and y on the window, and their table, in the window's order of axes.
-fn form(window: &Window, [x, y]: [Mat<f64>; 2], table: Mat<f64>) -> QuadraticForm {
+/// The operator of modes along x and y on the rectangle and their table, in its order of axes.
+fn form(window: &CandidateRectangle, [x, y]: [Mat<f64>; 2], table: Mat<f64>) -> SeparableOperator {
     let (long, short, table) = match window.axes {
         [0, _] => (x, y, table),
         _ => (y, x, table.transpose().to_owned()),
     };
-    QuadraticForm {
+    SeparableOperator {
         long: long.transpose().to_owned(),
         short,
         table,
@@ -304,7 +304,7 @@ mod tests {
                     let off = (moved - expected[(i, 0)]).abs();
                     assert!(off < 1e-11 * size, "{name} {kind} {i}: {off:e} of {size:e}");
                     if plane {
-                        let off = (green.own[i] / stored[(i, i)] - 1.0).abs();
+                        let off = (green.diagonal[i] / stored[(i, i)] - 1.0).abs();
                         assert!(off < 1e-11, "{name} {kind} {i}: {off:e}");
                     }
                 }
@@ -327,17 +327,17 @@ mod tests {
             }
             let gap = contact.unpressed_gap();
             let motion = 1.5 * meshed.patch.motion;
-            let wanted = |i: usize, force: f64, deflection: f64| {
+            let update = |i: usize, force: f64, deflection: f64| {
                 (force - 1.4 * (gap[i] - motion + deflection) / stored[(i, i)]).max(0.0)
             };
             let n = gap.len();
             let (mut force, mut deflection) = (vec![0.0; n], vec![0.0; n]);
             let mut expected = vec![0.0; n];
             for _ in 0..3 {
-                green.sweep(&mut force, &mut deflection, wanted);
+                green.sweep(&mut force, &mut deflection, update);
                 for &[_, i] in green.window.lines.iter().flatten() {
                     let moved: f64 = (0..n).map(|j| stored[(i, j)] * expected[j]).sum();
-                    expected[i] = wanted(i, expected[i], moved);
+                    expected[i] = update(i, expected[i], moved);
                 }
             }
             let size = largest(&expected);

@@ -93,7 +93,7 @@ impl<'a> GrooveReading<'a> {
             front: front - lowest,
             back: back - lowest,
             load_ahead: centre_along - lowest,
-            fz: self.mesh.copies() * resultant[0],
+            fz: self.mesh.image_count() * resultant[0],
             approach: contact.depth(&self.slid.state),
             lowest,
         }
@@ -136,7 +136,7 @@ impl<'a> GrooveReading<'a> {
     fn plastic_work(&self) -> f64 {
         let widths = self.mesh.contact.lumped[1].iter().enumerate();
         let added: f64 = widths.map(|(j, w)| w * self.rims.grown(0, j)).sum();
-        self.mesh.copies() * self.checked.hardness() * added
+        self.mesh.image_count() * self.checked.hardness() * added
     }
 
     /// Sum of the forces times the slope of the undeformed runner.
@@ -150,7 +150,7 @@ impl<'a> GrooveReading<'a> {
             rise / (2.0 * step) - state.motion[1]
         };
         let touching = (0..state.force.len()).filter(|&n| state.force[n] > 0.0);
-        self.mesh.copies() * touching.map(|n| state.force[n] * slope(n)).sum::<f64>()
+        self.mesh.image_count() * touching.map(|n| state.force[n] * slope(n)).sum::<f64>()
     }
 
     /// Stations from the front to the back: width and mean pressure.
@@ -161,7 +161,7 @@ impl<'a> GrooveReading<'a> {
             let [right, left] = sides[i]?;
             Some(Section {
                 x: self.mesh.grid.x[i],
-                width: self.mesh.copies() * (left - right),
+                width: self.mesh.image_count() * (left - right),
                 pressure: self.rims.mean_pressure(i, left - right, hardness),
             })
         };

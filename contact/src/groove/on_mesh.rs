@@ -73,7 +73,7 @@ impl MeshContact<'_> {
             }
             let tolerance = (1e-2 * slid.residual).clamp(options.residual, 1e-3);
             slid.iterations += contact
-                .respond(&mut slid.state, tolerance, ITERATIONS)
+                .solve_displacement(&mut slid.state, tolerance, ITERATIONS)
                 .ok_or_else(|| not_converged(&slid))?;
             options.check_stop()?;
             if slid.residual <= SETTLED && slid.corrections >= FITTINGS {

@@ -15,7 +15,7 @@ use crate::mesh::contact_mesh::ContactMesh;
 use crate::motion::Motion;
 use crate::precondition::planewise::{Columns, Side};
 use crate::problem::check::{CheckedProblem, solid_material};
-use crate::symmetry::copies;
+use crate::symmetry::image_count;
 use crate::{Error, Foundation, Load};
 
 /// How far the mesh reaches and which of its nodes may touch.
@@ -54,8 +54,8 @@ impl Discretisation {
     }
 
     /// How often mirror planes repeat the modelled part.
-    pub fn copies(&self) -> f64 {
-        copies(self.symmetry)
+    pub fn image_count(&self) -> f64 {
+        image_count(self.symmetry)
     }
 }
 

@@ -72,7 +72,7 @@ impl MountedInverse {
 
     /// See [`crate::bodies::elastic_body::ElasticBody::finish`].
     pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64], work: &mut InverseWork) {
-        self.take_forces(multipliers, work);
+        self.subtract_forces(multipliers, work);
         self.hold(work);
         self.fast
             .from_modes(&work.intermediate, step, &mut work.scratch);
@@ -84,7 +84,7 @@ impl MountedInverse {
     pub fn respond(&self, forces: &[(usize, f64)], closing: &mut [f64], work: &mut InverseWork) {
         work.intermediate.fill(0.0);
         work.motion.fill(0.0);
-        self.take_forces(forces, work);
+        self.subtract_forces(forces, work);
         self.hold(work);
         self.add_closing(-1.0, work, closing);
     }
@@ -100,7 +100,7 @@ impl MountedInverse {
     }
 
     /// Takes the forces m on nodes from what an application has gathered: r - B^T m.
-    fn take_forces(&self, multipliers: &[(usize, f64)], work: &mut InverseWork) {
+    fn subtract_forces(&self, multipliers: &[(usize, f64)], work: &mut InverseWork) {
         let forces = multipliers.iter().map(|&(node, m)| (node, SIGN * m));
         let forces: Vec<(usize, f64)> = forces.collect();
         let plane = self.columns.field(&forces);

@@ -1,11 +1,12 @@
-//! The preconditioner of a body that nothing but faces holds.
+//! Preconditioner of a body that is constrained only on faces of its grid: fast diagonalisation in x
+//! and y, elimination in z.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use kufe_fem::{AxisModes, End, PlanewiseDiagonal, TensorOperator};
 use rayon::prelude::*;
 
-/// P^-1 by layers, with the contact plane as the end of the elimination.
+/// P^-1 by elimination over the layers, which ends at the contact plane.
 pub(crate) struct PlanewiseInverse {
     pub preconditioner: PlanewiseDiagonal,
     pub basis: PlaneBasis,
@@ -16,7 +17,7 @@ pub(crate) struct PlanewiseInverse {
 }
 
 impl PlanewiseInverse {
-    /// With the contact plane at the end of z that is towards the other body.
+    /// The inverse with the contact plane at the end of z that faces the other body.
     pub fn new(operator: &TensorOperator, columns: Columns, side: Side) -> Self {
         let end = match side {
             Side::Below => End::High,
@@ -41,19 +42,20 @@ impl PlanewiseInverse {
         }
     }
 
-    /// See [`crate::bodies::elastic_body::ElasticBody::begin`].
+    /// `closing` += B P^-1 r; see [`crate::bodies::elastic_body::ElasticBody::begin`].
     pub fn begin(&self, residual: &[f64], closing: &mut [f64], work: &mut InverseWork) {
         self.preconditioner.gather(residual, &mut work.intermediate);
         self.add_closing(self.preconditioner.gathered(&work.intermediate), closing);
     }
 
-    /// `closing` += B P^-1 r from what the contact plane has gathered of r.
+    /// `closing` += B P^-1 r from the modal values of r that the elimination gathered on the
+    /// contact plane.
     fn add_closing(&self, gathered: MatRef<'_, f64>, closing: &mut [f64]) {
         let response = self.preconditioner.end_response();
-        let answer = Mat::from_fn(gathered.nrows(), gathered.ncols(), |a, b| {
+        let modal = Mat::from_fn(gathered.nrows(), gathered.ncols(), |a, b| {
             gathered[(a, b)] * response[(a, b)]
         });
-        let trace = self.basis.to_nodes(answer.as_ref());
+        let trace = self.basis.to_nodes(modal.as_ref());
         let value = |[i, j]: [usize; 2]| self.side.sign() * trace[(i, j)];
         self.columns.add_to_plane(closing, value);
     }
@@ -61,7 +63,7 @@ impl PlanewiseInverse {
     /// See [`crate::bodies::elastic_body::ElasticBody::finish`].
     pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64], work: &mut InverseWork) {
         let intermediate = &mut work.intermediate;
-        self.take_forces(multipliers, self.preconditioner.gathered_mut(intermediate));
+        self.subtract_forces(multipliers, self.preconditioner.gathered_mut(intermediate));
         self.preconditioner.spread(intermediate, step);
     }
 
@@ -69,13 +71,13 @@ impl PlanewiseInverse {
     pub fn respond(&self, forces: &[(usize, f64)], closing: &mut [f64], _: &mut InverseWork) {
         let [mx, my] = self.basis.mode_shape();
         let mut gathered = Mat::<f64>::zeros(mx, my);
-        self.take_forces(forces, gathered.as_mut());
+        self.subtract_forces(forces, gathered.as_mut());
         gathered *= faer::Scale(-1.0);
         self.add_closing(gathered.as_ref(), closing);
     }
 
     /// `gathered` -= B^T m for the forces m on nodes.
-    fn take_forces(&self, multipliers: &[(usize, f64)], mut gathered: MatMut<'_, f64>) {
+    fn subtract_forces(&self, multipliers: &[(usize, f64)], mut gathered: MatMut<'_, f64>) {
         let plane = self.columns.field(multipliers);
         let load = self.basis.to_modes(plane.as_ref());
         gathered -= faer::Scale(self.side.sign()) * load;
@@ -120,7 +122,7 @@ impl PlaneBasis {
         [self.x.ncols(), self.y.ncols()]
     }
 
-    /// Values at the nodes from those of the modes.
+    /// Nodal values from modal values.
     pub fn to_nodes(&self, modal: MatRef<'_, f64>) -> Mat<f64> {
         let half = product(self.x.as_ref(), modal);
         product(half.as_ref(), self.y.transpose())
@@ -134,9 +136,9 @@ impl PlaneBasis {
 
     /// G between the nodes (i, j) of `from` and of `to`.
     ///
-    /// The sum over the modes of y is done once for each pair of rows of nodes, the sum over the
-    /// modes of x as one product for that pair: X_p diag(sum over b of Qy[p,b] Qy[q,b] T_ab) X_q^T.
-    /// Nodes that share their y should follow each other.
+    /// For each pair of rows of nodes the sum over the modes of y is computed once, and the sum
+    /// over the modes of x as a product: X_p diag(sum over b of Qy[p,b] Qy[q,b] T_ab) X_q^T. Nodes
+    /// of one y should be adjacent in the list.
     pub fn green_between(
         &self,
         table: MatRef<'_, f64>,
@@ -181,7 +183,7 @@ impl PlaneBasis {
         green
     }
 
-    /// G between each row of `to` and the rows `from` gives for it.
+    /// G between each row of `to` and the rows that `from` returns for it.
     fn blocks<'a>(
         &self,
         table: MatRef<'_, f64>,
@@ -200,7 +202,7 @@ impl PlaneBasis {
             .collect()
     }
 
-    /// G between two rows of nodes; `right` holds the modes of x at the second's.
+    /// G between two rows of nodes; `right` holds the modes of x at the nodes of `to`.
     fn block(&self, table: MatRef<'_, f64>, from: &Row, to: &Row, right: &Mat<f64>) -> Mat<f64> {
         let [mx, my] = self.mode_shape();
         let mut weights = vec![0.0; mx];
@@ -224,14 +226,14 @@ impl PlaneBasis {
     }
 }
 
-/// Nodes that share their y, and the place of the first of them.
+/// Adjacent nodes of one y, and the index of the first of them in the list.
 struct Row {
     j: usize,
     first: usize,
     columns: Vec<usize>,
 }
 
-/// Nodes (i, j) by rows of one j.
+/// Nodes (i, j) grouped into rows of one j.
 fn rows(nodes: &[[usize; 2]]) -> Vec<Row> {
     let mut rows: Vec<Row> = Vec::new();
     for (place, &[i, j]) in nodes.iter().enumerate() {
@@ -253,7 +255,7 @@ fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Mat<f64> {
     out
 }
 
-// How much softer a surface is than its preconditioner takes it for.
+// Ratio of a body's surface compliance to that of its preconditioner.
 
 /// Factor by which the true surface response exceeds that of P on a half-space.
 ///
@@ -265,7 +267,7 @@ pub(crate) fn surface_response(operator: &TensorOperator) -> f64 {
     (1.0 - material.poissons_ratio()) * stiffness_ratio.sqrt()
 }
 
-// What applications of a preconditioner write to.
+// Workspace of a preconditioner.
 
 /// Vectors that applications reuse.
 #[derive(Default)]
@@ -283,7 +285,7 @@ pub(crate) struct InverseWork {
 
 // The columns of the contact plane that a body has, and its side of the plane.
 
-/// A rectangle of columns of the contact plane.
+/// A rectangle of the contact plane's nodes: the vertical columns of nodes of one body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Columns {
     /// First column along x and along y.
@@ -311,10 +313,10 @@ impl Columns {
         (i < self.count[0] && j < self.count[1]).then_some([i, j])
     }
 
-    /// The same of nodes that all lie in it.
+    /// Columns of nodes that all lie in this rectangle.
     ///
     /// # Panics
-    /// Where one does not.
+    /// If a node lies outside.
     pub fn all_local(&self, nodes: &[usize]) -> Vec<[usize; 2]> {
         let local = nodes.iter().map(|&node| self.local(node));
         let all: Option<Vec<[usize; 2]>> = local.collect();
@@ -347,7 +349,7 @@ impl Columns {
     }
 }
 
-/// Which way the gap moves with a body's vertical displacement.
+/// Side of the contact plane on which a body lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Side {
     /// The body below, the ice: rising closes the gap.
@@ -357,7 +359,7 @@ pub(crate) enum Side {
 }
 
 impl Side {
-    /// The gap shrinks by this times the vertical displacement.
+    /// Ratio of the closing of the gap to the body's vertical displacement.
     pub const fn sign(self) -> f64 {
         match self {
             Side::Below => 1.0,

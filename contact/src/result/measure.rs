@@ -1,7 +1,7 @@
 //! From nodal forces to pressures, and from pressures to the figures of a contact.
 
 use crate::result::rim::{Line, RimEstimator};
-use crate::symmetry::copies;
+use crate::symmetry::image_count;
 
 /// A pressure field on the graded nodes of the contact plane, x fastest, with the mirror planes it
 /// ends at.
@@ -288,7 +288,7 @@ impl PressureField<'_> {
             let values: Vec<f64> = values.collect();
             area(self.nodes[1 - axis], &values, &lines[1 - axis])
         };
-        0.5 * (by(1) + by(0)) * copies(self.symmetry)
+        0.5 * (by(1) + by(0)) * image_count(self.symmetry)
     }
 
     /// Excess of the area within the rims where the ice yields next to them [m2].
@@ -302,7 +302,7 @@ impl PressureField<'_> {
             let on_line = |k: usize| yielding[self.node(axis, line, k)];
             borne(self.nodes[axis], on_line, chord, self.bound())
         });
-        (within - copies(self.symmetry) * self.force.iter().sum::<f64>()) / self.hardness
+        (within - image_count(self.symmetry) * self.force.iter().sum::<f64>()) / self.hardness
     }
 
     /// What the length or the width is too large by where the area is by `part` of itself: half of
