@@ -20,7 +20,10 @@ pub fn residuals_without(model: &ResidualModel, frames: &[Frame]) -> Vec<Channel
         contacts: None,
         ..model.clone()
     };
-    frames.par_iter().map(|frame| bare.raw(frame)).collect()
+    frames
+        .par_iter()
+        .map(|frame| bare.sample_residuals(frame))
+        .collect()
 }
 
 /// Contacts of a run at these places, by place.

@@ -10,11 +10,11 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::null::clusters::members;
 use crate::regression::prior::Prior;
 
-/// A parameter in its own unit (base parameters: as multipliers).
+/// Estimate of a parameter, in the parameter's unit; base parameters as multipliers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// Value.
     pub value: f64,
+    /// Standard error.
     pub error: f64,
     /// Lower end of the 95 % interval.
     pub low: f64,
@@ -23,7 +23,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// The same with another standard error.
+    /// The estimate with another standard error, and its interval in proportion.
     pub fn with_error(&self, error: f64) -> Self {
         let wider = error / self.error.max(1e-300);
         Self {
@@ -34,10 +34,12 @@ impl Estimate {
         }
     }
 
-    /// The uncertainty if another value is stated instead: its difference is added.
+    /// The estimate if another value is stated instead of it; the difference of the two is added in
+    /// quadrature to the standard error.
     pub fn stated_as(&self, value: f64) -> Self {
-        let off = value - self.value;
-        self.moved(off).with_error(self.error.hypot(off))
+        let difference = value - self.value;
+        self.moved(difference)
+            .with_error(self.error.hypot(difference))
     }
 
     fn moved(&self, by: f64) -> Self {
@@ -58,14 +60,14 @@ pub struct FinalEstimates {
     pub model: ResidualModel,
     /// Covariance of base parameters and amplitudes, in their own units.
     pub covariance: DMatrix<f64>,
-    /// For each session its runs and the change of these parameters if it is left out.
+    /// For each session its runs and the change of these parameters if the session is left out.
     pub left_out: Vec<(Vec<usize>, DVector<f64>)>,
 }
 
 impl FinalEstimates {
     /// The posterior given the base as stated: multipliers of 1.
     ///
-    /// With x the estimates, V their covariance and B the base's columns:
+    /// With x the estimates, V their covariance and subscript B the base parameters:
     ///
     /// ```text
     /// K = V_B inv(V_BB)      x' = x - K (x_B - 1)      V' = V - K V_B'
@@ -79,10 +81,10 @@ impl FinalEstimates {
             covariance,
             mut left_out,
         } = self;
-        let (known, count) = (free.len(), covariance.nrows());
-        let columns = covariance.columns(0, known).into_owned();
-        let own = columns.rows(0, known).into_owned();
-        let Some(inverse) = own.try_inverse() else {
+        let (base, count) = (free.len(), covariance.nrows());
+        let columns = covariance.columns(0, base).into_owned();
+        let of_base = columns.rows(0, base).into_owned();
+        let Some(inverse) = of_base.try_inverse() else {
             return Self {
                 estimates,
                 model,
@@ -91,11 +93,11 @@ impl FinalEstimates {
             };
         };
         let gain = columns.clone() * inverse;
-        let off = DVector::from_fn(known, |k, _| estimates[k].value - 1.0);
-        let shift = &gain * off;
+        let difference = DVector::from_fn(base, |k, _| estimates[k].value - 1.0);
+        let shift = &gain * difference;
         let covariance = &covariance - &gain * columns.transpose();
         for (_, change) in &mut left_out {
-            *change -= &gain * change.rows(0, known);
+            *change -= &gain * change.rows(0, base);
         }
         for (k, estimate) in estimates.iter_mut().take(count).enumerate() {
             let error = covariance[(k, k)].max(0.0).sqrt();
@@ -105,7 +107,7 @@ impl FinalEstimates {
             model.base[*b] = 1.0;
         }
         let amplitudes = model.free();
-        for ((e, q), estimate) in amplitudes.into_iter().zip(&estimates[known..count]) {
+        for ((e, q), estimate) in amplitudes.into_iter().zip(&estimates[base..count]) {
             let [low, high] = model.bounds(e, q);
             model.effects.active[e].values[q] = estimate.value.clamp(low, high);
         }
@@ -118,24 +120,30 @@ impl FinalEstimates {
     }
 }
 
-/// Fewest sessions that serve as clusters. Derived: errors with fewer than four degrees of freedom
-/// are too uncertain.
-const FEWEST: usize = 5;
+/// Smallest number of sessions that are used as clusters. Derived: standard errors with fewer than
+/// four degrees of freedom are too uncertain.
+const MIN_SESSIONS: usize = 5;
 
 /// Estimates of all parameters of a fit.
 ///
-/// With C the products of the columns and the prior, the covariance is the sandwich over sessions
-/// (over runs if there are fewer than five), `(R - 1)/R inv(C) sum_i s_i s_i' inv(C)`, where
-/// `s_i = inv(1 - C_i inv(C)) u_i` is the score of session i at the fit without it (the jackknife:
-/// R. M. Bell and D. F. McCaffrey, Survey Methodology 28 (2002) 169). Intervals have Student's t of
-/// R - 1.
+/// With C the sum of the products of the columns and the precision P of the prior, the covariance is
+/// the cluster-robust (sandwich) one over R sessions, or over R runs if there are fewer than five
+/// sessions:
+///
+/// ```text
+/// inv(C) ((R - 1)/R sum_i s_i s_i' + P) inv(C),   s_i = inv(1 - C_i inv(C)) u_i
+/// ```
+///
+/// u_i is the score of cluster i, and s_i its score at the fit without it (the jackknife: R. M. Bell
+/// and D. F. McCaffrey, Survey Methodology 28 (2002) 169). Intervals are those of Student's t with
+/// R - 1 degrees of freedom.
 pub fn estimate(fitting: &Fitting, model: &ResidualModel, whitener: &Whitener) -> FinalEstimates {
     let Fitting { frames, free, .. } = fitting;
     let FitProducts { by_run, prior } = fitting.products(model, whitener);
     let solved = solve(&by_run, &prior);
     let sessions = sessions(frames);
     // Clusters with independent errors: sessions, if there are enough of them.
-    let by_session = sessions.len() >= FEWEST;
+    let by_session = sessions.len() >= MIN_SESSIONS;
     let score = |cluster: &[usize]| score_without(&by_run, cluster, &solved);
     let of_sessions: Vec<_> = sessions.iter().map(|runs| score(runs)).collect();
     let covariance = match by_session {
@@ -159,13 +167,13 @@ pub fn estimate(fitting: &Fitting, model: &ResidualModel, whitener: &Whitener) -
         .iter()
         .map(|(e, q)| model.effects.active[*e].values[*q]);
     let values = free.iter().map(|b| model.base[*b]).chain(of_amplitudes);
-    let (known, parts) = (scales.len(), model.installation.fitted());
-    let of_parts = covariance.view((known, known), (parts, parts)).into_owned();
-    let parts = match parts {
+    let (count, installation_count) = (scales.len(), model.installation.fitted_count());
+    let size = (installation_count, installation_count);
+    let installation = match installation_count {
         0 => Vec::new(),
-        _ => model.installation.found(&of_parts),
+        _ => (model.installation).estimates(&covariance.view((count, count), size).into_owned()),
     };
-    let covariance = DMatrix::from_fn(known, known, |i, k| {
+    let covariance = DMatrix::from_fn(count, count, |i, k| {
         covariance[(i, k)] * scales[i] * scales[k]
     });
     let left_out = match sessions.len() {
@@ -173,14 +181,14 @@ pub fn estimate(fitting: &Fitting, model: &ResidualModel, whitener: &Whitener) -
         _ => {
             let change = |score: &DVector<f64>| {
                 let change = -(&solved.inverse * score);
-                DVector::from_fn(known, |k, _| scales[k] * change[k])
+                DVector::from_fn(count, |k, _| scales[k] * change[k])
             };
             let changes: Vec<_> = of_sessions.iter().map(change).collect();
             sessions.into_iter().zip(changes).collect()
         }
     };
-    let errors = (0..known).map(|k| covariance[(k, k)].max(0.0).sqrt());
-    let estimates = values.zip(errors).chain(parts);
+    let errors = (0..count).map(|k| covariance[(k, k)].max(0.0).sqrt());
+    let estimates = values.zip(errors).chain(installation);
     let estimates = estimates.map(|(value, error)| Estimate {
         value,
         error,
@@ -195,8 +203,8 @@ pub fn estimate(fitting: &Fitting, model: &ResidualModel, whitener: &Whitener) -
     }
 }
 
-/// Score of a cluster of runs at the fit without it. With u its score and C its products,
-/// `inv(1 - C inv(C_JJ)) u`.
+/// Score of a cluster of runs at the fit without it: `inv(1 - C_i inv(C)) u`, with u the score and
+/// C_i the products of the cluster, and C the sum of all products and the prior.
 fn score_without(
     grams: &[DMatrix<f64>],
     cluster: &[usize],
@@ -207,15 +215,15 @@ fn score_without(
     let p = step.len();
     let mut gram = DMatrix::zeros(p + 1, p + 1);
     cluster.iter().for_each(|i| gram += &grams[*i]);
-    let own = gram.view((0, 0), (p, p));
-    let score = gram.view((0, p), (p, 1)).column(0) - own * step;
-    // A cluster without which the fit is singular has no score of its own.
-    let without = DMatrix::identity(p, p) - own * inverse;
+    let products = gram.view((0, 0), (p, p));
+    let score = gram.view((0, p), (p, 1)).column(0) - products * step;
+    // If the fit without the cluster is singular, the score at the fit with it is used.
+    let without = DMatrix::identity(p, p) - products * inverse;
     without.lu().solve(&score).unwrap_or(score)
 }
 
-/// Sandwich covariance of a step, with the prior's remaining covariance, from the score of each
-/// cluster of runs.
+/// Cluster-robust covariance of a step, including the prior's precision, from the score of each
+/// cluster of runs at the fit without it.
 fn sandwich(scores: &[DVector<f64>], prior: &Prior, inverse: &DMatrix<f64>) -> DMatrix<f64> {
     let p = prior.count();
     let mut meat = DMatrix::zeros(p, p);

@@ -13,6 +13,7 @@ use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::regression::prior::Prior;
 
+/// Residuals of all runs.
 pub fn residuals(residual_model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows> {
     frames
         .par_iter()
@@ -29,7 +30,7 @@ pub fn conditional_residuals(model: &ResidualModel, frames: &[Frame]) -> Vec<Cha
     runs
 }
 
-/// Base parameters with leverage; the others are fixed at their given values.
+/// Base parameters with leverage on the residuals; the others are fixed at their given values.
 pub fn free_base(
     residual_model: &ResidualModel,
     frames: &[Frame],
@@ -69,20 +70,22 @@ pub fn free_base(
     free
 }
 
-/// Runs and the parameters that are fitted to them, apart from those of the model itself.
+/// Runs, and the base parameters that are fitted to them together with the model's amplitudes,
+/// installation errors and discrepancy.
 pub struct Fitting<'a> {
     pub frames: &'a [Frame],
     /// Base parameters.
     pub free: &'a [usize],
     pub used: [bool; CHANNELS],
-    /// Stated base multipliers and the standard deviation of their prior.
+    /// Stated base multipliers, the mean of their prior.
     pub stated: [f64; BASE],
+    /// Standard deviation of the prior of a base multiplier.
     pub stated_sd: f64,
 }
 
 /// Products of the columns relative to their noise.
 pub struct FitProducts {
-    /// Products of the fitted columns and the residual, which is last, by run.
+    /// Products of the fitted columns and of the residual, which is the last column, by run.
     pub by_run: Vec<DMatrix<f64>>,
     pub prior: Prior,
 }
@@ -90,40 +93,42 @@ pub struct FitProducts {
 impl Fitting<'_> {
     /// Fits all parameters of a model together by Gauss-Newton.
     ///
-    /// With S the covariance of the residuals given the discrepancy u, E that expected of noise
-    /// ([`row_noise`](crate::evidence::runs::fit::row_noise)), a the installation errors and b the
-    /// base multipliers with their stated values b0, it minimises
+    /// With S the covariance of the residuals given the discrepancy u, E the covariance expected of
+    /// noise ([`row_noise`](crate::evidence::runs::fit::row_noise)), a the installation errors and b
+    /// the base multipliers with their stated values b0, it minimises
     ///
     /// ```text
     /// n (ln det S - ln det E) / 2 + |a|^2 / 2 + |u|^2 / 2 + |b - b0|^2 / (2 sd^2)
     /// ```
     ///
-    /// A large installation error is not taken up by the base, as it is by a fit of the base
-    /// before. Steps are halved until the criterion falls, and lengthened where it falls by more than
-    /// its products predict, as they do not contain the change of E; amplitudes are bounded.
+    /// In a joint fit the base does not take up a large installation error, as it would if it were
+    /// fitted first. Steps are halved until the criterion decreases. They are lengthened if it
+    /// decreases by more than the products of the columns predict, which do not contain the change
+    /// of E. Amplitudes are bounded.
     ///
     /// # Errors
     /// [`Error::BaseFit`] if a residual is not finite.
     pub fn fit(&self, model: &ResidualModel) -> Result<Fit, Error> {
         /// Tolerance of the criterion: a parameter is then within a standard error.
-        const ENOUGH: f64 = 0.5;
-        self.fit_within(model, ENOUGH)
+        const TOLERANCE: f64 = 0.5;
+        self.fit_within(model, TOLERANCE)
     }
 
-    /// The same with another tolerance of the criterion.
+    /// Fits all parameters of a model together, as [`fit`](Self::fit), until a step decreases the
+    /// criterion by less than `tolerance`.
     ///
     /// # Errors
     /// As [`fit`](Self::fit).
-    pub fn fit_within(&self, model: &ResidualModel, enough: f64) -> Result<Fit, Error> {
-        const ROUNDS: usize = 12;
-        /// Smallest share of a step.
-        const LEAST: f64 = 0.05;
-        /// Multiples of a step that are tried, from that which is worth another evaluation.
+    pub fn fit_within(&self, model: &ResidualModel, tolerance: f64) -> Result<Fit, Error> {
+        const MAX_STEPS: usize = 12;
+        /// Lower limit of the step length, in Gauss-Newton steps.
+        const MIN_LENGTH: f64 = 0.05;
+        /// Predicted optimal step length from which a longer step is worth another evaluation.
         const LONGER: f64 = 1.5;
-        const MOST: f64 = 4.0;
+        const MAX_LENGTH: f64 = 4.0;
         let mut model = model.clone();
         let mut rows = conditional_residuals(&model, self.frames);
-        for _ in 0..ROUNDS {
+        for _ in 0..MAX_STEPS {
             model.model_error = model_error(&model, self.frames, &rows);
             let before = self.criterion(&model, &rows);
             if !before.is_finite() {
@@ -133,27 +138,27 @@ impl Fitting<'_> {
             }
             let FitProducts { by_run, prior } = self.products(&model, &self.whitener(&rows));
             let step = solve(&by_run, &prior);
-            let tried = |share: f64| {
-                let trial = stepped(&model, self.free, step.by.as_slice(), share);
+            let trial = |length: f64| {
+                let trial = stepped(&model, self.free, step.by.as_slice(), length);
                 let trial_rows = conditional_residuals(&trial, self.frames);
-                let gained = before - self.criterion(&trial, &trial_rows);
-                (gained, trial, trial_rows)
+                let decrease = before - self.criterion(&trial, &trial_rows);
+                (decrease, trial, trial_rows)
             };
-            let shares = std::iter::successors(Some(1.0), |share| Some(0.5 * share));
-            let mut shares = shares.take_while(|share| *share > LEAST).map(tried);
-            let Some(mut best) = shares.find(|(gained, ..)| *gained > 0.0) else {
+            let lengths = std::iter::successors(Some(1.0), |length| Some(0.5 * length));
+            let mut trials = lengths.take_while(|length| *length > MIN_LENGTH).map(trial);
+            let Some(mut best) = trials.find(|(decrease, ..)| *decrease > 0.0) else {
                 break;
             };
-            let longer = step.multiple(best.0).min(MOST);
+            let longer = step.optimal_length(best.0).min(MAX_LENGTH);
             if longer >= LONGER {
-                let further = tried(longer);
-                if further.0 > best.0 {
-                    best = further;
+                let lengthened = trial(longer);
+                if lengthened.0 > best.0 {
+                    best = lengthened;
                 }
             }
-            let gained = best.0;
+            let decrease = best.0;
             (_, model, rows) = best;
-            if gained < enough {
+            if decrease < tolerance {
                 break;
             }
         }
@@ -180,10 +185,10 @@ impl Fitting<'_> {
             prior.precision[k] = self.stated_sd.powi(-2);
             prior.at[k] = model.base[*b] - self.stated[*b];
         }
-        let n = design.fitted() + 1;
+        let n = design.fitted_count() + 1;
         let fitted = |run: &Products| {
-            let own = run.full.view((OWN_LEVELS, OWN_LEVELS), (n, n));
-            own.into_owned()
+            let products = run.full.view((OWN_LEVELS, OWN_LEVELS), (n, n));
+            products.into_owned()
         };
         FitProducts {
             by_run: design.products(self.frames).iter().map(fitted).collect(),
@@ -199,12 +204,12 @@ impl Fitting<'_> {
     fn criterion(&self, model: &ResidualModel, rows: &[ChannelRows]) -> f64 {
         let count: usize = self.frames.iter().map(Frame::row_count).sum();
         let noise = log_noise(model, self.frames, self.used);
-        let off = |b: &usize| ((model.base[*b] - self.stated[*b]) / self.stated_sd).powi(2);
-        let base: f64 = self.free.iter().map(off).sum();
-        let smooth: f64 = model.discrepancy.sizes.iter().map(|u| u * u).sum();
+        let square = |b: &usize| ((model.base[*b] - self.stated[*b]) / self.stated_sd).powi(2);
+        let base: f64 = self.free.iter().map(square).sum();
+        let discrepancy: f64 = model.discrepancy.sizes.iter().map(|u| u * u).sum();
         count as f64 * (self.whitener(rows).log_scale() - noise)
-            + model.installation.distance()
-            + 0.5 * (base + smooth)
+            + model.installation.penalty()
+            + 0.5 * (base + discrepancy)
     }
 }
 
@@ -219,15 +224,15 @@ pub struct GaussNewtonStep {
     pub by: DVector<f64>,
     /// Inverse of the sum of the products and the prior.
     pub inverse: DMatrix<f64>,
-    /// Decrease of the criterion with the whole step if it is quadratic with these products.
+    /// Decrease of the criterion by the whole step if it is quadratic with these products.
     predicted: f64,
 }
 
 impl GaussNewtonStep {
-    /// The multiple of the step at which the criterion is least, from its decrease d with the whole
-    /// step: with p the predicted decrease, `2 p s - (2 p - d) s^2` has its maximum at
-    /// `s = p / (2 p - d)`.
-    fn multiple(&self, decrease: f64) -> f64 {
+    /// Step length that minimises the criterion, in units of the step, given its decrease d by the
+    /// whole step. With p the predicted decrease, the decrease `2 p s - (2 p - d) s^2` at length s
+    /// has its maximum at `s = p / (2 p - d)`; infinity if it has no maximum.
+    fn optimal_length(&self, decrease: f64) -> f64 {
         let curvature = 2.0 * self.predicted - decrease;
         match curvature > 0.0 {
             true => self.predicted / curvature,
@@ -252,29 +257,31 @@ pub fn solve(by_run: &[DMatrix<f64>], prior: &Prior) -> GaussNewtonStep {
     }
 }
 
-/// Largest factor by which a step moves a base multiplier: a long step along a poorly determined
-/// direction leads to where the data do not determine it at all. Chosen.
-const FARTHEST: f64 = 2.0;
+/// Largest factor by which a step changes a base multiplier: a long step along a poorly determined
+/// direction leads to values at which the data do not determine it at all. Chosen.
+const MAX_FACTOR: f64 = 2.0;
 
-/// The model moved by a share of a step: base multipliers, amplitudes in their units, then
-/// installation errors; all remain within bounds.
+/// The model after a step of length `length`; multipliers and amplitudes remain within bounds.
+///
+/// `step` contains base multipliers, amplitudes in their units, installation errors and coefficients
+/// of the discrepancy.
 pub fn stepped(
     residual_model: &ResidualModel,
     free_base: &[usize],
     step: &[f64],
-    share: f64,
+    length: f64,
 ) -> ResidualModel {
     let mut trial = residual_model.clone();
     for (k, b) in free_base.iter().enumerate() {
         let from = residual_model.base[*b];
-        let next = (from + share * step[k]).clamp(from / FARTHEST, from * FARTHEST);
+        let next = (from + length * step[k]).clamp(from / MAX_FACTOR, from * MAX_FACTOR);
         trial.base[*b] = next.clamp(BOUNDS[0], BOUNDS[1]);
     }
     for (k, (e, q)) in residual_model.free().into_iter().enumerate() {
         let scale = residual_model.scale(e, q);
         let [low, high] = residual_model.bounds(e, q);
         let active = &mut trial.effects.active[e];
-        let value = active.values[q] + share * scale * step[free_base.len() + k];
+        let value = active.values[q] + length * scale * step[free_base.len() + k];
         // An amplitude of exactly 0 would count as switched off.
         active.values[q] = if value == 0.0 {
             1e-12 * scale
@@ -282,15 +289,15 @@ pub fn stepped(
             value.clamp(low, high)
         };
     }
-    let smooth = step.len() - trial.discrepancy.fitted();
-    let first = smooth - trial.installation.fitted();
-    let installed: Vec<f64> = step[first..smooth]
+    let discrepancy = step.len() - trial.discrepancy.fitted_count();
+    let installation = discrepancy - trial.installation.fitted_count();
+    let installation_step: Vec<f64> = step[installation..discrepancy]
         .iter()
-        .map(|step| share * step)
+        .map(|step| length * step)
         .collect();
-    trial.installation.step(&installed);
-    for (size, step) in trial.discrepancy.sizes.iter_mut().zip(&step[smooth..]) {
-        *size += share * step;
+    trial.installation.step(&installation_step);
+    for (size, step) in trial.discrepancy.sizes.iter_mut().zip(&step[discrepancy..]) {
+        *size += length * step;
     }
     trial
 }
@@ -331,7 +338,7 @@ mod tests {
         let tolerances = Tolerances::default();
         let sessions = data.frames.iter().map(|frame| frame.session.as_str());
         model.installation = Installation::new(&tolerances, sessions);
-        let by: Vec<f64> = (0..model.installation.fitted())
+        let by: Vec<f64> = (0..model.installation.fitted_count())
             .map(|k| 0.3 * (1.7 * k as f64).sin())
             .collect();
         model.installation.step(&by);

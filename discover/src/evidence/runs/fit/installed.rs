@@ -58,7 +58,7 @@ impl Campaign<'_> {
         })
     }
 
-    /// A fit that is good enough to start from.
+    /// A fit with a coarse tolerance, as a starting point.
     ///
     /// # Errors
     /// [`Error::BaseFit`] if a residual is not finite.
@@ -68,7 +68,7 @@ impl Campaign<'_> {
         Ok(self.fitting().fit_within(model, ROUGH)?.model)
     }
 
-    /// A model with the discrepancy that its residuals have.
+    /// A model with the discrepancy estimated from its residuals.
     pub fn with_discrepancy(&self, model: ResidualModel) -> ResidualModel {
         const ROUND: u64 = 6_500_003;
         let by_inputs = self
@@ -92,15 +92,17 @@ impl Campaign<'_> {
         let sessions = frames.iter().map(|frame| frame.session.as_str());
         let stated = Installation::new(&self.model.tolerances.unwrap_or_default(), sessions);
         match self.track_information(model, &stated) {
-            Some(information) => stated.informed(information),
+            Some(information) => stated.with_information(information),
             None => stated,
         }
     }
 
-    /// The model with the installation errors and the discrepancy of these runs.
+    /// The model with the installation errors and the discrepancy fitted to these runs, with their
+    /// priors; base and effects are fixed.
     ///
-    /// Both have their priors; base and effects are given. Installation errors of other runs are
-    /// not used, since sensors are mounted anew.
+    /// Installation errors of other runs are not used, since sensors are mounted anew. The model is
+    /// returned unchanged without runs, without installation errors, and if a residual is not
+    /// finite.
     pub fn installed_in(&self, model: &ResidualModel, frames: &[Frame]) -> ResidualModel {
         let frames: Vec<Frame> = frames.iter().map(without_contacts).collect();
         let names: Vec<&str> = frames.iter().map(|frame| frame.name.as_str()).collect();
@@ -115,7 +117,7 @@ impl Campaign<'_> {
             return installed(known.clone());
         }
         let installation = self.stated_installation(model, &frames);
-        if frames.is_empty() || installation.parts.is_empty() {
+        if frames.is_empty() || installation.errors.is_empty() {
             return model.clone();
         }
         let effects = model.effects.active.iter();

@@ -24,18 +24,18 @@ impl Campaign<'_> {
     }
 
     /// Decrease of the negative log posterior from the first fit to the second.
-    pub fn gained(&self, from: &RunFit, to: &RunFit) -> f64 {
+    pub fn posterior_gain(&self, from: &RunFit, to: &RunFit) -> f64 {
         let [a, b] = [&from.residual_model, &to.residual_model];
         // With a large effect, the noise of the better model applies to both.
         let model_error = std::array::from_fn(|c| a.model_error[c].min(b.model_error[c]));
-        let discrepancy = a.discrepancy.least(&b.discrepancy);
+        let discrepancy = a.discrepancy.with_min_sd(&b.discrepancy);
         let [before, after] = [from, to].map(|fit| {
             let model = ResidualModel {
                 model_error,
                 discrepancy: discrepancy.clone(),
                 ..fit.residual_model.clone()
             };
-            self.misfit(&model, &fit.whitener) + model.installation.cost()
+            self.misfit(&model, &fit.whitener) + model.installation.penalty_relative_to_zero()
         });
         before - after
     }

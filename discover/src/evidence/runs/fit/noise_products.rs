@@ -1,8 +1,8 @@
-//! Corrected scores: products of columns, less the bias by noisy inputs.
+//! Corrected scores: products of columns minus their bias due to noisy inputs.
 //!
-//! With columns x + e, e the noise of the inputs, products of columns and residuals contain E[e
-//! e']. Slopes are attenuated, and an effect in one channel leaks into others. Pairs of simulated
-//! runs of opposite noise measure E[e e'] at the fitted model. With it subtracted, the normal
+//! With columns x + e, where e is due to the noise of the inputs, products of columns and residuals
+//! contain E[e e']. Slopes are attenuated, and an effect in one channel leaks into others. Pairs of
+//! simulated runs of opposite noise measure E[e e'] at the fitted model. With it subtracted, the normal
 //! equations are unbiased to second order in the noise.
 //!
 //! ```text
@@ -21,8 +21,8 @@ use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::regression::gram::squares;
 
-/// D_i of every run, local candidates last, from one pair of simulated runs of a third of it,
-/// scaled to the whole.
+/// D_i of every run, local candidates last: from one pair of simulations of a piece of the run,
+/// scaled to the whole run.
 ///
 /// The Monte Carlo error of a pair is some tens of per cent of D_i within a run and a few per cent
 /// over all runs.
@@ -47,7 +47,7 @@ pub fn noise_products(
             };
             let mean = (square(&pair.plus) + square(&pair.minus)) * 0.5;
             let share = frame.row_count() as f64 / piece.row_count().max(1) as f64;
-            design.without_noise((mean - square(&pair.truth)) * share)
+            design.with_noiseless_discrepancy((mean - square(&pair.truth)) * share)
         })
         .collect()
 }

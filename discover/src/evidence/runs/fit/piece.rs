@@ -3,13 +3,13 @@
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::null::random::{below, stream};
 
-/// A piece of the `i`-th run: a third of it, or at least `shortest_s`.
-pub fn piece(frame: &Frame, shortest_s: f64, round: u64, i: usize) -> Frame {
+/// A random piece of the `i`-th run: a third of it, but no shorter than `min_s`.
+pub fn piece(frame: &Frame, min_s: f64, round: u64, i: usize) -> Frame {
     const SHARE: f64 = 1.0 / 3.0;
     let n = frame.len();
     let span = frame.t[n - 1] - frame.t[0];
-    let wanted = (n as f64 * (shortest_s / span.max(1e-9)).max(SHARE)) as usize;
-    let length = wanted.clamp(1, n);
+    let length = (n as f64 * (min_s / span.max(1e-9)).max(SHARE)) as usize;
+    let length = length.clamp(1, n);
     let from = below(&mut stream(round, 0x91EC, i as u64), n - length + 1);
     match frame.piece(from, from + length) {
         // The piece lies within a gap.

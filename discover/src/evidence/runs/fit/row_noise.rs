@@ -1,10 +1,9 @@
 //! Covariance of the residuals due to sensor noise.
 //!
 //! A model that gives less weight to noisy terms has smaller residuals without explaining anything.
-//! The criterion of a fit is therefore relative to the covariance expected of noise. With V the
+//! The criterion of a fit is therefore relative to the covariance expected of noise. Let V be the
 //! covariance of the residuals r of the balances due to noise of the accelerations a and of the
-//! inputs of the forces, and b the model error as a variance of each acceleration, it is, up to
-//! scale,
+//! inputs of the forces, and b the model error as a variance of each acceleration. The criterion is
 //!
 //! ```text
 //! n (ln det S - ln det E) / 2,   S = r r' / n,   E = V + diag(b (dr/da)^2)
@@ -12,8 +11,9 @@
 //!
 //! Halving masses, forces and inertias halves both the residual and its expected size. With the
 //! derivatives J of the residuals by a reading and its derivative, and the variance of their noise in
-//! a row, V is the mean of `J J'` times the variance over some samples of each run: the noise of
-//! sensors is independent. b is what the residuals have in excess of it.
+//! a row, V is the sum over readings of the mean of `J J'` times the variance over some samples of
+//! each run: the noise of sensors is independent. b is estimated from the mean squares of the
+//! residuals in excess of V.
 //!
 //! Source: R. J. Carroll, D. Ruppert, L. A. Stefanski, C. M. Crainiceanu, Measurement Error in
 //! Nonlinear Models (2006), section 3.4, where b is the error in the equation; A. Zellner, An
@@ -25,7 +25,7 @@ use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
 use crate::evidence::runs::model::design::OWN_LEVELS;
-use crate::evidence::runs::model::installation::Part;
+use crate::evidence::runs::model::installation::InstallationError;
 use crate::evidence::runs::model::on_run::ModelOnRun;
 use crate::evidence::runs::model::residual_model::{
     BALANCES, CHANNELS, ChannelRows, ResidualModel,
@@ -43,47 +43,51 @@ pub fn noise_gradients(
 ) -> Vec<Matrix3<f64>> {
     /// Step of the differences, in the unit in which a parameter is fitted.
     const STEP: f64 = 0.01;
-    let own = mean_expected(model, frames);
-    let whitener = Whitener::of(&own, used);
+    let expected = mean_expected(model, frames);
+    let whitener = Whitener::of(&expected, used);
     let root = whitener.root_inverse();
-    let of = |moved: &ResidualModel| -> Matrix3<f64> {
-        let mut change = (mean_expected(moved, frames) - own) / STEP;
+    let gradient = |moved: &ResidualModel| -> Matrix3<f64> {
+        let mut change = (mean_expected(moved, frames) - expected) / STEP;
         for c in (0..BALANCES).filter(|c| !used[*c]) {
             change.row_mut(c).fill(0.0);
             change.column_mut(c).fill(0.0);
         }
-        // Of a Cholesky factor: the lower triangle, with half of the diagonal.
+        // Derivative of a Cholesky factor: the lower triangle, with half of the diagonal.
         let relative = root * change * root.transpose();
         relative.lower_triangle() - Matrix3::from_diagonal(&relative.diagonal()) * 0.5
     };
     let moved = |change: &dyn Fn(&mut ResidualModel)| {
         let mut moved = model.clone();
         change(&mut moved);
-        of(&moved)
+        gradient(&moved)
     };
     let base = free_base.iter().map(|b| moved(&|m| m.base[*b] += STEP));
     let amplitudes = model
         .free()
         .into_iter()
         .map(|(e, q)| moved(&|m| m.effects.active[e].values[q] += STEP * model.scale(e, q)));
-    let part = |k: usize| match model.installation.parts[k].shifts() {
+    let error = |k: usize| match model.installation.errors[k].is_additive() {
         true => Matrix3::zeros(),
         false => moved(&|m| m.installation = model.installation.moved(k, STEP)),
     };
-    let parts: Vec<Vec<f64>> = (0..model.installation.fitted())
-        .map(|k| part(k).as_slice().to_vec())
+    let errors: Vec<Vec<f64>> = (0..model.installation.fitted_count())
+        .map(|k| error(k).as_slice().to_vec())
         .collect();
-    let parts = model.installation.combined(&parts);
-    let parts = parts
+    let installation = model.installation.combined(&errors);
+    let installation = installation
         .iter()
         .map(|values| Matrix3::from_column_slice(values));
     let levels = std::iter::repeat_n(Matrix3::zeros(), OWN_LEVELS);
-    levels.chain(base).chain(amplitudes).chain(parts).collect()
+    levels
+        .chain(base)
+        .chain(amplitudes)
+        .chain(installation)
+        .collect()
 }
 
 /// E over all runs.
 fn mean_expected(model: &ResidualModel, frames: &[Frame]) -> Matrix3<f64> {
-    let model = &without_shifts(model);
+    let model = &without_additive_errors(model);
     let of_run = |frame: &Frame| expected_of(model, frame) * frame.row_count() as f64;
     let each: Vec<Matrix3<f64>> = frames.par_iter().map(of_run).collect();
     let rows: usize = frames.iter().map(Frame::row_count).sum();
@@ -103,12 +107,12 @@ pub fn log_noise_of(model: &ResidualModel, frame: &Frame, used: [bool; CHANNELS]
 
 /// E of one run.
 pub fn expected(model: &ResidualModel, frame: &Frame) -> Matrix3<f64> {
-    expected_of(&without_shifts(model), frame)
+    expected_of(&without_additive_errors(model), frame)
 }
 
-/// E of one run with a model without shifts.
+/// E of one run with a model without delays and biases.
 fn expected_of(model: &ResidualModel, frame: &Frame) -> Matrix3<f64> {
-    let noise = own_noise(model, frame);
+    let noise = noise_covariance(model, frame);
     let mut expected = noise.covariance;
     for (c, excess) in model.model_error.iter().enumerate() {
         expected[(c, c)] += excess * noise.gain[c] * noise.gain[c];
@@ -116,7 +120,8 @@ fn expected_of(model: &ResidualModel, frame: &Frame) -> Matrix3<f64> {
     expected
 }
 
-/// Model error of each balance as a variance of its acceleration: (mean square - noise)/(dr/da)^2.
+/// Model error of each balance as a variance of its acceleration, at least 0:
+/// `(mean square - noise variance) / (dr/da)^2`.
 ///
 /// `rows` are the residuals given the discrepancy.
 pub fn model_error(
@@ -124,9 +129,9 @@ pub fn model_error(
     frames: &[Frame],
     rows: &[ChannelRows],
 ) -> [f64; BALANCES] {
-    let model = &without_shifts(model);
+    let model = &without_additive_errors(model);
     let of_run = |(frame, rows): (&Frame, &ChannelRows)| -> [[f64; 2]; BALANCES] {
-        let noise = own_noise(model, frame);
+        let noise = noise_covariance(model, frame);
         let ones = rows.each_ref().map(|rows| vec![1.0; rows.len()]);
         let [residual, weights] = [rows, &ones].map(|rows| scaled(frame, rows));
         let squares = |rows: &[f64]| rows.iter().map(|r| r * r).sum::<f64>();
@@ -146,51 +151,53 @@ pub fn model_error(
     })
 }
 
-/// Covariance of the balances due to sensor noise, and dr/da of each.
+/// Covariance of the balances due to sensor noise, and the mean `|dr/da|` of each balance.
 struct NoiseCovariance {
     covariance: Matrix3<f64>,
     gain: [f64; BALANCES],
 }
 
 /// The model without delays and biases: thinned samples cannot be read at another time.
-fn without_shifts(model: &ResidualModel) -> ResidualModel {
+fn without_additive_errors(model: &ResidualModel) -> ResidualModel {
     ResidualModel {
-        installation: model.installation.without(Part::shifts),
+        installation: model
+            .installation
+            .with_zeroed(InstallationError::is_additive),
         ..model.clone()
     }
 }
 
-/// Sensor noise with a model without shifts.
-fn own_noise(model: &ResidualModel, frame: &Frame) -> NoiseCovariance {
-    let mut own = NoiseCovariance {
+/// Noise covariance of one run with a model without delays and biases.
+fn noise_covariance(model: &ResidualModel, frame: &Frame) -> NoiseCovariance {
+    let mut total = NoiseCovariance {
         covariance: Matrix3::zeros(),
         gain: [0.0; BALANCES],
     };
     let Some(noise) = &frame.noise else {
-        return own;
+        return total;
     };
     let on_run = ModelOnRun::new(model, &noise.samples);
     let share = 1.0 / noise.samples.len().max(1) as f64;
     for i in 0..noise.samples.len() {
         let at = on_run.instant(i, &on_run.measured(i));
-        let by = on_run.jacobian_of_readings(i, &at, &on_run.forces(&at));
-        let of = |sensor: Sensor, value: f64, rate: f64| {
-            Vector3::from(by.of_sensor(sensor, value, rate)) / on_run.scale(sensor)
+        let jacobian = on_run.jacobian_of_readings(i, &at, &on_run.forces(&at));
+        let change = |sensor: Sensor, value: f64, rate: f64| {
+            Vector3::from(jacobian.of_sensor(sensor, value, rate)) / on_run.scale(sensor)
         };
         for (sensor, variances) in Sensor::ALL.into_iter().zip(&noise.variances) {
-            let directions = [of(sensor, 1.0, 0.0), of(sensor, 0.0, 1.0)];
+            let directions = [change(sensor, 1.0, 0.0), change(sensor, 0.0, 1.0)];
             for (direction, variance) in directions.iter().zip(variances) {
-                own.covariance += direction * direction.transpose() * (variance * share);
+                total.covariance += direction * direction.transpose() * (variance * share);
             }
         }
         let gains = [
-            of(Sensor::Ax, 1.0, 0.0),
-            of(Sensor::Ay, 1.0, 0.0),
-            of(Sensor::YawRate, 0.0, 1.0),
+            change(Sensor::Ax, 1.0, 0.0),
+            change(Sensor::Ay, 1.0, 0.0),
+            change(Sensor::YawRate, 0.0, 1.0),
         ];
         for (c, gain) in gains.iter().enumerate() {
-            own.gain[c] += gain[c].abs() * share;
+            total.gain[c] += gain[c].abs() * share;
         }
     }
-    own
+    total
 }

@@ -1,9 +1,9 @@
 //! Simulated runs of the fitted model, with sensor noise through the whole signal processing.
 //!
-//! The measured motion is taken as the truth, with accelerations moved so that the model's
-//! residuals vanish. Noise of each sensor at the recorded rate is added, smoothed and
+//! The measured motion is taken as the truth, with accelerations changed so that the model's
+//! residuals vanish. Noise of each sensor at the recorded rate is added; it is smoothed and
 //! differentiated as the data were. The part of the residual that noise does not explain is added
-//! as a shifted copy of itself with a random sign. Simulated runs come in antithetic pairs
+//! as a copy of itself, shifted along the run and with a random sign. Simulated runs come in antithetic pairs
 //! (opposite noise), so that odd terms cancel in a pair's mean and the bias of products of noisy
 //! signals remains.
 
@@ -24,6 +24,7 @@ use crate::evidence::runs::recordings::smooth_run::signal_kernel;
 use crate::null::random::{below, sign, stream};
 use crate::procedure::rules::{RecordingRules, RunRules};
 
+/// Simulator of runs with sensor noise and unexplained residuals.
 #[derive(Clone, Debug)]
 pub struct RunSimulator {
     noise: SensorNoise,
@@ -36,8 +37,8 @@ pub struct RunSimulator {
     pub piece_s: f64,
 }
 
-/// Substitute for the noise of noiseless sensors: only ratios of models are compared.
-const LEAST_NOISE: Noise = Noise {
+/// Lower bound of the noise, for noiseless sensors: only ratios between models are compared.
+const MIN_NOISE: Noise = Noise {
     accel_mps2: 1e-4,
     rate_radps: 1e-6,
     speed_mps: 1e-4,
@@ -79,10 +80,10 @@ impl RunSimulator {
             })
             .collect();
         for (c, used) in used.iter().enumerate() {
-            let have: f64 = powers.iter().map(|p| p[0][c]).sum();
+            let total: f64 = powers.iter().map(|p| p[0][c]).sum();
             let explained: f64 = powers.iter().map(|p| p[1][c]).sum();
-            if *used && have > 0.0 {
-                simulator.unexplained[c] = (1.0 - explained / have).max(0.0).sqrt();
+            if *used && total > 0.0 {
+                simulator.unexplained[c] = (1.0 - explained / total).max(0.0).sqrt();
             }
         }
         simulator
@@ -114,10 +115,10 @@ impl RunSimulator {
         frames.iter().map(noisy).collect()
     }
 
-    /// Variances of the sensors' noise in the rows of runs.
+    /// Mean variances of the sensors' noise in the rows of all runs.
     fn row_variances(&self, frames: &[Frame]) -> ReadingVariances {
         const ROUND: u64 = 2_000_003;
-        let noise = self.noise.at_least(&LEAST_NOISE);
+        let noise = self.noise.at_least(&MIN_NOISE);
         let of_run = |(i, frame): (usize, &Frame)| -> ReadingVariances {
             let silent = frame.with_columns(|column| vec![0.0; column.len()]);
             let (mut noisy, mut opposite) = (silent.clone(), silent);
@@ -134,7 +135,7 @@ impl RunSimulator {
         })
     }
 
-    /// The same with sensor noise alone.
+    /// The simulator without unexplained residuals.
     pub fn sensors_only(&self) -> Self {
         Self {
             unexplained: [0.0; CHANNELS],
@@ -171,15 +172,16 @@ impl RunSimulator {
         i: usize,
     ) -> SimulatedPair {
         let mut rng = stream(self.seed, 0x7417 + k, i as u64);
-        let rows = residual_model.raw(frame);
+        let rows = residual_model.sample_residuals(frame);
         let truth = truth(frame, residual_model, &rows);
         let (mut plus, mut minus) = (truth.clone(), truth.clone());
-        self.add_rest(&mut plus, &mut minus, residual_model, &rows, &mut rng);
+        self.add_unexplained(&mut plus, &mut minus, residual_model, &rows, &mut rng);
         self.add_noise(&self.noise, &mut plus, &mut minus, &mut rng);
         SimulatedPair { truth, plus, minus }
     }
 
-    fn add_rest(
+    /// Adds the unexplained part of the residuals to one run and subtracts it from the other.
+    fn add_unexplained(
         &self,
         plus: &mut Frame,
         minus: &mut Frame,
@@ -196,7 +198,7 @@ impl RunSimulator {
         let mass_kg = plus.mass_kg.unwrap_or(sled.mass_kg);
         // A residual is moved to another place: it is scaled by the deviations at both.
         let scales = plus.scales_at(&plus.s);
-        let rest = |c: usize, k: usize| -> f64 {
+        let unexplained = |c: usize, k: usize| -> f64 {
             let (from, to) = (samples[(k + shift) % n], samples[k]);
             let scale = |i: usize| scales.get(i).and_then(|s| s.get(c)).copied().unwrap_or(1.0);
             match rows[c].get(from) {
@@ -205,18 +207,19 @@ impl RunSimulator {
             }
         };
         for (k, i) in samples.iter().copied().enumerate() {
-            let yaw = rest(2, k) / sled.j_zz_kgm2;
-            let ahead = rest(0, k) / mass_kg - sled.accel_y_m * yaw;
-            let aside = rest(1, k) / mass_kg + sled.accel_x_m * yaw;
-            for (run, way) in [(&mut *plus, 1.0), (&mut *minus, -1.0)] {
-                run.rate_slope[2][i] += way * yaw;
-                run.acceleration[0][i] += way * ahead;
-                run.acceleration[1][i] += way * aside;
-                run.v_slope[i] += way * rest(3, k);
+            let yaw = unexplained(2, k) / sled.j_zz_kgm2;
+            let longitudinal = unexplained(0, k) / mass_kg - sled.accel_y_m * yaw;
+            let lateral = unexplained(1, k) / mass_kg + sled.accel_x_m * yaw;
+            for (run, sign) in [(&mut *plus, 1.0), (&mut *minus, -1.0)] {
+                run.rate_slope[2][i] += sign * yaw;
+                run.acceleration[0][i] += sign * longitudinal;
+                run.acceleration[1][i] += sign * lateral;
+                run.v_slope[i] += sign * unexplained(3, k);
             }
         }
     }
 
+    /// Adds sensor noise to one run and subtracts it from the other.
     fn add_noise(
         &self,
         noise: &SensorNoise,
@@ -228,12 +231,12 @@ impl RunSimulator {
         let n = plus.len();
         let length = (n - 1) * kernel.stride + 2 * kernel.margin() + 1;
         let dt = plus.recorded_dt;
-        let mut noise_of = |of: ColumnNoise| -> Vec<f64> {
-            let noise = of.colour.noise(length, dt, rng);
-            noise.into_iter().map(|e| of.sd * e).collect()
+        let mut noise_of = |column: ColumnNoise| -> Vec<f64> {
+            let noise = column.colour.noise(length, dt, rng);
+            noise.into_iter().map(|e| column.sd * e).collect()
         };
-        let add = |to: &mut [f64], against: &mut [f64], what: Vec<f64>| {
-            for ((x, y), e) in to.iter_mut().zip(against).zip(what) {
+        let add = |plus: &mut [f64], minus: &mut [f64], noise: Vec<f64>| {
+            for ((x, y), e) in plus.iter_mut().zip(minus).zip(noise) {
                 *x += e;
                 *y -= e;
             }
@@ -276,21 +279,21 @@ impl RunSimulator {
     }
 }
 
-/// The run with the accelerations that the model predicts from its measured inputs: its residuals
-/// are zero.
+/// The run with the accelerations that the model predicts from the measured inputs, so that the
+/// residuals are zero.
 ///
-/// With a delayed sensor, residuals are shifted to the time of its reading.
+/// Residuals of a delayed sensor are shifted to the time of its reading.
 ///
 /// `rows` are the longitudinal, lateral and yaw residuals at every retained sample.
 pub fn truth<R: AsRef<[f64]>>(frame: &Frame, residual_model: &ResidualModel, rows: &[R]) -> Frame {
     let mut run = frame.clone();
     let sled = &residual_model.vehicle.sled;
     let mass_kg = frame.mass_kg.unwrap_or(sled.mass_kg);
-    let delayed = |sensor: Sensor, rest: Vec<f64>| {
+    let delayed = |sensor: Sensor, residual: Vec<f64>| {
         let delay = residual_model.delay(sensor, &frame.track);
         match delay == 0.0 {
-            true => rest,
-            false => ahead(&rest, -delay / frame.sample_s()),
+            true => residual,
+            false => ahead(&residual, -delay / frame.sample_s()),
         }
     };
     let yaw: Vec<f64> = rows[2]
@@ -306,15 +309,17 @@ pub fn truth<R: AsRef<[f64]>>(frame: &Frame, residual_model: &ResidualModel, row
     let side = aligned(-sled.accel_x_m, rows[1].as_ref());
     let minus_yaw = yaw.iter().map(|yaw| -yaw).collect();
     let [longitudinal, lateral, _] = &mut run.acceleration;
-    for (to, rest) in [
+    for (to, change) in [
         (longitudinal, delayed(Sensor::Ax, along)),
         (lateral, delayed(Sensor::Ay, side)),
         (&mut run.rate_slope[2], delayed(Sensor::YawRate, minus_yaw)),
     ] {
-        to.iter_mut().zip(rest).for_each(|(x, by)| *x += by);
+        to.iter_mut()
+            .zip(change)
+            .for_each(|(x, change)| *x += change);
     }
     if !frame.slope.is_empty() {
-        let residual = residual_model.track(&run);
+        let residual = residual_model.track_residual(&run);
         for (slope, r) in run.v_slope.iter_mut().zip(delayed(Sensor::Speed, residual)) {
             *slope -= r;
         }

@@ -74,9 +74,9 @@ impl TermsOnRun {
         for i in 0..frame.len() {
             let at = on_run.instant(i, &on_run.measured(i));
             let forces = on_run.forces(&at);
-            let rest = on_run.balances(&at, &forces);
+            let rest = on_run.residuals_with_forces(&at, &forces);
             for ((size, trial), unit) in trials.iter().zip(&mut units) {
-                let with = on_run.balances_with(i, trial, &at, &forces, None);
+                let with = on_run.residuals_with_effect(i, trial, &at, &forces, None);
                 for (c, unit) in unit.iter_mut().enumerate() {
                     unit.push((rest[c] - with[c]) / size);
                 }

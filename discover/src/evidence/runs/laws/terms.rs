@@ -99,7 +99,7 @@ impl<'a> Terms<'a> {
                 let noise = ((plus + minus) * 0.5 - truth) * run.share;
                 let own = with(run.frame, &run.own);
                 let products = self.design.squares(run.frame, &own);
-                [products, self.design.without_noise(noise)]
+                [products, self.design.with_noiseless_discrepancy(noise)]
             })
             .collect();
         let prior = self.design.prior();

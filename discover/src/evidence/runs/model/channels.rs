@@ -22,7 +22,7 @@ type Channel<'a> = (Cow<'a, [f64]>, Option<Cow<'a, [f64]>>);
 impl<'a> Channels<'a> {
     /// Uncorrected channels.
     pub fn new(frame: &'a Frame) -> Self {
-        let of = |value: &'a [f64], slope: Option<&'a Vec<f64>>| {
+        let channel = |value: &'a [f64], slope: Option<&'a Vec<f64>>| {
             (
                 Cow::Borrowed(value),
                 slope.map(|x| Cow::Borrowed(x.as_slice())),
@@ -32,16 +32,16 @@ impl<'a> Channels<'a> {
             sample_s: frame.sample_s(),
             scales: [1.0; Sensor::ALL.len()],
             values: Sensor::ALL.map(|sensor| match sensor {
-                Sensor::Ax => of(&frame.acceleration[0], None),
-                Sensor::Ay => of(&frame.acceleration[1], None),
-                Sensor::Az => of(&frame.acceleration[2], None),
-                Sensor::RollRate => of(&frame.rate[0], Some(&frame.rate_slope[0])),
-                Sensor::PitchRate => of(&frame.rate[1], Some(&frame.rate_slope[1])),
-                Sensor::YawRate => of(&frame.rate[2], Some(&frame.rate_slope[2])),
-                Sensor::Speed => of(&frame.v, Some(&frame.v_slope)),
-                Sensor::Slip => of(&frame.slip, Some(&frame.slip_rate)),
-                Sensor::Steering => of(&frame.steer, Some(&frame.steer_rate)),
-                Sensor::RollSplit => of(&frame.roll_split, None),
+                Sensor::Ax => channel(&frame.acceleration[0], None),
+                Sensor::Ay => channel(&frame.acceleration[1], None),
+                Sensor::Az => channel(&frame.acceleration[2], None),
+                Sensor::RollRate => channel(&frame.rate[0], Some(&frame.rate_slope[0])),
+                Sensor::PitchRate => channel(&frame.rate[1], Some(&frame.rate_slope[1])),
+                Sensor::YawRate => channel(&frame.rate[2], Some(&frame.rate_slope[2])),
+                Sensor::Speed => channel(&frame.v, Some(&frame.v_slope)),
+                Sensor::Slip => channel(&frame.slip, Some(&frame.slip_rate)),
+                Sensor::Steering => channel(&frame.steer, Some(&frame.steer_rate)),
+                Sensor::RollSplit => channel(&frame.roll_split, None),
             }),
         }
     }
@@ -87,10 +87,10 @@ impl<'a> Channels<'a> {
             return;
         };
         let (value, slope) = self.values[other as usize].clone();
-        let by = factor * size;
+        let gain = factor * size;
         let (to_value, to_slope) = &mut self.values[fault.of as usize];
         let subtract = |to: &mut [f64], other: &[f64]| {
-            to.iter_mut().zip(other).for_each(|(to, x)| *to -= by * x);
+            to.iter_mut().zip(other).for_each(|(to, x)| *to -= gain * x);
         };
         subtract(to_value.to_mut(), &value);
         // An accelerometer has no derivative here; its part in a gyroscope's reading is slow.

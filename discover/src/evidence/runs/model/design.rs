@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::simulated_runs::truth;
 use crate::evidence::runs::model::instant::Instant;
-use crate::evidence::runs::model::on_run::{FORMS, ModelOnRun};
+use crate::evidence::runs::model::on_run::{FORM_ERRORS, ModelOnRun};
 use crate::evidence::runs::model::readings::Readings;
 use crate::evidence::runs::model::residual_jacobian::ResidualJacobian;
 use crate::evidence::runs::model::residual_model::{BALANCES, BASE, ResidualModel};
@@ -24,7 +24,7 @@ pub const OWN_LEVELS: usize = 2;
 /// A change of sensor readings or of constants.
 enum Shift {
     /// An installation error, by its index.
-    Part(usize),
+    Installation(usize),
     /// Delays of the sensors by effects [s].
     Delays([f64; SENSORS]),
 }
@@ -35,14 +35,14 @@ pub struct Design<'a> {
     pub whitener: &'a Whitener,
     /// Base parameters with leverage, then the active effects' amplitudes.
     pub free_base: &'a [usize],
-    /// Tolerance of the lateral laws' form, whose deviations are random effects; 0: none.
+    /// Tolerance of the lateral laws' form, whose errors are random effects; 0: no form errors.
     pub form: f64,
     /// Regular candidates.
     pub candidates: &'a [Candidate<Amplitude>],
-    /// Candidates that are searched in windows.
+    /// Candidates that are searched for in windows.
     pub local: &'a [Candidate<Amplitude>],
     pub windows: &'a [Window],
-    /// Changes of the root of the residuals' noise by column
+    /// Derivatives of the Cholesky factor of the noise covariance, by column
     /// ([`noise_gradients`](crate::evidence::runs::fit::row_noise::noise_gradients)): columns are
     /// then derivatives of the residual relative to its noise. `None`: plain derivatives at the
     /// accelerations of the model.
@@ -50,60 +50,66 @@ pub struct Design<'a> {
 }
 
 impl Design<'_> {
-    /// Number of fitted parameters: base, amplitudes, installation, form, discrepancy.
-    pub fn fitted(&self) -> usize {
-        self.before_discrepancy() + self.residual_model.discrepancy.fitted()
+    /// Number of fitted parameters: base, amplitudes, installation errors, form errors,
+    /// discrepancy.
+    pub fn fitted_count(&self) -> usize {
+        self.before_discrepancy() + self.residual_model.discrepancy.fitted_count()
     }
 
-    /// Number of those before the discrepancy.
+    /// Number of fitted parameters before the discrepancy.
     fn before_discrepancy(&self) -> usize {
         self.free_base.len()
             + self.residual_model.free().len()
-            + self.residual_model.installation.fitted()
-            + self.forms()
+            + self.residual_model.installation.fitted_count()
+            + self.form_errors()
     }
 
-    /// Number of deviations of the lateral laws' form.
-    fn forms(&self) -> usize {
-        if self.form > 0.0 { FORMS } else { 0 }
+    /// Number of form errors of the lateral laws.
+    fn form_errors(&self) -> usize {
+        if self.form > 0.0 { FORM_ERRORS } else { 0 }
     }
 
     /// Index of the discrepancy's first column.
-    fn place_of_discrepancy(&self) -> usize {
+    fn discrepancy_index(&self) -> usize {
         OWN_LEVELS + self.before_discrepancy()
     }
 
-    /// Prior of the fitted parameters: flat for base and amplitudes.
+    /// Prior of the fitted parameters: flat for base and amplitudes, standard normal for the others.
     pub fn prior(&self) -> Prior {
         let ResidualModel {
             installation,
             discrepancy,
             ..
         } = self.residual_model;
-        let random = installation.independent();
-        let form = std::iter::repeat_n(0.0, self.forms());
-        let random = random
+        let whitened = installation.whitened();
+        let form = std::iter::repeat_n(0.0, self.form_errors());
+        let random = whitened
             .iter()
-            .take(installation.fitted())
+            .take(installation.fitted_count())
             .copied()
             .chain(form);
-        let smooth = discrepancy.sizes.iter().take(discrepancy.fitted()).copied();
-        let mut prior = Prior::none(self.fitted());
-        prior.smooth = discrepancy.fitted();
-        let known = self.before_discrepancy() - installation.fitted() - self.forms();
-        for (k, at) in (known..).zip(random.chain(smooth)) {
+        let smooth = discrepancy
+            .sizes
+            .iter()
+            .take(discrepancy.fitted_count())
+            .copied();
+        let mut prior = Prior::none(self.fitted_count());
+        prior.smooth = discrepancy.fitted_count();
+        let flat = self.before_discrepancy() - installation.fitted_count() - self.form_errors();
+        for (k, at) in (flat..).zip(random.chain(smooth)) {
             (prior.precision[k], prior.at[k]) = (1.0, at);
         }
         prior
     }
 
-    /// Whitened columns of one run: levels, fitted parameters without the discrepancy, candidates,
-    /// and the residual given the discrepancy last.
+    /// Whitened columns of one run: levels, fitted parameters without the discrepancy, candidates;
+    /// the last column is the residual given the discrepancy.
     pub fn columns(&self, frame: &Frame) -> DMatrix<f64> {
         self.with_locals(frame, &[]).0
     }
 
-    /// The same, and the columns of local candidates acting everywhere.
+    /// Whitened columns of one run as of [`columns`](Self::columns), and the columns of the local
+    /// candidates acting everywhere.
     pub fn columns_and_locals(&self, frame: &Frame) -> (DMatrix<f64>, DMatrix<f64>) {
         self.with_locals(frame, self.local)
     }
@@ -116,7 +122,7 @@ impl Design<'_> {
         const STEP: f64 = 1e-3;
         let residual_model = self.residual_model;
         let on_run = ModelOnRun::new(residual_model, frame);
-        let moved: Vec<ResidualModel> = residual_model
+        let with_steps: Vec<ResidualModel> = residual_model
             .free()
             .into_iter()
             .map(|(e, p)| {
@@ -125,11 +131,11 @@ impl Design<'_> {
                 moved
             })
             .collect();
-        // One column per part; the fitted combinations are formed from the rows.
+        // One column per installation error; the fitted combinations are formed from the rows.
         let installation = &residual_model.installation;
-        let parts = match installation.fitted() {
+        let errors = match installation.fitted_count() {
             0 => 0,
-            _ => installation.parts.len(),
+            _ => installation.errors.len(),
         };
         let trials: Vec<(Active, Option<&[f64]>)> = self
             .candidates
@@ -138,29 +144,29 @@ impl Design<'_> {
             .map(|c| (c.active(0.01 * c.typical), c.carried(frame)))
             .collect();
         let n = frame.len();
-        let first_part = BASE + moved.len();
-        let first_form = first_part + parts;
-        let first_trial = first_form + self.forms();
+        let first_error = BASE + with_steps.len();
+        let first_form = first_error + errors;
+        let first_trial = first_form + self.form_errors();
         // Delays and installation errors need the channels at other times.
         let delays = residual_model.effects.delays();
-        let late = |model: &ResidualModel| {
-            let there = model.effects.on_track(&frame.track);
-            Shift::Delays(there.delays())
+        let delayed = |model: &ResidualModel| {
+            let effects = model.effects.on_track(&frame.track);
+            Shift::Delays(effects.delays())
         };
-        let late_moved = (BASE..)
-            .zip(&moved)
+        let delayed_steps = (BASE..)
+            .zip(&with_steps)
             .filter(|(_, other)| other.effects.delays() != delays)
-            .map(|(k, other)| (k, late(other)));
-        let late_trials = (first_trial..)
+            .map(|(k, other)| (k, delayed(other)));
+        let delayed_trials = (first_trial..)
             .zip(&trials)
             .filter(|(_, (trial, _))| trial.is_late())
-            .map(|(k, (trial, _))| (k, late(&residual_model.with(trial.clone()))));
-        let shifted: Vec<(usize, Shift)> = late_moved
-            .chain((first_part..).zip((0..parts).map(Shift::Part)))
-            .chain(late_trials)
+            .map(|(k, (trial, _))| (k, delayed(&residual_model.with(trial.clone()))));
+        let shifted: Vec<(usize, Shift)> = delayed_steps
+            .chain((first_error..).zip((0..errors).map(Shift::Installation)))
+            .chain(delayed_trials)
             .collect();
-        let moved: Vec<(usize, ModelOnRun)> = (BASE..)
-            .zip(&moved)
+        let with_steps: Vec<(usize, ModelOnRun)> = (BASE..)
+            .zip(&with_steps)
             .filter(|(_, other)| other.effects.delays() == delays)
             .map(|(k, other)| (k, ModelOnRun::new(other, frame)))
             .collect();
@@ -175,14 +181,14 @@ impl Design<'_> {
             .zip(&trials)
             .filter(|(_, (trial, _))| !trial.is_late())
             .collect();
-        let any_reads = in_time.iter().any(|(_, (trial, _))| trial.moves_signals());
+        let any_corrects = in_time.iter().any(|(_, (trial, _))| trial.moves_signals());
         for i in 0..n {
             let at = on_run.instant(i, &on_run.measured(i));
-            let own = on_run.forces(&at);
-            let by = any_reads
-                .then(|| on_run.residual_jacobian(&at, &own))
+            let forces = on_run.forces(&at);
+            let jacobian = any_corrects
+                .then(|| on_run.residual_jacobian(&at, &forces))
                 .flatten();
-            let rest = on_run.balances(&at, &own);
+            let unchanged = on_run.residuals_with_forces(&at, &forces);
             if !shifted.is_empty() {
                 instants.push(at);
             }
@@ -190,70 +196,57 @@ impl Design<'_> {
                 let by = 1.0 / step;
                 for (c, raw) in raw.iter_mut().enumerate() {
                     if let Some(to) = raw[k].get_mut(i) {
-                        *to = (rest[c] - values[c]) * by;
+                        *to = (unchanged[c] - values[c]) * by;
                     }
                 }
             };
-            let mut carrying = at;
+            let mut with_carried = at;
             for (k, (trial, carried)) in &in_time {
-                let moved = match carried {
-                    None => on_run.balances_with(i, trial, &at, &own, by.as_ref()),
+                let at = match carried {
+                    None => &at,
                     Some(x) => {
-                        carrying.seen.carried = x[i];
-                        on_run.balances_with(i, trial, &carrying, &own, by.as_ref())
+                        with_carried.seen.carried = x[i];
+                        &with_carried
                     }
                 };
-                put(*k, moved, 0.01);
+                let jacobian = jacobian.as_ref();
+                let values = on_run.residuals_with_effect(i, trial, at, &forces, jacobian);
+                put(*k, values, 0.01);
             }
-            for (k, other) in &moved {
-                put(*k, other.balances_given(i, &at), 0.01);
+            for (k, other) in &with_steps {
+                put(*k, other.residuals_reusing(i, &at), 0.01);
             }
             if self.form > 0.0 {
-                let deviating = on_run.balances_of_other_form(&at, &own, 0.01 * self.form);
-                for (k, values) in (first_form..).zip(deviating) {
+                let form = 0.01 * self.form;
+                let with_errors = on_run.residuals_with_form_errors(&at, &forces, form);
+                for (k, values) in (first_form..).zip(with_errors) {
                     put(k, values, 0.01);
                 }
             }
             for b in 0..BASE {
-                put(b, on_run.balances_with_base(&at, b, STEP), STEP);
+                put(b, on_run.residuals_with_base_step(&at, b, STEP), STEP);
             }
             for (c, raw) in raw.iter_mut().enumerate() {
                 if let Some(to) = raw[count - 1].get_mut(i) {
-                    *to = rest[c];
+                    *to = unchanged[c];
                 }
             }
-            for (residual, rest) in residual.iter_mut().zip(rest) {
-                residual.push(rest);
+            for (residual, value) in residual.iter_mut().zip(unchanged) {
+                residual.push(value);
             }
         }
         self.put_shifted(frame, &shifted, (&instants, &residual), &mut raw);
-        // Low-passed, thinned and whitened; the channels are stacked.
-        let (rows, scales) = (
-            frame.row_count() * self.whitener.count(),
-            frame.row_scales(),
-        );
-        let white = |k: usize| {
-            // Such as a part of another session.
-            if raw.iter().all(|raw| raw[k].iter().all(|x| *x == 0.0)) {
-                return vec![0.0; rows];
-            }
-            let mut white: [Vec<f64>; BALANCES] = std::array::from_fn(|c| frame.rows(&raw[c][k]));
-            if k == count - 1 {
-                residual_model.discrepancy.subtract(frame, &mut white);
-            }
-            self.whitener.whiten(&scales, &mut white);
-            white.concat()
-        };
-        let all: Vec<Vec<f64>> = (0..count).map(white).collect();
+        let all = self.whitened(frame, &raw);
+        let rows = all[0].len();
         let grip: Vec<f64> = (0..rows)
             .map(|i| all[1][i] + all[2][i] + all[3][i] + all[4][i])
             .collect();
-        let installed = installation.combined(&all[first_part..first_form]);
+        let installed = installation.combined(&all[first_error..first_form]);
         let regular = first_trial + self.candidates.len();
         let order: Vec<&[f64]> = [all[0].as_slice(), grip.as_slice()]
             .into_iter()
             .chain(self.free_base.iter().map(|b| all[*b].as_slice()))
-            .chain(all[BASE..first_part].iter().map(Vec::as_slice))
+            .chain(all[BASE..first_error].iter().map(Vec::as_slice))
             .chain(installed.iter().map(Vec::as_slice))
             .chain(all[first_form..regular].iter().map(Vec::as_slice))
             .chain([all[count - 1].as_slice()])
@@ -273,7 +266,27 @@ impl Design<'_> {
         (columns, gather(&locals))
     }
 
-    /// Adds the change of the noise's root, `inv(L) dL r`, to a column of the whitened balances.
+    /// Low-passes, thins and whitens columns; the balances are stacked. The discrepancy is
+    /// subtracted from the last column, the residual.
+    fn whitened(&self, frame: &Frame, raw: &[Vec<Vec<f64>>; BALANCES]) -> Vec<Vec<f64>> {
+        let (count, scales) = (raw[0].len(), frame.row_scales());
+        let column = |k: usize| {
+            // Such as an installation error of another session.
+            if raw.iter().all(|raw| raw[k].iter().all(|x| *x == 0.0)) {
+                return vec![0.0; frame.row_count() * self.whitener.count()];
+            }
+            let mut rows: [Vec<f64>; BALANCES] = std::array::from_fn(|c| frame.rows(&raw[c][k]));
+            if k == count - 1 {
+                self.residual_model.discrepancy.subtract(frame, &mut rows);
+            }
+            self.whitener.whiten(&scales, &mut rows);
+            rows.concat()
+        };
+        (0..count).map(column).collect()
+    }
+
+    /// Adds the change of the noise's Cholesky factor, `inv(L) dL r`, to a column of the whitened
+    /// balances.
     fn add_relative(&self, noise: &Matrix3<f64>, residual: &[f64], column: &mut [f64]) {
         let used: Vec<usize> = (0..BALANCES).filter(|c| self.whitener.used[*c]).collect();
         let n = residual.len() / used.len().max(1);
@@ -287,8 +300,8 @@ impl Design<'_> {
         }
     }
 
-    /// The columns of models that use the channels at other times or places. `residual` is that of
-    /// the balances at the run's instants.
+    /// Sets the columns of `shifted` parameters, which change readings or constants. `residual`
+    /// contains the residuals of the balances at the run's instants.
     ///
     /// Plain derivatives use the accelerations of the model: the measured ones contain the
     /// residual, and the columns would be correlated with it.
@@ -315,19 +328,19 @@ impl Design<'_> {
         };
         let jacobians: Vec<ResidualJacobian> = instants.iter().enumerate().map(jacobian).collect();
         for (k, shift) in shifted {
-            let reads = match shift {
-                Shift::Part(part) => readings.with_part_moved(*part, 0.01),
+            let differences = match shift {
+                Shift::Installation(error) => readings.with_error_moved(*error, 0.01),
                 Shift::Delays(delays) => readings.with_delays(delays),
             };
-            if reads.are_none() {
+            if differences.is_empty() {
                 continue;
             }
             let to = raw.each_mut().map(|raw| raw[*k].as_mut_slice());
-            reads.add_change(-1.0 / 0.01, &jacobians, to);
+            differences.add_change(-1.0 / 0.01, &jacobians, to);
         }
     }
 
-    /// Plain products of the columns of all runs, and of their windows.
+    /// Products `X'X` of the columns of each run, and products of the windows' columns with them.
     pub fn products(&self, frames: &[Frame]) -> Vec<Products> {
         frames
             .par_iter()
@@ -362,36 +375,37 @@ impl Design<'_> {
             .collect()
     }
 
-    /// Products of the columns with each other and with those of the discrepancy.
+    /// Products `X'X` of the columns, with the columns of the discrepancy inserted.
     pub fn squares(&self, frame: &Frame, columns: &DMatrix<f64>) -> DMatrix<f64> {
-        let at = self.place_of_discrepancy();
+        let at = self.discrepancy_index();
         let discrepancy = &self.residual_model.discrepancy;
         discrepancy.products(frame, self.whitener, columns, at)
     }
 
     /// Extends the noise products by zeros for the discrepancy, whose columns depend on place only
     /// and have negligible noise.
-    pub fn without_noise(&self, added: DMatrix<f64>) -> DMatrix<f64> {
-        let at = self.place_of_discrepancy();
-        let count = self.residual_model.discrepancy.fitted();
-        let rows = added.insert_rows(at, count, 0.0);
+    pub fn with_noiseless_discrepancy(&self, noise: DMatrix<f64>) -> DMatrix<f64> {
+        let at = self.discrepancy_index();
+        let count = self.residual_model.discrepancy.fitted_count();
+        let rows = noise.insert_rows(at, count, 0.0);
         rows.insert_columns(at, count, 0.0)
     }
 
     fn with_discrepancy(&self, frame: &Frame, columns: &DMatrix<f64>) -> DMatrix<f64> {
-        let at = self.place_of_discrepancy();
+        let at = self.discrepancy_index();
         let discrepancy = &self.residual_model.discrepancy;
         let mut all = columns
             .clone()
-            .insert_columns(at, discrepancy.fitted(), 0.0);
-        if discrepancy.fitted() > 0 {
+            .insert_columns(at, discrepancy.fitted_count(), 0.0);
+        if discrepancy.fitted_count() > 0 {
             let (first, own) = discrepancy.columns(frame, self.whitener);
             all.columns_mut(at + first, own.ncols()).copy_from(&own);
         }
         all
     }
 
-    /// Products of the windows' columns with all columns: sums over bins, then over windows.
+    /// Products of the windows' columns with all columns, and the squared norms of the windows'
+    /// columns, from cumulative sums over bins.
     fn window_products(
         &self,
         frame: &Frame,
@@ -451,18 +465,19 @@ impl Design<'_> {
     }
 }
 
-/// Products of one run's columns, levels first, and of its windows with them.
+/// Products of one run's columns, levels first, and of its windows' columns with them.
 pub struct Products {
     pub full: DMatrix<f64>,
-    /// Windows with columns, one row per window.
+    /// Products of windows with columns, one row per window.
     pub windows: DMatrix<f64>,
+    /// Squared norms of the windows' columns.
     pub window_norms: Vec<f64>,
     /// Local candidate of each window and its share of the run's rows.
     pub shares: Vec<(usize, f64)>,
 }
 
 impl Products {
-    /// The run's sums for scores, less `share` of the noise.
+    /// The products from which scores are computed, minus `share` times the noise products.
     ///
     /// `noise` includes the local candidates last; the noise of a window is taken to be uniform
     /// along the run.
@@ -484,7 +499,7 @@ impl Products {
         Gram::new(&full, OWN_LEVELS, &windows, &norms)
     }
 
-    /// Without noise correction; run levels are taken out.
+    /// The products from which scores are computed, without correction for noise.
     pub fn plain(&self) -> Gram {
         Gram::new(&self.full, OWN_LEVELS, &self.windows, &self.window_norms)
     }

@@ -1,15 +1,15 @@
 //! Model discrepancy over place: a random effect that is common to all runs of a track.
 //!
 //! On track t the rows of balance c contain `d_tc(s)`, a cubic spline with independent normal
-//! coefficients of a standard deviation per balance. With D the columns of all coefficients in
-//! units of it, fits and scores are those of
+//! coefficients whose standard deviation depends on the balance. With D the columns of all
+//! coefficients in units of it, the residuals r in fits and scores have the covariance V of
 //!
 //! ```text
 //! r = J b + D u + e,   u ~ N(0, 1)        V = 1 + D D'
 //! ```
 //!
 //! An effect is then tested against any other error at the same places: differences between runs
-//! and places count, repetitions of the same misfit do not.
+//! and places are evidence of it, repetitions of the same misfit are not.
 //!
 //! Source: M. C. Kennedy, A. O'Hagan, Bayesian calibration of computer models, Journal of the Royal
 //! Statistical Society B 63 (2001) 425; P. H. C. Eilers, B. D. Marx, Flexible smoothing with
@@ -92,8 +92,8 @@ impl Discrepancy {
         .at_zero()
     }
 
-    /// The same with the smaller standard deviation of two.
-    pub fn least(&self, other: &Self) -> Self {
+    /// This discrepancy with the smaller standard deviation of the two by balance, at 0.
+    pub fn with_min_sd(&self, other: &Self) -> Self {
         Self {
             sd: std::array::from_fn(|c| self.sd[c].min(other.sd[c])),
             ..self.clone()
@@ -101,7 +101,7 @@ impl Discrepancy {
         .at_zero()
     }
 
-    /// The same with fixed or free coefficients.
+    /// The discrepancy with fixed or free coefficients.
     pub fn with_fixed(&self, fixed: bool) -> Self {
         Self {
             fixed,
@@ -109,7 +109,7 @@ impl Discrepancy {
         }
     }
 
-    /// The same with coefficients of 0.
+    /// The discrepancy with coefficients of 0.
     pub fn at_zero(self) -> Self {
         let splines: usize = self.spans.iter().map(|span| span.splines).sum();
         Self {
@@ -128,7 +128,7 @@ impl Discrepancy {
     }
 
     /// Number of coefficients that are fitted.
-    pub fn fitted(&self) -> usize {
+    pub fn fitted_count(&self) -> usize {
         match self.fixed {
             true => 0,
             false => self.count(),
@@ -143,7 +143,7 @@ impl Discrepancy {
         Some((before * balances, &self.spans[at]))
     }
 
-    /// The first spline at a place, and the values of it and the next three.
+    /// Index of the first of the four splines that are not 0 at a place, and their values.
     fn spline(&self, span: &Span, s: f64) -> (usize, [f64; 4]) {
         let u = ((s - span.from_m) / self.knots_m).clamp(0.0, (span.splines - 3) as f64);
         let first = (u as usize).min(span.splines - 4);
@@ -157,17 +157,17 @@ impl Discrepancy {
         (first, values.map(|value| value / 6.0))
     }
 
-    /// The same at each row of a run, by balance, divided by the balance's relative standard
-    /// deviation there.
+    /// [`spline`](Self::spline) at each row of a run, by balance, with the values divided by the
+    /// balance's relative standard deviation there.
     fn scaled_splines(&self, frame: &Frame, span: &Span) -> [Vec<(usize, [f64; 4])>; BALANCES] {
         let (places, scales) = (frame.rows(&frame.s), frame.row_scales());
         let splines: Vec<_> = places.iter().map(|s| self.spline(span, *s)).collect();
         std::array::from_fn(|c| {
-            let at = |(i, (first, values)): (usize, &(usize, [f64; 4]))| {
+            let scaled = |(i, (first, values)): (usize, &(usize, [f64; 4]))| {
                 let scale = scales.get(i).map_or(1.0, |scales| scales[c]);
                 (*first, values.map(|value| value / scale))
             };
-            splines.iter().enumerate().map(at).collect()
+            splines.iter().enumerate().map(scaled).collect()
         })
     }
 
@@ -180,16 +180,17 @@ impl Discrepancy {
     ) -> Option<Vec<f64>> {
         let (first, span) = self.of_track(track)?;
         let number = self.balances().position(|c| c == balance)?;
-        let own = &self.sizes[first + number * span.splines..][..span.splines];
+        let coefficients = &self.sizes[first + number * span.splines..][..span.splines];
         let value = |s: f64| {
             let (spline, values) = self.spline(span, s);
-            let both = own[spline..].iter().zip(values);
+            let both = coefficients[spline..].iter().zip(values);
             self.sd[balance] * both.map(|(size, value)| size * value).sum::<f64>()
         };
         Some(places.map(value).collect())
     }
 
-    /// The whitened columns of a run, balances stacked, and the first one's index among all.
+    /// Index of the first coefficient of a run's track, and the whitened columns of the track's
+    /// coefficients for the run's rows, balances stacked.
     pub fn columns(&self, frame: &Frame, whitener: &Whitener) -> (usize, DMatrix<f64>) {
         let (n, used) = (frame.row_count(), whitener.count());
         let Some((first, span)) = self.of_track(&frame.track).filter(|_| self.count() > 0) else {
@@ -199,12 +200,12 @@ impl Discrepancy {
         let balances: Vec<usize> = self.balances().collect();
         let mut columns = DMatrix::zeros(n * used, balances.len() * span.splines);
         for (b, c) in balances.iter().enumerate() {
-            let shares = whitener.shares(*c);
+            let whitening = whitener.column(*c);
             for block in 0..used {
-                let by = self.sd[*c] * shares[whitener.channel(block)];
+                let factor = self.sd[*c] * whitening[whitener.channel(block)];
                 for (i, (spline, values)) in splines[*c].iter().enumerate() {
                     for (k, value) in values.iter().enumerate() {
-                        columns[(block * n + i, b * span.splines + spline + k)] = by * value;
+                        columns[(block * n + i, b * span.splines + spline + k)] = factor * value;
                     }
                 }
             }
@@ -212,7 +213,8 @@ impl Discrepancy {
         (first, columns)
     }
 
-    /// Products of whitened columns with each other, and with those of the coefficients inserted.
+    /// Products `X'X` of whitened columns, with the free coefficients' columns inserted at index
+    /// `at`.
     pub fn products(
         &self,
         frame: &Frame,
@@ -220,7 +222,7 @@ impl Discrepancy {
         columns: &DMatrix<f64>,
         at: usize,
     ) -> DMatrix<f64> {
-        let (n, m, count) = (frame.row_count(), columns.ncols(), self.fitted());
+        let (n, m, count) = (frame.row_count(), columns.ncols(), self.fitted_count());
         let products = squares(columns);
         if count == 0 {
             return products;
@@ -232,39 +234,40 @@ impl Discrepancy {
             return all;
         };
         let splines = self.scaled_splines(frame, span);
-        let own = |c: usize, other: usize| {
-            let mut own = DMatrix::<f64>::zeros(span.splines, span.splines);
+        let spline_products = |c: usize, other: usize| {
+            let mut products = DMatrix::<f64>::zeros(span.splines, span.splines);
             for ((spline, values), (_, others)) in splines[c].iter().zip(&splines[other]) {
                 for (a, x) in values.iter().enumerate() {
                     for (b, y) in others.iter().enumerate() {
-                        own[(spline + a, spline + b)] += x * y;
+                        products[(spline + a, spline + b)] += x * y;
                     }
                 }
             }
-            own
+            products
         };
         let balances: Vec<(usize, [f64; BALANCES])> = self
             .balances()
-            .map(|c| (c, whitener.shares(c).map(|share| self.sd[c] * share)))
+            .map(|c| (c, whitener.column(c).map(|weight| self.sd[c] * weight)))
             .collect();
         let blocks: Vec<usize> = (0..whitener.count()).map(|k| whitener.channel(k)).collect();
         let of_balance = |b: usize| at + first + b * span.splines;
-        for (b, (c, shares)) in balances.iter().enumerate() {
+        for (b, (c, weights)) in balances.iter().enumerate() {
             let splines = &splines[*c];
             for (b2, (other, others)) in balances.iter().enumerate().take(b + 1) {
-                let by: f64 = blocks.iter().map(|c| shares[*c] * others[*c]).sum();
-                let (both, size) = (own(*c, *other) * by, (span.splines, span.splines));
-                let mut view =
+                let factor: f64 = blocks.iter().map(|c| weights[*c] * others[*c]).sum();
+                let products = spline_products(*c, *other) * factor;
+                let size = (span.splines, span.splines);
+                let mut copy =
                     |at, products: &DMatrix<f64>| all.view_mut(at, size).copy_from(products);
-                view((of_balance(b2), of_balance(b)), &both.transpose());
-                view((of_balance(b), of_balance(b2)), &both);
+                copy((of_balance(b2), of_balance(b)), &products.transpose());
+                copy((of_balance(b), of_balance(b2)), &products);
             }
             for k in 0..m {
                 let mut sums = vec![0.0; span.splines];
                 for (block, c) in blocks.iter().enumerate() {
                     let rows = &columns.column(k).data.into_slice()[block * n..][..n];
                     for (row, (spline, values)) in rows.iter().zip(splines) {
-                        let row = shares[*c] * row;
+                        let row = weights[*c] * row;
                         for (sum, value) in sums[*spline..].iter_mut().zip(values) {
                             *sum += row * value;
                         }
@@ -291,8 +294,8 @@ impl Discrepancy {
         }
     }
 
-    /// Decrease of the negative log-likelihood by the discrepancy, with its coefficients integrated
-    /// out:
+    /// Decrease of the negative log-likelihood by the discrepancy, with the coefficients integrated
+    /// out. With r the whitened rows of a track, it is the sum over tracks of
     ///
     /// ```text
     /// (r'D inv(D'D + 1) D'r - ln det(D'D + 1)) / 2

@@ -1,19 +1,20 @@
 //! Installation errors as random effects: delays, scales, biases, positions, mass and inertia, and
 //! offsets by session of sensors that are mounted anew.
 //!
-//! Each error a is in units of its standard deviation, which `[tolerances]` states. With N its
-//! columns and J those of the base, the fit is penalised least squares, equivalent to correlated
-//! rows:
+//! Each error a is in units of its standard deviation, which `[tolerances]` states. With N the
+//! columns of the errors and J the columns of the base parameters b, the fit is penalised least
+//! squares, which is equivalent to generalised least squares without the errors a and with
+//! rows of covariance V (best linear unbiased prediction):
 //!
 //! ```text
 //! min |r - J b - N a|^2 + |a|^2        V = 1 + N N'
 //! ```
 //!
 //! With a surveyed track slope, the difference of the speed's derivative and the accelerometer
-//! determines the accelerometer's tilt and bias without any friction. With its information K about
-//! the sizes, and its scores k at sizes of 0, the prior for the forces is normal with the
-//! covariance `S = inv(1 + K)` and the mean `S k`. Combinations are then those of independent b in
-//! `a = S k + root(S) b`.
+//! determines the accelerometer's tilt and bias without any friction. With its information matrix K
+//! of the sizes a, and its scores k at sizes of 0, the prior of a in the fit to the forces is normal
+//! with covariance `S = inv(1 + K)` and mean `S k`. The fitted parameters are then whitened
+//! coordinates u, independent with unit variance: `a = S k + root(S) u`.
 //!
 //! Source: G. K. Robinson, That BLUP is a good thing: the estimation of random effects, Statistical
 //! Science 6 (1991) 15.
@@ -54,9 +55,9 @@ enum ErrorKind {
     YawInertia,
 }
 
-/// One installation error.
+/// One possible installation error.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Part {
+pub struct InstallationError {
     /// Description.
     pub what: String,
     pub unit: &'static str,
@@ -64,14 +65,14 @@ pub struct Part {
     pub sd: f64,
     /// The only session in which it acts; `None`: all sessions.
     session: Option<String>,
-    wrong: ErrorKind,
+    kind: ErrorKind,
 }
 
-impl Part {
+impl InstallationError {
     /// Whether its effect on the longitudinal accelerometer is that of a slope.
     pub fn is_tilt(&self) -> bool {
         matches!(
-            self.wrong,
+            self.kind,
             ErrorKind::Biased(Sensor::Ax) | ErrorKind::Misaligned(1 | 2)
         )
     }
@@ -79,14 +80,14 @@ impl Part {
     /// Whether it couples channels of the inertial unit.
     pub fn couples(&self) -> bool {
         matches!(
-            self.wrong,
+            self.kind,
             ErrorKind::Misaligned(_) | ErrorKind::GSensitive(_)
         )
     }
 
-    /// Whether it is a delay or a bias, which do not change the noise of the residuals.
-    pub fn shifts(&self) -> bool {
-        matches!(self.wrong, ErrorKind::Late(_) | ErrorKind::Biased(_))
+    /// Whether it is a delay or a bias: these do not scale the noise of the residuals.
+    pub fn is_additive(&self) -> bool {
+        matches!(self.kind, ErrorKind::Late(_) | ErrorKind::Biased(_))
     }
 
     pub fn acts_in(&self, session: &str) -> bool {
@@ -95,7 +96,7 @@ impl Part {
 
     /// The sensor whose reading it changes.
     pub fn sensor(&self) -> Option<Sensor> {
-        match self.wrong {
+        match self.kind {
             ErrorKind::Late(sensor) | ErrorKind::Scaled(sensor) | ErrorKind::Biased(sensor) => {
                 Some(sensor)
             }
@@ -104,24 +105,25 @@ impl Part {
     }
 }
 
-/// Information about the sizes from data other than the forces, in stated standard deviations.
+/// Information about the sizes from data other than the forces; sizes in stated standard
+/// deviations.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Information {
-    /// Information K.
+    /// Information matrix K.
     pub precision: DMatrix<f64>,
     /// Scores k at sizes of 0.
     pub scores: DVector<f64>,
 }
 
-/// Normal prior of the sizes for the forces: `mean + root b` with independent b.
+/// Normal prior of the sizes in the fit to the forces: `mean + root u`, with u whitened.
 #[derive(Clone, Debug, Default, PartialEq)]
-struct SizeLaw {
+struct SizePrior {
     mean: DVector<f64>,
     root: DMatrix<f64>,
     inverse_root: DMatrix<f64>,
 }
 
-impl SizeLaw {
+impl SizePrior {
     fn of(count: usize, information: Option<&Information>) -> Self {
         let Some(information) = information else {
             return Self {
@@ -148,30 +150,31 @@ impl SizeLaw {
 /// All installation errors with their sizes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Installation {
-    pub parts: Arc<[Part]>,
-    /// Sizes in standard deviations.
+    pub errors: Arc<[InstallationError]>,
+    /// Sizes in stated standard deviations.
     pub sizes: Vec<f64>,
     /// Whether the sizes are fixed in fits.
     pub fixed: bool,
-    /// Prior of the sizes for the forces.
-    law: Arc<SizeLaw>,
+    /// Prior of the sizes in the fit to the forces.
+    prior: Arc<SizePrior>,
 }
 
 impl Installation {
-    /// Errors that the tolerances allow in runs of these sessions; 0 excludes an error.
+    /// Errors that the tolerances allow in runs of these sessions; a tolerance of 0 excludes an
+    /// error.
     pub fn new<'s>(tolerances: &Tolerances, sessions: impl IntoIterator<Item = &'s str>) -> Self {
         let t = tolerances;
         let gyros = [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate];
         let accelerometers = [Sensor::Ax, Sensor::Ay, Sensor::Az];
-        let mut parts = Vec::new();
-        let mut add = |what: String, unit, sd, wrong| {
+        let mut errors = Vec::new();
+        let mut add = |what: String, unit, sd, kind| {
             if sd > 0.0 {
-                parts.push(Part {
+                errors.push(InstallationError {
                     what,
                     unit,
                     sd,
                     session: None,
-                    wrong,
+                    kind,
                 });
             }
         };
@@ -221,16 +224,16 @@ impl Installation {
             ("place of the slip sensor, x", ErrorKind::SlipSensor),
             ("place of the centre of gravity, x", ErrorKind::Centre),
         ];
-        for (what, wrong) in places {
-            add(what.to_owned(), "m", t.place_m, wrong);
+        for (what, kind) in places {
+            add(what.to_owned(), "m", t.place_m, kind);
         }
         add("mass, relative".to_owned(), "", t.mass, ErrorKind::Mass);
         let inertias = [
             ("pitch", ErrorKind::PitchInertia),
             ("yaw", ErrorKind::YawInertia),
         ];
-        for (axis, wrong) in inertias {
-            add(format!("{axis} inertia, relative"), "", t.inertia, wrong);
+        for (axis, kind) in inertias {
+            add(format!("{axis} inertia, relative"), "", t.inertia, kind);
         }
         if t.session_offset_rad > 0.0 {
             let sessions: BTreeSet<&str> = sessions.into_iter().collect();
@@ -238,59 +241,59 @@ impl Installation {
                 .into_iter()
                 .flat_map(|session| [Sensor::Slip, Sensor::Steering].map(|s| (session, s)))
             {
-                parts.push(Part {
+                errors.push(InstallationError {
                     what: format!("offset of {} in session {session:?}", s.name()),
                     unit: "rad",
                     sd: t.session_offset_rad,
                     session: Some(session.to_owned()),
-                    wrong: ErrorKind::Biased(s),
+                    kind: ErrorKind::Biased(s),
                 });
             }
         }
-        Self::of(parts.into(), None)
+        Self::of(errors.into(), None)
     }
 
-    /// All errors at their means.
-    fn of(parts: Arc<[Part]>, information: Option<Information>) -> Self {
-        let law = SizeLaw::of(parts.len(), information.as_ref());
+    /// All errors at their prior means.
+    fn of(errors: Arc<[InstallationError]>, information: Option<Information>) -> Self {
+        let prior = SizePrior::of(errors.len(), information.as_ref());
         Self {
-            sizes: law.mean.iter().copied().collect(),
+            sizes: prior.mean.iter().copied().collect(),
             fixed: false,
-            law: Arc::new(law),
-            parts,
+            prior: Arc::new(prior),
+            errors,
         }
     }
 
-    /// The stated installation with information from data other than the forces.
-    pub fn informed(self, information: Information) -> Self {
-        Self::of(self.parts, Some(information))
+    /// The installation with its prior updated by data other than the forces.
+    pub fn with_information(self, information: Information) -> Self {
+        Self::of(self.errors, Some(information))
     }
 
-    /// Independent errors b of the sizes.
-    pub fn independent(&self) -> DVector<f64> {
+    /// Whitened coordinates u of the sizes.
+    pub fn whitened(&self) -> DVector<f64> {
         let sizes = DVector::from_column_slice(&self.sizes);
-        &self.law.inverse_root * (sizes - &self.law.mean)
+        &self.prior.inverse_root * (sizes - &self.prior.mean)
     }
 
-    /// The same with some errors of 0.
-    pub fn without(&self, are: impl Fn(&Part) -> bool) -> Self {
+    /// The installation with the sizes of the errors that meet `predicate` set to 0.
+    pub fn with_zeroed(&self, predicate: impl Fn(&InstallationError) -> bool) -> Self {
         let mut without = self.clone();
-        let parts = self.parts.iter().zip(&mut without.sizes);
-        for (_, size) in parts.filter(|(part, _)| are(part)) {
+        let errors = self.errors.iter().zip(&mut without.sizes);
+        for (_, size) in errors.filter(|(error, _)| predicate(error)) {
             *size = 0.0;
         }
         without
     }
 
     /// Number of errors that are fitted.
-    pub fn fitted(&self) -> usize {
+    pub fn fitted_count(&self) -> usize {
         match self.fixed {
             true => 0,
-            false => self.parts.len(),
+            false => self.errors.len(),
         }
     }
 
-    /// The same with fixed or free sizes.
+    /// The installation with fixed or free sizes.
     pub fn with_fixed(&self, fixed: bool) -> Self {
         Self {
             fixed,
@@ -298,63 +301,67 @@ impl Installation {
         }
     }
 
-    /// Negative log prior density of its sizes, relative to sizes of 0.
-    pub fn cost(&self) -> f64 {
-        let of_mean = &self.law.inverse_root * &self.law.mean;
-        self.distance() - 0.5 * of_mean.norm_squared()
+    /// Negative log prior density of the sizes, minus its value at sizes of 0.
+    pub fn penalty_relative_to_zero(&self) -> f64 {
+        let of_mean = &self.prior.inverse_root * &self.prior.mean;
+        self.penalty() - 0.5 * of_mean.norm_squared()
     }
 
-    /// The same relative to the mean.
-    pub fn distance(&self) -> f64 {
-        0.5 * self.independent().norm_squared()
+    /// Negative log prior density of the sizes, minus its value at the prior mean: `|u|^2 / 2`.
+    pub fn penalty(&self) -> f64 {
+        0.5 * self.whitened().norm_squared()
     }
 
-    /// Changes all independent errors, in standard deviations.
-    pub fn step(&mut self, by: &[f64]) {
-        if !by.is_empty() {
-            let shares = &self.law.root * DVector::from_column_slice(by);
-            let sizes = self.sizes.iter_mut().zip(shares.iter());
-            sizes.for_each(|(size, share)| *size += share);
+    /// Adds a step to all whitened coordinates; an empty step changes nothing.
+    pub fn step(&mut self, step: &[f64]) {
+        if !step.is_empty() {
+            let changes = &self.prior.root * DVector::from_column_slice(step);
+            let sizes = self.sizes.iter_mut().zip(changes.iter());
+            sizes.for_each(|(size, change)| *size += change);
         }
     }
 
-    /// The same with one part changed by so many standard deviations.
-    pub fn moved(&self, part: usize, by: f64) -> Self {
+    /// The installation with one error changed by `deviations` standard deviations.
+    pub fn moved(&self, error: usize, deviations: f64) -> Self {
         let mut moved = self.clone();
-        moved.sizes[part] += by;
+        moved.sizes[error] += deviations;
         moved
     }
 
-    /// The column of each independent error, from those of the parts.
-    pub fn combined(&self, parts: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    /// The column of each whitened coordinate, from the column of each error.
+    pub fn combined(&self, errors: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let combined = |k: usize| {
-            let mut sum = vec![0.0; parts[0].len()];
-            let shares = self.law.root.column(k);
-            let acting = shares.iter().zip(parts).filter(|(by, _)| **by != 0.0);
-            for (by, part) in acting {
-                sum.iter_mut().zip(part).for_each(|(sum, x)| *sum += by * x);
+            let mut sum = vec![0.0; errors[0].len()];
+            let weights = self.prior.root.column(k);
+            let nonzero = weights.iter().zip(errors).filter(|(w, _)| **w != 0.0);
+            for (weight, column) in nonzero {
+                let both = sum.iter_mut().zip(column);
+                both.for_each(|(sum, x)| *sum += weight * x);
             }
             sum
         };
-        (0..self.fitted()).map(combined).collect()
+        (0..self.fitted_count()).map(combined).collect()
     }
 
-    /// Size and standard error of each part, in its unit, from the covariance of the independent
-    /// errors.
-    pub fn found(&self, covariance: &DMatrix<f64>) -> Vec<(f64, f64)> {
-        let part = |(j, part): (usize, &Part)| {
-            let own = self.law.root.row(j);
-            let variance = (own * covariance * own.transpose())[(0, 0)];
-            (part.sd * self.sizes[j], part.sd * variance.max(0.0).sqrt())
+    /// Size and standard error of each error, in its unit, from the covariance of the whitened
+    /// coordinates.
+    pub fn estimates(&self, covariance: &DMatrix<f64>) -> Vec<(f64, f64)> {
+        let error = |(j, error): (usize, &InstallationError)| {
+            let weights = self.prior.root.row(j);
+            let variance = (weights * covariance * weights.transpose())[(0, 0)];
+            (
+                error.sd * self.sizes[j],
+                error.sd * variance.max(0.0).sqrt(),
+            )
         };
-        self.parts.iter().enumerate().map(part).collect()
+        self.errors.iter().enumerate().map(error).collect()
     }
 
     /// Corrects the stated constants of a sled.
     pub fn correct_constants(&self, sled: &mut Sled) {
-        for (part, size) in self.parts.iter().zip(&self.sizes) {
-            let size = size * part.sd;
-            match part.wrong {
+        for (error, size) in self.errors.iter().zip(&self.sizes) {
+            let size = size * error.sd;
+            match error.kind {
                 ErrorKind::Accelerometer(0) => sled.accel_x_m += size,
                 ErrorKind::Accelerometer(1) => sled.accel_y_m += size,
                 ErrorKind::Accelerometer(_) => sled.accel_z_m += size,
@@ -376,18 +383,18 @@ impl Installation {
 
     /// Delay of a sensor [s].
     pub fn delay(&self, sensor: Sensor) -> f64 {
-        let parts = self.parts.iter().zip(&self.sizes);
-        let late = parts.filter(|(part, _)| part.wrong == ErrorKind::Late(sensor));
-        late.map(|(part, size)| part.sd * size).sum()
+        let errors = self.errors.iter().zip(&self.sizes);
+        let late = errors.filter(|(error, _)| error.kind == ErrorKind::Late(sensor));
+        late.map(|(error, size)| error.sd * size).sum()
     }
 
     /// Corrects cross-sensitivity within the inertial unit, after each channel's own errors.
     pub fn correct_coupling(&self, channels: &mut Channels) {
-        let parts = self.parts.iter().zip(&self.sizes).rev();
-        for (part, size) in parts.filter(|(part, size)| part.couples() && **size != 0.0) {
-            let size = size * part.sd;
+        let errors = self.errors.iter().zip(&self.sizes).rev();
+        for (error, size) in errors.filter(|(error, size)| error.couples() && **size != 0.0) {
+            let size = size * error.sd;
             let gyros = [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate];
-            match part.wrong {
+            match error.kind {
                 ErrorKind::Misaligned(axis) => {
                     for fault in Fault::misaligned(axis).iter().rev() {
                         channels.correct(fault, size);
@@ -403,11 +410,11 @@ impl Installation {
 
     /// Corrects a sensor's reading in a session: installation errors, then a delay by effects [s].
     pub fn correct(&self, of: Sensor, session: &str, delay_s: f64, channels: &mut Channels) {
-        let parts = self.parts.iter().zip(&self.sizes);
-        let acts = |part: &Part| part.sensor() == Some(of) && part.acts_in(session);
-        for (part, size) in parts.filter(|(part, size)| **size != 0.0 && acts(part)) {
-            let size = size * part.sd;
-            match part.wrong {
+        let errors = self.errors.iter().zip(&self.sizes);
+        let acts = |error: &InstallationError| error.sensor() == Some(of) && error.acts_in(session);
+        for (error, size) in errors.filter(|(error, size)| **size != 0.0 && acts(error)) {
+            let size = size * error.sd;
+            match error.kind {
                 ErrorKind::Late(sensor) => channels.correct_delay(sensor, size),
                 ErrorKind::Biased(sensor) => channels.correct_bias(sensor, size),
                 ErrorKind::Scaled(sensor) => channels.correct_scale(sensor, 1.0 + size),
@@ -447,14 +454,14 @@ mod tests {
 
     #[test]
     fn every_error_with_a_tolerance_is_one_part() {
-        assert_eq!(Installation::new(&EXACT, ["1"]).fitted(), 0);
+        assert_eq!(Installation::new(&EXACT, ["1"]).fitted_count(), 0);
         let delays = Tolerances {
             delay_s: 0.002,
             ..EXACT
         };
-        let parts = Installation::new(&delays, []).parts;
-        assert_eq!(parts.len(), Sensor::ALL.len());
-        assert_eq!(parts[5].what, "delay of yaw_rate_radps");
+        let errors = Installation::new(&delays, []).errors;
+        assert_eq!(errors.len(), Sensor::ALL.len());
+        assert_eq!(errors[5].what, "delay of yaw_rate_radps");
     }
 
     #[test]
@@ -464,13 +471,17 @@ mod tests {
             ..EXACT
         };
         let none = Installation::new(&remounted, ["b", "a", "b"]);
-        let what: Vec<&str> = none.parts.iter().map(|part| part.what.as_str()).collect();
+        let what: Vec<&str> = none
+            .errors
+            .iter()
+            .map(|error| error.what.as_str())
+            .collect();
         let of = |sensor: &str, session: &str| format!("offset of {sensor} in session {session:?}");
         let expected =
             ["a", "b"].map(|s| ["alpha_rad", "delta_rad"].map(|of_sensor| of(of_sensor, s)));
         assert_eq!(what, expected.concat());
         let off = none.moved(2, 0.5);
-        let of_part = |session: &str| off.parts[2].acts_in(session);
+        let of_part = |session: &str| off.errors[2].acts_in(session);
         assert_eq!((of_part("a"), of_part("b")), (false, true));
     }
 
@@ -485,20 +496,20 @@ mod tests {
             precision: DMatrix::from_row_slice(2, 2, &[3.0, 1.0, 1.0, 2.0]),
             scores: DVector::from_column_slice(&[2.0, -1.0]),
         };
-        let both = Installation::new(&stated, []).informed(information.clone());
+        let both = Installation::new(&stated, []).with_information(information.clone());
         // At the prior of the forces the sizes have its mean and covariance, inv(1 + K).
         let prior = (DMatrix::identity(2, 2) + &information.precision)
             .try_inverse()
             .unwrap();
         let mean = &prior * &information.scores;
-        let found = both.found(&DMatrix::identity(2, 2));
-        for (k, ((size, error), part)) in found.iter().zip(both.parts.iter()).enumerate() {
-            assert!((size / part.sd - mean[k]).abs() < 1e-12);
-            assert!((error / part.sd - prior[(k, k)].sqrt()).abs() < 1e-12);
+        let found = both.estimates(&DMatrix::identity(2, 2));
+        for (k, ((size, se), error)) in found.iter().zip(both.errors.iter()).enumerate() {
+            assert!((size / error.sd - mean[k]).abs() < 1e-12);
+            assert!((se / error.sd - prior[(k, k)].sqrt()).abs() < 1e-12);
         }
         let mut moved = both.clone();
         moved.step(&[0.3, -0.2]);
-        let change = moved.independent() - both.independent();
+        let change = moved.whitened() - both.whitened();
         assert!((change - DVector::from_column_slice(&[0.3, -0.2])).amax() < 1e-12);
     }
 }

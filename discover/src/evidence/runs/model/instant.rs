@@ -6,7 +6,7 @@ use kufe_sled::{Balance, LawForces, Vehicle};
 /// One sample: its balance, the base laws, and the state for effects.
 #[derive(Clone, Copy)]
 pub struct Instant {
-    /// The state as effects take it.
+    /// The state that effects are evaluated at.
     pub seen: effects::State,
     pub(super) balance: Balance,
     pub(super) laws: LawForces,

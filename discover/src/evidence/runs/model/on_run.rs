@@ -18,57 +18,58 @@ use crate::evidence::runs::model::channels::Channels;
 use crate::evidence::runs::model::instant::Instant;
 use crate::evidence::runs::model::residual_jacobian::ResidualJacobian;
 use crate::evidence::runs::model::residual_model::{
-    BALANCES, CHANNELS, ChannelRows, ResidualModel,
+    BALANCES, CHANNELS, ChannelRows, ResidualModel, TRACK,
 };
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::survey::interpolate;
 
-/// Shares of the peak force at which the lateral law of an axle may deviate from its form.
+/// Knots of the form error of an axle's lateral law, as fractions of the peak force.
 const FORM_KNOTS: [f64; 4] = [0.1, 0.3, 0.6, 1.0];
-/// Number of deviations: those of both axles, and one with the load.
-pub const FORMS: usize = 2 * FORM_KNOTS.len() + 1;
-/// Load at which the lateral forces do not deviate [N].
+/// Number of form errors: one per knot and axle, and one that depends on the load.
+pub const FORM_ERRORS: usize = 2 * FORM_KNOTS.len() + 1;
+/// Reference load, at which the load-dependent form error is 0 [N].
 const FORM_LOAD_N: f64 = 2000.0;
 
-/// Smallest speed of a slip angle [m/s].
-const LEAST_SPEED: f64 = 0.5;
+/// Lower bound of the speed in slip angles [m/s].
+const MIN_SPEED: f64 = 0.5;
 
 impl ResidualModel {
     /// Residuals of one run, low-passed and thinned to rows.
     pub fn residuals(&self, frame: &Frame) -> ChannelRows {
-        self.raw(frame).map(|channel| frame.rows(&channel))
+        self.sample_residuals(frame)
+            .map(|channel| frame.rows(&channel))
     }
 
     /// Residuals of one run at every retained sample.
-    pub fn raw(&self, frame: &Frame) -> ChannelRows {
+    pub fn sample_residuals(&self, frame: &Frame) -> ChannelRows {
         let mut rows: ChannelRows = std::array::from_fn(|_| Vec::with_capacity(frame.len()));
         let on_run = ModelOnRun::new(self, frame);
         for i in 0..frame.len() {
-            let values = on_run.residual(i);
+            let values = on_run.channel_residuals(i);
             for (row, value) in rows.iter_mut().zip(values) {
                 row.push(value);
             }
         }
         if frame.slope.is_empty() {
-            rows[3].clear();
+            rows[TRACK].clear();
         }
         rows
     }
 
     /// The track channel of [`raw`](Self::raw) alone; zeros without a survey.
-    pub fn track(&self, frame: &Frame) -> Vec<f64> {
-        let [track, _] = self.track_and_speed(frame);
-        track
+    pub fn track_residual(&self, frame: &Frame) -> Vec<f64> {
+        let [residual, _] = self.track_residual_and_speed(frame);
+        residual
     }
 
-    /// The same, and the corrected speed.
-    pub fn track_and_speed(&self, frame: &Frame) -> [Vec<f64>; 2] {
+    /// The track channel at every retained sample, and the corrected speed [m/s].
+    pub fn track_residual_and_speed(&self, frame: &Frame) -> [Vec<f64>; 2] {
         let on_run = ModelOnRun::new(self, frame);
-        let of = |i: usize| {
+        let sample = |i: usize| {
             let signals = on_run.measured(i);
-            (on_run.track(i, &signals), signals[Sensor::Speed])
+            (on_run.track_residual(i, &signals), signals[Sensor::Speed])
         };
-        let (residual, speed) = (0..frame.len()).map(of).unzip();
+        let (residual, speed) = (0..frame.len()).map(sample).unzip();
         [residual, speed]
     }
 }
@@ -87,10 +88,12 @@ pub struct ModelOnRun<'a> {
     humidity: Option<&'a Vec<f64>>,
     ice: Option<&'a Vec<f64>>,
     wear: Option<&'a Vec<f64>>,
+    /// Surveyed slope of each sample [rad].
     slopes: OnceLock<Cow<'a, [f64]>>,
     /// Relaxation length of the lateral forces [m].
     relaxation: Option<f64>,
-    slower: OnceLock<Vec<[f64; 2]>>,
+    /// Change of slip rate by relaxation, by sample, front and rear [rad/s].
+    slip_rate_lag: OnceLock<Vec<[f64; 2]>>,
 }
 
 impl<'a> ModelOnRun<'a> {
@@ -126,20 +129,20 @@ impl<'a> ModelOnRun<'a> {
             ice: frame.extra.get("ice_c"),
             wear: frame.extra.get("distance_m"),
             slopes: OnceLock::new(),
-            slower: OnceLock::new(),
+            slip_rate_lag: OnceLock::new(),
         }
     }
 
-    /// Difference of slip rate with and without relaxation, by sample, front and rear [rad/s].
-    fn slower(&self, distance: f64) -> &[[f64; 2]] {
-        self.slower.get_or_init(|| {
+    /// Slip rate with relaxation minus slip rate without, by sample, front and rear [rad/s].
+    fn slip_rate_lag(&self, distance: f64) -> &[[f64; 2]] {
+        self.slip_rate_lag.get_or_init(|| {
             let (mut relaxed, dt) = (Relaxed::default(), self.frame.sample_s());
-            let of = |i: usize| {
+            let lag = |i: usize| {
                 let (_, state, _) = self.state_and_motion(i, &self.measured(i));
                 let followed = state.followed_rates(&mut relaxed, dt, distance);
                 [0, 1].map(|k| followed[k] - state.slip_rate_radps[k])
             };
-            (0..self.frame.len()).map(of).collect()
+            (0..self.frame.len()).map(lag).collect()
         })
     }
 
@@ -151,17 +154,18 @@ impl<'a> ModelOnRun<'a> {
             if frame.slope.is_empty() || !frame.s_of_speed {
                 return as_read;
             }
-            let more: Vec<f64> = (0..frame.len())
+            let speed_correction: Vec<f64> = (0..frame.len())
                 .map(|i| self.measured(i)[Sensor::Speed] - frame.v[i])
                 .collect();
-            if more.iter().all(|more| *more == 0.0) {
+            if speed_correction.iter().all(|dv| *dv == 0.0) {
                 return as_read;
             }
-            let there = frame.s.iter().zip(&more).scan(0.0, |ahead, (s, more)| {
-                *ahead += more * frame.sample_s();
-                Some(interpolate(&frame.survey, s + *ahead))
+            let samples = frame.s.iter().zip(&speed_correction);
+            let slopes = samples.scan(0.0, |distance_correction, (s, dv)| {
+                *distance_correction += dv * frame.sample_s();
+                Some(interpolate(&frame.survey, s + *distance_correction))
             });
-            Cow::Owned(there.collect())
+            Cow::Owned(slopes.collect())
         })
     }
 
@@ -209,7 +213,7 @@ impl<'a> ModelOnRun<'a> {
         Balance::new(&sled, &state, &motion)
     }
 
-    /// The same, to first order from that of a similar motion.
+    /// The balance of a sample, linearised about the balance `known` of a similar motion.
     fn balance_near(&self, i: usize, signals: &Signals, known: &Balance) -> Balance {
         let (sled, state, motion) = self.motion(i, signals);
         Balance::near(&sled, &state, &motion, known)
@@ -219,23 +223,23 @@ impl<'a> ModelOnRun<'a> {
     fn motion(&self, i: usize, signals: &Signals) -> (Sled, State, Motion) {
         let (sled, mut state, motion) = self.state_and_motion(i, signals);
         if let Some(distance) = self.relaxation {
-            let slower = self.slower(distance)[i];
-            (0..2).for_each(|k| state.slip_rate_radps[k] += slower[k]);
+            let slip_rate_lag = self.slip_rate_lag(distance)[i];
+            (0..2).for_each(|k| state.slip_rate_radps[k] += slip_rate_lag[k]);
         }
         (sled, state, motion)
     }
 
-    /// The same without relaxation.
+    /// Sled, state and motion of a sample without relaxation.
     fn state_and_motion(&self, i: usize, signals: &Signals) -> (Sled, State, Motion) {
         let sled = signals.sled;
-        let mut moving = *signals;
-        moving[Sensor::Speed] = signals[Sensor::Speed].max(LEAST_SPEED);
-        let at = self.operating_point(i, moving[Sensor::Speed]);
-        let (state, motion) = from_sensors(&sled, &moving, &at);
+        let mut bounded = *signals;
+        bounded[Sensor::Speed] = signals[Sensor::Speed].max(MIN_SPEED);
+        let at = self.operating_point(i, bounded[Sensor::Speed]);
+        let (state, motion) = from_sensors(&sled, &bounded, &at);
         (sled, state, motion)
     }
 
-    /// The state of a sample as friction takes it.
+    /// The state of a sample that friction is evaluated at.
     pub fn state(&self, i: usize) -> State {
         self.balance(i, &self.measured(i)).state
     }
@@ -247,16 +251,21 @@ impl<'a> ModelOnRun<'a> {
         Instant::new(&self.vehicle, balance, laws, signals)
     }
 
-    /// The same from the laws of a similar motion, to first order.
+    /// A sample with the base laws linearised about the sample `known` of a similar motion.
     pub fn instant_near(&self, i: usize, signals: &Signals, known: &Instant) -> Instant {
         let balance = self.balance_near(i, signals, &known.balance);
         let laws = balance.laws_near(&self.vehicle, &known.balance, &known.laws);
         Instant::new(&self.vehicle, balance, laws, signals)
     }
 
-    /// Balances of a sample from the laws of a similar motion, as of
+    /// Residuals of the balances of a sample, with the laws linearised as by
     /// [`instant_near`](Self::instant_near).
-    fn balances_near(&self, i: usize, signals: &Signals, known: &Instant) -> [f64; BALANCES] {
+    fn residuals_linearised(
+        &self,
+        i: usize,
+        signals: &Signals,
+        known: &Instant,
+    ) -> [f64; BALANCES] {
         let balance = self.balance_near(i, signals, &known.balance);
         let laws = balance.laws_near(&self.vehicle, &known.balance, &known.laws);
         let mut forces = laws.forces;
@@ -270,9 +279,10 @@ impl<'a> ModelOnRun<'a> {
     /// Derivatives of the balances of a sample by its corrected readings; `None` if effects act on
     /// the forces, whose derivatives are not included, and for a sled at rest.
     pub fn residual_jacobian(&self, at: &Instant, forces: &Forces) -> Option<ResidualJacobian> {
-        let moves = at.signals[Sensor::Speed] > LEAST_SPEED;
-        let plain = moves && *forces == at.laws.forces;
-        plain.then(|| ResidualJacobian::new(&at.balance, &self.vehicle, &at.laws, &at.signals))
+        let is_moving = at.signals[Sensor::Speed] > MIN_SPEED;
+        let has_closed_form = is_moving && *forces == at.laws.forces;
+        has_closed_form
+            .then(|| ResidualJacobian::new(&at.balance, &self.vehicle, &at.laws, &at.signals))
     }
 
     /// Derivatives of the balances of a sample by its uncorrected readings and the constants of the
@@ -283,21 +293,21 @@ impl<'a> ModelOnRun<'a> {
         at: &Instant,
         forces: &Forces,
     ) -> ResidualJacobian {
-        let closed = self.residual_jacobian(at, forces);
-        if let (Some(by), false) = (closed, self.corrects) {
-            return by;
+        let analytic = self.residual_jacobian(at, forces);
+        if let (Some(jacobian), false) = (analytic, self.corrects) {
+            return jacobian;
         }
-        let own = self.balances(at, forces);
+        let residuals = self.residuals_with_forces(at, forces);
         let read = self.channels.signals(i, self.sled);
-        ResidualJacobian::of_differences(|moved| {
+        ResidualJacobian::of_differences(|perturb| {
             let mut signals = read;
-            moved(&mut signals);
+            perturb(&mut signals);
             let signals = self.corrected(i, signals);
-            match &closed {
-                Some(by) => by.between(&at.signals, &signals),
+            match &analytic {
+                Some(jacobian) => jacobian.between(&at.signals, &signals),
                 None => {
-                    let moved = self.balances_near(i, &signals, at);
-                    std::array::from_fn(|c| moved[c] - own[c])
+                    let perturbed = self.residuals_linearised(i, &signals, at);
+                    std::array::from_fn(|c| perturbed[c] - residuals[c])
                 }
             }
         })
@@ -317,21 +327,22 @@ impl<'a> ModelOnRun<'a> {
     }
 
     /// Residuals of the longitudinal [N], lateral [N] and yaw [N m] balance with these forces.
-    pub fn balances(&self, at: &Instant, forces: &Forces) -> [f64; BALANCES] {
+    pub fn residuals_with_forces(&self, at: &Instant, forces: &Forces) -> [f64; BALANCES] {
         at.balance.residual(forces).values()
     }
 
-    /// Residuals with lateral forces that deviate from their law by a share f of the peak force P.
+    /// Residuals with each form error of the lateral laws in turn, of relative size f.
     ///
-    /// With r the force over P, the force of an axle changes by `f P` times a piecewise linear
-    /// function of r that is 1 at a knot and 0 at the others and at r = 0; the last change is
-    /// `f ln(N / 2000 N)` of all forces.
-    pub fn balances_of_other_form(
+    /// With P the peak force and r the ratio of the force to P, a form error changes the force of
+    /// an axle by `f P` times a hat function of r: piecewise linear, 1 at its knot and 0 at the
+    /// other knots and at r = 0. The last form error multiplies all lateral forces by
+    /// `1 + f ln(N / 2000 N)`, with N the axle's load.
+    pub fn residuals_with_form_errors(
         &self,
         at: &Instant,
         forces: &Forces,
         f: f64,
-    ) -> [[f64; BALANCES]; FORMS] {
+    ) -> [[f64; BALANCES]; FORM_ERRORS] {
         let laws = [&self.vehicle.front.lateral, &self.vehicle.rear.lateral];
         let load = at.seen.load.map(|load| load.max(1.0));
         std::array::from_fn(|form| {
@@ -344,8 +355,8 @@ impl<'a> ModelOnRun<'a> {
                     let from = knot.checked_sub(1).map_or(0.0, |before| FORM_KNOTS[before]);
                     let at = FORM_KNOTS[knot];
                     let to = FORM_KNOTS.get(knot + 1).copied().unwrap_or(2.0 * at);
-                    let rises = (r - from) / (at - from);
-                    let hat = rises.min((to - r) / (to - at)).clamp(0.0, 1.0);
+                    let rising = (r - from) / (at - from);
+                    let hat = rising.min((to - r) / (to - at)).clamp(0.0, 1.0);
                     *across += across.signum() * f * peak * hat;
                 }
                 None => {
@@ -354,38 +365,41 @@ impl<'a> ModelOnRun<'a> {
                     }
                 }
             }
-            self.balances(at, &other)
+            self.residuals_with_forces(at, &other)
         })
     }
 
     /// Residuals with base multiplier `b` changed by a small `step`.
-    pub fn balances_with_base(&self, at: &Instant, b: usize, step: f64) -> [f64; BALANCES] {
+    pub fn residuals_with_base_step(&self, at: &Instant, b: usize, step: f64) -> [f64; BALANCES] {
         let share = step / self.residual_model.base[b];
-        let moved = with_base_moved(&at.laws, &self.vehicle, b, share);
-        self.balances(at, &self.with_effects(at, moved))
+        let forces = with_base_step(&at.laws, &self.vehicle, b, share);
+        self.residuals_with_forces(at, &self.with_effects(at, forces))
     }
 
     /// Residual along the path of the sled [m/s2]; 0 without a survey. The slope is positive
     /// downhill.
-    fn track(&self, i: usize, signals: &Signals) -> f64 {
+    fn track_residual(&self, i: usize, signals: &Signals) -> f64 {
         let Some(slope) = self.slopes().get(i) else {
             return 0.0;
         };
         let slope = slope + self.vehicle.effects.slope(self.frame.s[i]);
         let (sled, rates) = (&signals.sled, signals.rates());
-        let speed = signals[Sensor::Speed].max(LEAST_SPEED);
+        let speed = signals[Sensor::Speed].max(MIN_SPEED);
         let alpha = slips(sled, signals[Sensor::Slip], rates[2], speed, 0.0).cog;
         let (sine, cosine) = sin_cos_near(alpha, 0.0, (0.0, 1.0));
         let place = [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m];
         let turning = signals.angular_acceleration();
-        let [ahead, aside, _] = to_centre_of_gravity(signals.acceleration(), rates, turning, place);
-        signals.rate(Sensor::Speed) - GRAVITY * libm::sin(slope) - ahead * cosine + aside * sine
+        let [longitudinal, lateral, _] =
+            to_centre_of_gravity(signals.acceleration(), rates, turning, place);
+        signals.rate(Sensor::Speed) - GRAVITY * libm::sin(slope) - longitudinal * cosine
+            + lateral * sine
     }
 
-    pub fn residual(&self, i: usize) -> [f64; CHANNELS] {
+    /// Residuals of all channels at a sample.
+    pub fn channel_residuals(&self, i: usize) -> [f64; CHANNELS] {
         let at = self.instant(i, &self.measured(i));
-        let [along, side, yaw] = self.balances(&at, &self.forces(&at));
-        [along, side, yaw, self.track(i, &at.signals)]
+        let [along, side, yaw] = self.residuals_with_forces(&at, &self.forces(&at));
+        [along, side, yaw, self.track_residual(i, &at.signals)]
     }
 
     /// Scale of a sensor's reading.
@@ -393,57 +407,59 @@ impl<'a> ModelOnRun<'a> {
         self.channels.scale(sensor)
     }
 
-    /// Residuals of a sample by this model; `at` is the sample by a model with the same base laws.
-    pub fn balances_given(&self, i: usize, at: &Instant) -> [f64; BALANCES] {
-        self.balances_at(i, &self.measured(i), at)
+    /// Residuals of a sample with this model. `at` is the sample of a model with the same base
+    /// laws, which are reused if both models correct the signals alike.
+    pub fn residuals_reusing(&self, i: usize, at: &Instant) -> [f64; BALANCES] {
+        self.residuals_of_signals(i, &self.measured(i), at)
     }
 
-    fn balances_at(&self, i: usize, signals: &Signals, at: &Instant) -> [f64; BALANCES] {
+    fn residuals_of_signals(&self, i: usize, signals: &Signals, at: &Instant) -> [f64; BALANCES] {
         if *signals == at.signals && self.relaxation.is_none() {
-            return self.balances(at, &self.forces(at));
+            return self.residuals_with_forces(at, &self.forces(at));
         }
         let other = self.instant(i, signals);
-        self.balances(&other, &self.forces(&other))
+        self.residuals_with_forces(&other, &self.forces(&other))
     }
 
-    /// Residuals of a sample with one more effect of small size. `at` and `forces` exclude it; `by`
-    /// are their derivatives, if known.
-    pub fn balances_with(
+    /// Residuals of a sample with one more effect of small size. `at` and `forces` exclude it;
+    /// `jacobian` contains the derivatives of their residuals, if known.
+    pub fn residuals_with_effect(
         &self,
         i: usize,
         effect: &Active,
         at: &Instant,
         forces: &Forces,
-        by: Option<&ResidualJacobian>,
+        jacobian: Option<&ResidualJacobian>,
     ) -> [f64; BALANCES] {
         if !effect.acts_on(&self.frame.track) {
-            return self.balances(at, forces);
+            return self.residuals_with_forces(at, forces);
         }
         if !effect.moves_signals() {
-            return residuals_with(effect, at, forces);
+            return residuals_with_force_effect(effect, at, forces);
         }
         let mut signals = at.signals;
         effect.correct(&at.seen.point, &mut signals);
         // Another reading changes the motion; a sensor effect changes no force.
-        if let Some(by) = by {
-            let (own, moved) = (self.balances(at, forces), by.between(&at.signals, &signals));
-            return std::array::from_fn(|c| own[c] + moved[c]);
+        if let Some(jacobian) = jacobian {
+            let residuals = self.residuals_with_forces(at, forces);
+            let change = jacobian.between(&at.signals, &signals);
+            return std::array::from_fn(|c| residuals[c] + change[c]);
         }
         let other = self.instant_near(i, &signals, at);
         let forces = self.forces(&other);
-        residuals_with(effect, &other, &forces)
+        residuals_with_force_effect(effect, &other, &forces)
     }
 }
 
-/// Residuals with one more effect; `forces` exclude it.
-fn residuals_with(effect: &Active, at: &Instant, forces: &Forces) -> [f64; BALANCES] {
+/// Residuals with one more effect on the forces; `forces` exclude it.
+fn residuals_with_force_effect(effect: &Active, at: &Instant, forces: &Forces) -> [f64; BALANCES] {
     let mut forces = *forces;
     effect.act(&at.seen, &mut forces);
     at.balance.residual(&forces).values()
 }
 
-/// Forces of the base laws to first order, with base parameter `b` changed by a share of itself.
-fn with_base_moved(laws: &LawForces, vehicle: &Vehicle, b: usize, share: f64) -> Forces {
+/// Forces of the base laws to first order, with base parameter `b` changed by a relative `share`.
+fn with_base_step(laws: &LawForces, vehicle: &Vehicle, b: usize, share: f64) -> Forces {
     let mut forces = laws.forces;
     let across = &mut forces.across;
     let (front, rear) = (&vehicle.front.lateral, &vehicle.rear.lateral);
@@ -492,9 +508,9 @@ mod tests {
         for i in (0..data.frames[0].len()).step_by(50) {
             let at = on_run.instant(i, &on_run.measured(i));
             let forces = on_run.forces(&at);
-            let own = on_run.balances(&at, &forces);
-            let scaled = on_run.balances_with(i, &grip, &at, &forces, None);
-            let deviating = on_run.balances_of_other_form(&at, &forces, 0.01);
+            let own = on_run.residuals_with_forces(&at, &forces);
+            let scaled = on_run.residuals_with_effect(i, &grip, &at, &forces, None);
+            let deviating = on_run.residuals_with_form_errors(&at, &forces, 0.01);
             for c in 0..BALANCES {
                 let of_axle = |axle: usize| -> f64 {
                     let own_knots = &deviating[axle * FORM_KNOTS.len()..];

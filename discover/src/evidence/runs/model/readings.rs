@@ -4,7 +4,7 @@ use kufe_sled::effects::{SENSORS, Sensor};
 use kufe_sled::{Sled, Vehicle};
 
 use crate::evidence::runs::model::channels::Channels;
-use crate::evidence::runs::model::installation::{Installation, Part};
+use crate::evidence::runs::model::installation::{Installation, InstallationError};
 use crate::evidence::runs::model::residual_jacobian::{ResidualJacobian, changed_constants};
 use crate::evidence::runs::model::residual_model::{BALANCES, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
@@ -21,12 +21,12 @@ const UNIT: [Sensor; 6] = [
 
 /// Readings of a run corrected by a model.
 pub struct Readings<'a> {
-    own: &'a ResidualModel,
+    model: &'a ResidualModel,
     frame: &'a Frame,
     delays: [f64; SENSORS],
-    /// Each channel corrected by itself.
+    /// Each channel corrected for its own errors.
     channels: Channels<'a>,
-    /// The same after correction of cross-sensitivity.
+    /// The channels of the inertial unit after correction of cross-sensitivity, too.
     unmixed: Channels<'a>,
     sled: Sled,
 }
@@ -34,59 +34,60 @@ pub struct Readings<'a> {
 /// Differences of values, derivatives and constants between two models' corrections of a run.
 pub struct Differences {
     sensors: Vec<(Sensor, [Vec<f64>; 2])>,
-    /// The constants of the sled by both models.
+    /// The constants of the sled in both models.
     sleds: [Sled; 2],
 }
 
 impl<'a> Readings<'a> {
     /// Readings of a run corrected by a model.
-    pub fn new(own: &'a ResidualModel, frame: &'a Frame) -> Self {
-        let delays = own.effects.on_track(&frame.track).delays();
-        let installation = &own.installation;
+    pub fn new(model: &'a ResidualModel, frame: &'a Frame) -> Self {
+        let delays = model.effects.on_track(&frame.track).delays();
+        let installation = &model.installation;
         let channels = corrected(installation, frame, &Sensor::ALL, &delays);
         let mut unmixed = corrected(installation, frame, &UNIT, &delays);
         installation.correct_coupling(&mut unmixed);
         Self {
-            own,
+            model,
             frame,
             delays,
             channels,
             unmixed,
-            sled: sled_of(&own.vehicle, installation, frame),
+            sled: sled_of(&model.vehicle, installation, frame),
         }
     }
 
-    /// Differences from the readings with one installation error changed by so many standard
+    /// Differences from the readings if one installation error changes by `deviations` standard
     /// deviations.
-    pub fn with_part_moved(&self, part: usize, by: f64) -> Differences {
-        let installation = self.own.installation.moved(part, by);
+    pub fn with_error_moved(&self, error: usize, deviations: f64) -> Differences {
+        let installation = self.model.installation.moved(error, deviations);
         self.differences(&installation, &self.delays)
     }
 
-    /// The same with other delays by effects [s].
+    /// Differences from the readings with other delays by effects [s].
     pub fn with_delays(&self, delays: &[f64; SENSORS]) -> Differences {
-        self.differences(&self.own.installation, delays)
+        self.differences(&self.model.installation, delays)
     }
 
     /// Differences of sensors or of constants.
     fn differences(&self, other: &Installation, delays: &[f64; SENSORS]) -> Differences {
-        let Self { own, frame, .. } = self;
-        let [sizes, others] = [&own.installation, other].map(|installation| &installation.sizes);
-        let parts = own.installation.parts.iter();
-        let moved: Vec<&Part> = parts
+        let Self { model, frame, .. } = self;
+        let [sizes, others] = [&model.installation, other].map(|installation| &installation.sizes);
+        let errors = model.installation.errors.iter();
+        let changed: Vec<&InstallationError> = errors
             .zip(sizes.iter().zip(others))
-            .filter(|(part, (a, b))| a != b && part.acts_in(&frame.session))
-            .map(|(part, _)| part)
+            .filter(|(error, (a, b))| a != b && error.acts_in(&frame.session))
+            .map(|(error, _)| error)
             .collect();
         // Cross-sensitivity changes all channels of the inertial unit.
-        let couples = moved.iter().any(|part| part.couples());
-        let reads = |sensor: &Sensor| {
+        let couples = changed.iter().any(|error| error.couples());
+        let is_changed = |sensor: &Sensor| {
             let k = *sensor as usize;
-            self.delays[k] != delays[k] || moved.iter().any(|part| part.sensor() == Some(*sensor))
+            let mut changed = changed.iter();
+            self.delays[k] != delays[k] || changed.any(|error| error.sensor() == Some(*sensor))
         };
         let sensors = match couples {
             true => UNIT.to_vec(),
-            false => Sensor::ALL.into_iter().filter(reads).collect(),
+            false => Sensor::ALL.into_iter().filter(is_changed).collect(),
         };
         let mut channels = corrected(other, frame, &sensors, delays);
         if couples {
@@ -98,21 +99,21 @@ impl<'a> Readings<'a> {
             &self.channels
         };
         let between = |sensor: Sensor| {
-            let (own, other) = (before.series(sensor), channels.series(sensor));
-            let by = [0, 1].map(|k| {
-                let both = other[k].iter().zip(own[k]);
-                both.map(|(other, own)| other - own).collect()
+            let (before, after) = (before.series(sensor), channels.series(sensor));
+            let differences = [0, 1].map(|k| {
+                let both = after[k].iter().zip(before[k]);
+                both.map(|(after, before)| after - before).collect()
             });
-            (sensor, by)
+            (sensor, differences)
         };
         Differences {
             sensors: sensors.into_iter().map(between).collect(),
-            sleds: [self.sled, sled_of(&own.vehicle, other, frame)],
+            sleds: [self.sled, sled_of(&model.vehicle, other, frame)],
         }
     }
 }
 
-/// Channels of a run, these corrected for installation errors and delays.
+/// Channels of a run; `sensors` are corrected for installation errors and delays.
 fn corrected<'a>(
     installation: &Installation,
     frame: &'a Frame,
@@ -139,30 +140,36 @@ fn sled_of(vehicle: &Vehicle, installation: &Installation, frame: &Frame) -> Sle
 }
 
 impl Differences {
-    pub fn are_none(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.sensors.is_empty() && self.sleds[0] == self.sleds[1]
     }
 
-    /// Adds the change of the balances' residuals times a factor, from their derivatives by sample.
-    pub fn add_change(&self, by: f64, at: &[ResidualJacobian], mut to: [&mut [f64]; BALANCES]) {
+    /// Adds to `sums` the change of the balances' residuals times `factor`, to first order, from
+    /// the Jacobian of each sample.
+    pub fn add_change(
+        &self,
+        factor: f64,
+        jacobians: &[ResidualJacobian],
+        mut sums: [&mut [f64]; BALANCES],
+    ) {
         let mut add = |i: usize, change: [f64; BALANCES]| {
-            for (to, change) in to.iter_mut().zip(change) {
-                if let Some(to) = to.get_mut(i) {
-                    *to += by * change;
+            for (sums, change) in sums.iter_mut().zip(change) {
+                if let Some(sum) = sums.get_mut(i) {
+                    *sum += factor * change;
                 }
             }
         };
         let [before, after] = self.sleds;
         let constants = changed_constants(before, after).into_iter().enumerate();
         for (constant, change) in constants.filter(|(_, change)| *change != 0.0) {
-            for (i, at) in at.iter().enumerate() {
-                add(i, at.by_constant(constant).map(|by| change * by));
+            for (i, jacobian) in jacobians.iter().enumerate() {
+                add(i, jacobian.by_constant(constant).map(|by| change * by));
             }
         }
         for (sensor, [value, rate]) in &self.sensors {
-            for (i, (at, value)) in at.iter().zip(value).enumerate() {
+            for (i, (jacobian, value)) in jacobians.iter().zip(value).enumerate() {
                 let rate = rate.get(i).copied().unwrap_or(0.0);
-                add(i, at.of_sensor(*sensor, *value, rate));
+                add(i, jacobian.of_sensor(*sensor, *value, rate));
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Repeatable part of a channel's residual.
 //!
-//! With r_ip the mean residual of run i in the bin p of its track, noise and everything specific to
-//! a run cancel in products of different runs:
+//! With r_ip the mean residual of run i in bin p of its track, noise and everything specific to a
+//! run cancel on average in products of different runs:
 //!
 //! ```text
 //! R = sum over p of w_p * mean over i != j of r_ip r_jp
@@ -14,8 +14,8 @@ use std::collections::BTreeMap;
 use crate::evidence::runs::model::residual_model::ChannelRows;
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// CandidateList places of each channel.
-const PLACES: usize = 3;
+/// Number of places that are reported of each channel.
+const MAX_PLACES: usize = 3;
 
 /// Track and bin.
 type Place<'a> = (&'a str, i64);
@@ -54,8 +54,9 @@ impl<'a> Means<'a> {
         }
     }
 
-    /// The mean product at one place without run `omitted`, and the number of values there.
-    fn at(runs: &[(usize, [f64; 2])], omitted: Option<usize>) -> [f64; 2] {
+    /// The mean product at one place without run `omitted`, and the number of values there; zeros
+    /// for fewer than two runs.
+    fn mean_product(runs: &[(usize, [f64; 2])], omitted: Option<usize>) -> [f64; 2] {
         let (mut sum, mut squares, mut n, mut values) = (0.0, 0.0, 0.0, 0.0);
         for (_, [total, count]) in runs.iter().filter(|(i, _)| Some(*i) != omitted) {
             let mean = total / count;
@@ -69,18 +70,21 @@ impl<'a> Means<'a> {
         }
     }
 
-    /// R without a run.
+    /// The repeatable part R, without the run `omitted`.
     pub fn repeatable(&self, omitted: Option<usize>) -> f64 {
-        let each = self.places.values().map(|runs| Self::at(runs, omitted));
+        let each = self
+            .places
+            .values()
+            .map(|runs| Self::mean_product(runs, omitted));
         let [sum, values] = each.fold([0.0; 2], |[sum, values], [r, n]| [sum + n * r, values + n]);
         sum / f64::max(values, 1.0)
     }
 
-    /// The places of largest share in R.
-    pub fn most(&self, width: f64) -> Vec<String> {
+    /// The places with the largest shares of R, in words.
+    pub fn largest_places(&self, width: f64) -> Vec<String> {
         let mut each: Vec<(Place, f64)> = (self.places.iter())
             .map(|(place, runs)| {
-                let [r, n] = Self::at(runs, None);
+                let [r, n] = Self::mean_product(runs, None);
                 (*place, n * r)
             })
             .collect();
@@ -94,6 +98,6 @@ impl<'a> Means<'a> {
                 from + width
             )
         };
-        each.iter().take(PLACES).map(text).collect()
+        each.iter().take(MAX_PLACES).map(text).collect()
     }
 }

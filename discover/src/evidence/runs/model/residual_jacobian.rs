@@ -6,7 +6,8 @@
 //! d residual / dx = (d residual / dz) (dz / dx)
 //! ```
 //!
-//! with the laws to first order and the front runner's load as in [`Balance::laws_near`].
+//! The laws are linearised, and the front runner's load is solved for, as in
+//! [`Balance::laws_near`].
 
 use kufe_sled::effects::{SENSORS, Sensor, Signals};
 use kufe_sled::{Balance, LawForces, RunnerFriction, Sled, Vehicle};
@@ -79,7 +80,7 @@ impl ResidualJacobian {
         }
     }
 
-    /// Change of the residuals by changes of a sensor's value and its derivative.
+    /// Change of the residuals by changes of a sensor's value and of its derivative.
     #[inline]
     pub fn of_sensor(&self, sensor: Sensor, value: f64, rate: f64) -> [f64; 3] {
         sum([(value, self.by_value(sensor)), (rate, self.by_rate(sensor))])
@@ -111,10 +112,12 @@ impl ResidualJacobian {
         total
     }
 
-    /// Forward differences; `change` maps a change of the signals to that of the residuals.
+    /// The Jacobian by forward differences.
+    ///
+    /// `change` returns the change of the residuals by a given perturbation of the signals.
     pub fn of_differences(change: impl Fn(&dyn Fn(&mut Signals)) -> [f64; 3]) -> Self {
         const STEP: f64 = 1e-4;
-        let along = |moved: &dyn Fn(&mut Signals)| change(moved).map(|x| x / STEP);
+        let along = |perturb: &dyn Fn(&mut Signals)| change(perturb).map(|x| x / STEP);
         Self {
             value: Sensor::ALL.map(|sensor| along(&|signals| signals[sensor] += STEP)),
             rate: [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate]
@@ -124,20 +127,20 @@ impl ResidualJacobian {
         }
     }
 
-    /// Derivatives of [`Balance::residual`] with the base laws' forces `of`, by readings and
+    /// Derivatives of [`Balance::residual`] with the forces of the base laws, by readings and
     /// constants of the sled.
     ///
     /// `signals` are those from which the balance was computed
     /// ([`from_sensors`](kufe_sled::from_sensors)). Effects are not included.
-    pub fn new(at: &Balance, vehicle: &Vehicle, of: &LawForces, signals: &Signals) -> Self {
+    pub fn new(at: &Balance, vehicle: &Vehicle, laws: &LawForces, signals: &Signals) -> Self {
         let (sled, state, motion) = (&at.sled, &at.state, &at.motion);
         let (m, v) = (sled.mass_kg, state.v_mps);
         let ((sd, cd), (sg, cg)) = (at.steer, at.split);
-        let (fx, [fy, fy_r]) = (of.forces.along[0], of.forces.across);
+        let (fx, [fy, fy_r]) = (laws.forces.along[0], laws.forces.across);
         let (l_f, l_r, length) = (sled.l_f_m, sled.l_r_m, sled.wheelbase_m());
-        let [front, rear] = &of.lateral;
-        let along = Along::of(at, &vehicle.front, at.slips[0], of.load_n[0]);
-        let along_r = Along::of(at, &vehicle.rear, at.slips[1], of.load_n[1]);
+        let [front, rear] = &laws.lateral;
+        let along = LongitudinalDerivatives::new(at, &vehicle.front, at.slips[0], laws.load_n[0]);
+        let along_r = LongitudinalDerivatives::new(at, &vehicle.rear, at.slips[1], laws.load_n[1]);
 
         // Forces at the centre of gravity, x, y and about z, by runner forces and angles.
         let (x, y) = (cd * fx - sd * fy, sd * fx + cd * fy);
@@ -148,16 +151,16 @@ impl ResidualJacobian {
         let by_load = sum([(along.load, &by_fx), (front.fz, &by_fy)]);
         // The front load, from cos(gamma) F_z + sin(gamma) (sin(delta) F_x + cos(delta) F_y) =
         // F_z0.
-        let of_load = if of.load_n[0] > 0.0 {
-            fx / of.load_n[0]
+        let fx_by_load = if laws.load_n[0] > 0.0 {
+            fx / laws.load_n[0]
         } else {
             0.0
         };
-        let stiff = cg + sg * (sd * of_load + cd * front.fz);
+        let stiff = cg + sg * (sd * fx_by_load + cd * front.fz);
         let load_by = |residual: f64| -residual / stiff;
         let split = sum([
             (1.0, &aside((y * sg - state.fz_f0_n) / (cg * cg))),
-            (load_by(cg * y - sg * of.load_n[0]), &by_load),
+            (load_by(cg * y - sg * laws.load_n[0]), &by_load),
         ]);
         let turned = aside(x / cg);
         let steer = sum([
@@ -259,16 +262,16 @@ impl ResidualJacobian {
     }
 }
 
-/// Longitudinal force of a runner by its load, the curvature, the speed and its slip.
-struct Along {
+/// Derivatives of a runner's longitudinal force by its load, the curvature, the speed and its slip.
+struct LongitudinalDerivatives {
     load: f64,
     curvature: f64,
     speed: f64,
     slip: f64,
 }
 
-impl Along {
-    fn of(
+impl LongitudinalDerivatives {
+    fn new(
         balance: &Balance,
         runner: &RunnerFriction,
         (sine, cosine): (f64, f64),
@@ -283,33 +286,33 @@ impl Along {
             at.v_mps,
             at.conditions.ice_c,
         );
-        let pressed = load.max(0.0);
-        let own = if load > 0.0 { mu } else { 0.0 };
-        Along {
-            load: -(by_load * pressed + own) * cosine,
-            curvature: -by_curvature * pressed * cosine,
-            speed: -by_speed * pressed * cosine,
-            slip: mu * pressed * sine,
+        let pressing = load.max(0.0);
+        let mu_pressing = if load > 0.0 { mu } else { 0.0 };
+        Self {
+            load: -(by_load * pressing + mu_pressing) * cosine,
+            curvature: -by_curvature * pressing * cosine,
+            speed: -by_speed * pressing * cosine,
+            slip: mu * pressing * sine,
         }
     }
 }
 
-/// Derivatives of [`RunnerFriction::mu`] by normal force [1/N], curvature [m] and speed [s/m]: of a
-/// table by central differences of a relative step of a thousandth.
+/// Derivatives of [`RunnerFriction::mu`] by normal force [1/N], curvature [m] and speed [s/m]: 0
+/// without a table, else central differences with a relative step of a thousandth.
 fn mu_by(runner: &RunnerFriction, fz: f64, curvature: f64, speed: f64, ice_c: f64) -> [f64; 3] {
     if runner.table().is_none() {
         return [0.0; 3];
     }
     let at = [fz, curvature, speed];
-    let least = [1.0, 1e-6, 1e-3];
+    let min_step = [1.0, 1e-6, 1e-3];
     std::array::from_fn(|k| {
-        let step = (1e-3 * at[k].abs()).max(least[k]);
-        let moved = |by: f64| {
+        let step = (1e-3 * at[k].abs()).max(min_step[k]);
+        let mu = |by: f64| {
             let mut there = at;
             there[k] += by;
             runner.mu(there[0], there[1], there[2], ice_c)
         };
-        (moved(step) - moved(-step)) / (2.0 * step)
+        (mu(step) - mu(-step)) / (2.0 * step)
     })
 }
 

@@ -70,7 +70,7 @@ impl ResidualModel {
         }
     }
 
-    /// The same with one more effect.
+    /// The model with one more effect.
     pub fn with(&self, effect: Active) -> Self {
         let mut residual_model = self.clone();
         residual_model.effects.active.push(effect);
@@ -79,8 +79,8 @@ impl ResidualModel {
 
     /// Delay of a sensor on a track [s], by effects and installation.
     pub fn delay(&self, sensor: Sensor, track: &str) -> f64 {
-        let own = self.effects.active.iter().filter(|e| e.acts_on(track));
-        let by_effects: f64 = own.map(|e| e.delays()[sensor as usize]).sum();
+        let effects = self.effects.active.iter().filter(|e| e.acts_on(track));
+        let by_effects: f64 = effects.map(|e| e.delays()[sensor as usize]).sum();
         by_effects + self.installation.delay(sensor)
     }
 
@@ -92,22 +92,22 @@ impl ResidualModel {
 
     /// The vehicle with its base parameters times the base multipliers.
     pub fn scaled_vehicle(&self) -> Vehicle {
-        let by = &self.base;
+        let [mu, front_grip, front_stiffness, rear_grip, rear_stiffness] = self.base;
         let law = |law: &MagicFormula, grip: f64, stiffness: f64| MagicFormula {
             mu_zeta: law.mu_zeta * grip,
             k_n_per_rad: law.k_n_per_rad * stiffness,
             ..*law
         };
         let mut vehicle = self.vehicle.with_lateral(
-            law(&self.vehicle.front.lateral, by[1], by[2]),
-            law(&self.vehicle.rear.lateral, by[3], by[4]),
+            law(&self.vehicle.front.lateral, front_grip, front_stiffness),
+            law(&self.vehicle.rear.lateral, rear_grip, rear_stiffness),
         );
-        vehicle.front.mu_scale *= by[0];
-        vehicle.rear.mu_scale *= by[0];
+        vehicle.front.mu_scale *= mu;
+        vehicle.rear.mu_scale *= mu;
         vehicle
     }
 
-    /// The same, with installation and discrepancy fixed or free.
+    /// The model with installation and discrepancy fixed or free in fits.
     pub fn with_fixed(&self, fixed: bool) -> Self {
         Self {
             installation: self.installation.with_fixed(fixed),
@@ -116,7 +116,7 @@ impl ResidualModel {
         }
     }
 
-    /// The same without a discrepancy.
+    /// The model without a discrepancy.
     pub fn without_discrepancy(&self) -> Self {
         Self {
             discrepancy: Discrepancy::default(),
@@ -137,8 +137,8 @@ impl ResidualModel {
     pub fn bounds(&self, effect: usize, parameter: usize) -> [f64; 2] {
         match &self.effects.active[effect].kind {
             Kind::Catalogue(kind) => {
-                let of = &kind.info().parameters[parameter];
-                [of.low, of.high]
+                let parameter = &kind.info().parameters[parameter];
+                [parameter.low, parameter.high]
             }
             Kind::Custom(custom) => [custom.low, custom.high],
         }

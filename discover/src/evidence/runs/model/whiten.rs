@@ -17,11 +17,11 @@ use nalgebra::Matrix3;
 use crate::evidence::runs::model::residual_model::{BALANCES, CHANNELS, ChannelRows};
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// Smallest share of each balance's variance that is its own: if two residuals are identical but
-/// for rounding, their difference carries no information. Chosen: with half and with twice this
-/// share two balances with a correlation of 0.84 give 2 % more and 4 % less information on an
-/// effect in one of them.
-const OWN_SHARE: f64 = 0.01;
+/// Shrinkage of the covariance of two balances, which is multiplied by 1 less this number: if two
+/// residuals are identical but for rounding, their difference carries no information. Chosen: with
+/// half and with twice this number two balances with a correlation of 0.84 give 2 % more and 4 %
+/// less information on an effect in one of them.
+const SHRINKAGE: f64 = 0.01;
 
 /// Whitening of the residuals of several channels.
 #[derive(Clone, Debug)]
@@ -31,7 +31,7 @@ pub struct Whitener {
     /// Channels in use; the track channel is treated separately.
     pub used: [bool; CHANNELS],
     /// L^-1, with 1 for an unused balance.
-    mix: Matrix3<f64>,
+    root_inverse: Matrix3<f64>,
 }
 
 impl Whitener {
@@ -40,7 +40,7 @@ impl Whitener {
         Self {
             sd: [1.0; CHANNELS],
             used,
-            mix: Matrix3::identity(),
+            root_inverse: Matrix3::identity(),
         }
     }
 
@@ -52,12 +52,12 @@ impl Whitener {
             whitener.sd[c] = covariance[(c, c)].sqrt();
             s[(c, c)] = covariance[(c, c)];
             for other in (0..c).filter(|other| used[*other] && covariance[(*other, *other)] > 0.0) {
-                let shared = (1.0 - OWN_SHARE) * covariance[(c, other)];
+                let shared = (1.0 - SHRINKAGE) * covariance[(c, other)];
                 (s[(c, other)], s[(other, c)]) = (shared, shared);
             }
         }
         let root = s.cholesky().and_then(|s| s.l().try_inverse());
-        whitener.mix = root.unwrap_or_else(|| whitener.uncorrelated().mix);
+        whitener.root_inverse = root.unwrap_or_else(|| whitener.uncorrelated().root_inverse);
         whitener
     }
 
@@ -79,48 +79,53 @@ impl Whitener {
         whitener
     }
 
-    /// The same without correlation between balances.
+    /// This whitening without correlation between balances.
     pub fn uncorrelated(&self) -> Self {
         let mut uncorrelated = self.clone();
-        uncorrelated.mix = Matrix3::from_diagonal(&[0, 1, 2].map(|c| 1.0 / self.sd[c]).into());
+        uncorrelated.root_inverse =
+            Matrix3::from_diagonal(&[0, 1, 2].map(|c| 1.0 / self.sd[c]).into());
         uncorrelated
     }
 
-    /// The same correlation with other standard deviations.
+    /// A whitening with the same correlation and other standard deviations.
     pub fn with_sd(&self, sd: [f64; BALANCES]) -> Self {
         let mut other = self.clone();
         for (c, sd) in sd.into_iter().enumerate() {
             let by = self.sd[c] / sd;
-            other.mix.column_mut(c).iter_mut().for_each(|x| *x *= by);
+            other
+                .root_inverse
+                .column_mut(c)
+                .iter_mut()
+                .for_each(|x| *x *= by);
             other.sd[c] = sd;
         }
         other
     }
 
-    /// Whitened rows of a unit residual of a balance.
-    pub fn shares(&self, balance: usize) -> [f64; BALANCES] {
-        std::array::from_fn(|c| self.mix[(c, balance)])
+    /// Whitened rows of a unit residual of a balance: its column of L^-1.
+    pub fn column(&self, balance: usize) -> [f64; BALANCES] {
+        std::array::from_fn(|c| self.root_inverse[(c, balance)])
     }
 
     /// L^-1.
     pub fn root_inverse(&self) -> &Matrix3<f64> {
-        &self.mix
+        &self.root_inverse
     }
 
     /// `ln(det S) / 2`.
     pub fn log_scale(&self) -> f64 {
-        -self.mix.diagonal().map(f64::ln).sum()
+        -self.root_inverse.diagonal().map(f64::ln).sum()
     }
 
     /// Whitens rows of the three balances in place, given their relative standard deviations
     /// ([`Frame::row_scales`]); an unused balance may be empty.
     pub fn whiten<R: AsMut<[f64]>>(&self, scales: &[[f64; 3]], rows: &mut [R; BALANCES]) {
         scale(scales, rows);
-        self.mix(rows);
+        self.decorrelate(rows);
     }
 
-    /// The same for rows without differences by place.
-    pub fn mix<R: AsMut<[f64]>>(&self, rows: &mut [R; BALANCES]) {
+    /// Multiplies rows of equal relative standard deviations by L^-1 in place.
+    pub fn decorrelate<R: AsMut<[f64]>>(&self, rows: &mut [R; BALANCES]) {
         let used = (0..BALANCES).filter(|c| self.used[*c]);
         let n = used.clone().map(|c| rows[c].as_mut().len()).max();
         for i in 0..n.unwrap_or(0) {
@@ -129,8 +134,8 @@ impl Whitener {
                 r[c] = rows[c].as_mut()[i];
             }
             for c in used.clone() {
-                let of = |other: usize| self.mix[(c, other)] * r[other];
-                rows[c].as_mut()[i] = (0..=c).map(of).sum();
+                let term = |other: usize| self.root_inverse[(c, other)] * r[other];
+                rows[c].as_mut()[i] = (0..=c).map(term).sum();
             }
         }
     }
@@ -228,7 +233,7 @@ mod tests {
 
     fn whitened(whitener: &Whitener, rows: &ChannelRows) -> ChannelRows {
         let [mut along, mut side, mut yaw, track] = rows.clone();
-        whitener.mix(&mut [&mut along, &mut side, &mut yaw]);
+        whitener.decorrelate(&mut [&mut along, &mut side, &mut yaw]);
         [along, side, yaw, track]
     }
 

@@ -67,7 +67,7 @@ impl Campaign<'_> {
                 share: share(first),
                 is_small: of_misfit.low <= self.options.rules.search.adequate,
                 places: if of_misfit.low > 0.0 {
-                    own.most(width)
+                    own.largest_places(width)
                 } else {
                     Vec::new()
                 },

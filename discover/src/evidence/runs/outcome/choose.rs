@@ -37,10 +37,11 @@ use crate::procedure::shared_effects::{Amount, SharesEffects};
 /// uncorrelated.
 pub const PIECE_ROWS: usize = 40;
 
-/// Comparison quantities of a model.
+/// Mean squares by which models are compared.
 struct Performance {
+    /// Residuals of the balances on the held-out runs.
     channels: Vec<Squares>,
-    /// Those of the replays, one piece per session.
+    /// Differences of the replays, one piece per session.
     replays: Vec<Squares>,
     /// Indices of the replayed runs.
     replayed: Vec<usize>,
@@ -51,7 +52,8 @@ impl Performance {
         self.channels.iter().chain(&self.replays)
     }
 
-    /// Sum of the logarithms of the replays' mean squares, of the channels' where nothing was replayed.
+    /// Sum of the logarithms of the mean squares of the replays, or of the channels if nothing was
+    /// replayed.
     fn misfit(&self) -> f64 {
         let squares = match self.replays.is_empty() {
             true => &self.channels,
@@ -60,6 +62,7 @@ impl Performance {
         squares.iter().map(|squares| squares.mean().ln()).sum()
     }
 
+    /// The quantities that are worse than with `other`, in words.
     fn worse_than(&self, other: &Self, rules: &SearchRules) -> Vec<String> {
         worse(self.all(), other.all(), rules)
     }
@@ -71,29 +74,29 @@ fn worse<'a>(
     before: impl Iterator<Item = &'a Squares>,
     rules: &SearchRules,
 ) -> Vec<String> {
-    let of = |(after, before): (&Squares, &Squares)| {
-        grows(after, before, rules).then(|| {
+    let describe = |(after, before): (&Squares, &Squares)| {
+        is_larger(after, before, rules).then(|| {
             let [a, b] = [after, before].map(|s| kufe::plot::quantity(s.rms(), s.unit));
             format!("{} {a}, as given {b}", after.name)
         })
     };
-    after.zip(before).filter_map(of).collect()
+    after.zip(before).filter_map(describe).collect()
 }
 
 /// Whether the mean square of `after` exceeds that of `before` by more than scatter, noise and the
 /// stated share.
 ///
-/// With fewer than three pieces the scatter is that of a sum of n squares of a normal variable,
-/// with a standard deviation of its mean times sqrt(2 / n).
-fn grows(after: &Squares, before: &Squares, rules: &SearchRules) -> bool {
+/// With fewer than three pieces the scatter is the standard deviation of a sum of n squares of
+/// normal variables: the expected sum times sqrt(2 / n).
+fn is_larger(after: &Squares, before: &Squares, rules: &SearchRules) -> bool {
     let both = after.pieces.iter().zip(&before.pieces);
-    let falls: Vec<f64> = both.map(|(a, b)| b[0] - a[0]).collect();
-    let Some(decrease) = Decrease::over(&falls, 0.0) else {
+    let decreases: Vec<f64> = both.map(|(a, b)| b[0] - a[0]).collect();
+    let Some(decrease) = Decrease::over(&decreases, 0.0) else {
         return false;
     };
-    let n = falls.len() as f64;
+    let n = decreases.len() as f64;
     let sum: f64 = before.pieces.iter().map(|p| p[0]).sum();
-    let error = match falls.len() {
+    let error = match decreases.len() {
         ..3 => decrease.error.max(sum * (2.0 / n).sqrt()),
         _ => decrease.error,
     };
@@ -101,7 +104,7 @@ fn grows(after: &Squares, before: &Squares, rules: &SearchRules) -> bool {
     -decrease.by > rules.interval * error && after.mean() > share * before.mean() + before.noise
 }
 
-/// A model to write, and why it is not written.
+/// A model that may be written, and the reasons against writing it.
 struct Tried {
     fit: RunFit,
     performance: Option<Performance>,
@@ -109,22 +112,24 @@ struct Tried {
 }
 
 impl Tried {
-    /// Models without a worse quantity come first, then by misfit.
+    /// Orders models without a reason against them first, then by misfit.
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
         let rank = |tried: &Self| {
             let misfit = tried.performance.as_ref().map(Performance::misfit);
             (!tried.reasons.is_empty(), misfit.unwrap_or(f64::INFINITY))
         };
-        let ((a, of_a), (b, of_b)) = (rank(self), rank(other));
-        a.cmp(&b).then(of_a.total_cmp(&of_b))
+        let ((refused, misfit), (other_refused, other_misfit)) = (rank(self), rank(other));
+        refused
+            .cmp(&other_refused)
+            .then(misfit.total_cmp(&other_misfit))
     }
 }
 
 impl Campaign<'_> {
-    /// The model to write, of these two fits and the model as given.
+    /// The model to write: one of these two fits or the model as given.
     ///
     /// # Errors
-    /// Those of a fit with one effect less.
+    /// [`Error::BaseFit`] if a fit with one effect less has a residual that is not finite.
     pub fn chosen(
         &mut self,
         refitted: &RunFit,
@@ -156,8 +161,8 @@ impl Campaign<'_> {
         let mut next = with_effect.then(|| self.tried(&last, &given));
         while let Some(tried) = next.take() {
             // With the base as stated a size may be within its error.
-            let of_no_size = self.of_no_size(&tried.fit, &account.steps);
-            if let (Some(step), true) = (of_no_size, tried.reasons.is_empty()) {
+            let insignificant = self.insignificant_step(&tried.fit, &account.steps);
+            if let (Some(step), true) = (insignificant, tried.reasons.is_empty()) {
                 account.remove_step(step, NO_SIZE);
                 let fit = self.without_step(&last, step)?;
                 last = self.with_significant_steps(fit, account)?;
@@ -275,12 +280,12 @@ impl Campaign<'_> {
         (own, given): (&Performance, &Performance),
         account: &mut Account,
     ) -> Result<(), Error> {
-        /// Most rivals of an effect that are fitted.
-        const MOST: usize = 3;
+        /// Largest number of rivals of an effect that are fitted.
+        const MAX_RIVALS: usize = 3;
         let last = account.steps.len().saturating_sub(1);
         for (number, step) in account.steps.iter_mut().enumerate() {
             let outside = |rival: &&mut Rival| !step.class.contains(&rival.effect);
-            for rival in step.rivals.iter_mut().filter(outside).take(MOST) {
+            for rival in step.rivals.iter_mut().filter(outside).take(MAX_RIVALS) {
                 let without = match last {
                     0 => refitted.clone(),
                     _ => self.without_step(fit, number)?,
@@ -345,12 +350,12 @@ impl Campaign<'_> {
 
     /// Base parameters that the refit changes by more than the plausible factor.
     pub fn implausible(&self, base: &[Fitted], account: &mut Account) -> Vec<Fitted> {
-        let most = self.options.rules.search.plausible;
-        let far = |(b, fitted): (&usize, &Fitted)| {
+        let max_factor = self.options.rules.search.plausible;
+        let implausible = |(b, fitted): (&usize, &Fitted)| {
             let given = super::conclude::base_value(self.model, *b);
             let factor = fitted.value / given;
-            let is_far = !(1.0 / most..=most).contains(&factor);
-            is_far.then(|| {
+            let is_implausible = !(1.0 / max_factor..=max_factor).contains(&factor);
+            is_implausible.then(|| {
                 account.remarks.push(format!(
                     "{} = {:.4} is {factor:.1} times the given {given:.4}: an error of the model, of a sensor or of the data rather than of this parameter",
                     BASE_NAMES[*b], fitted.value
@@ -358,7 +363,7 @@ impl Campaign<'_> {
                 fitted.clone()
             })
         };
-        self.free.iter().zip(base).filter_map(far).collect()
+        self.free.iter().zip(base).filter_map(implausible).collect()
     }
 
     /// The model as given, with the discrepancy and the model error of a fit.
@@ -370,7 +375,7 @@ impl Campaign<'_> {
         }
     }
 
-    /// The model as given, with the estimates of a refit stated for it.
+    /// The fit of the model as given: the estimates of a refit, restated as the given values.
     fn as_given(&self, refitted: &RunFit) -> RunFit {
         let model = self.given_as_in(refitted);
         let settled = self.installed_in(&model, &self.training);
@@ -392,15 +397,15 @@ impl Campaign<'_> {
     fn performance(&self, fit: &RunFit, runs: Option<&[usize]>) -> Result<Performance, String> {
         let read = |model: &ResidualModel| self.read_back(model, fit.already());
         let mut vehicles = vec![read(&fit.settled)?];
-        // The vehicle that each run is replayed with.
-        let mut with = vec![0; self.data.runs.len()];
+        // Index of the vehicle that each run is replayed with.
+        let mut vehicle_index = vec![0; self.data.runs.len()];
         for (session, model) in &fit.left_out {
             for run in session {
-                with[self.data.locked.training[*run]] = vehicles.len();
+                vehicle_index[self.data.locked.training[*run]] = vehicles.len();
             }
             vehicles.push(read(model)?);
         }
-        let vehicle_of = |run: usize| &vehicles[with[run]];
+        let vehicle_of = |run: usize| &vehicles[vehicle_index[run]];
         let (replayed, replays) = self.replay_squares(vehicle_of, runs)?;
         let held_out = self.installed_in(&fit.settled, &self.held_out);
         Ok(Performance {
@@ -421,13 +426,13 @@ impl Campaign<'_> {
         let of_run = |frame| -> Vec<Vec<[f64; 2]>> {
             let frame = &without_pushes(frame);
             let rows = with_whole_side(model, frame);
-            let [given, own] = [&self.given, &alike].map(|model| expected(model, frame));
+            let [given, noise] = [&self.given, &alike].map(|model| expected(model, frame));
             let pieces = frame.row_count().div_ceil(PIECE_ROWS).max(1);
             let of_channel = |c: &usize| {
                 let length = rows[*c].len().div_ceil(pieces).max(1);
-                let by = given[(*c, *c)] / own[(*c, *c)];
-                let by = if by.is_finite() { by } else { 1.0 };
-                let squares = |piece: &[f64]| by * piece.iter().map(|r| r * r).sum::<f64>();
+                let ratio = given[(*c, *c)] / noise[(*c, *c)];
+                let ratio = if ratio.is_finite() { ratio } else { 1.0 };
+                let squares = |piece: &[f64]| ratio * piece.iter().map(|r| r * r).sum::<f64>();
                 let pieces = rows[*c].chunks(length);
                 pieces
                     .map(|piece| [squares(piece), piece.len() as f64])
@@ -463,20 +468,28 @@ mod tests {
     fn a_quantity_is_worse_above_scatter_noise_and_share() {
         let rules = SearchRules::default();
         let before = squares(&[1.0, 1.1, 0.9, 1.0], 0.0);
-        let grown = |pieces: &[f64], noise| grows(&squares(pieces, noise), &before, &rules);
+        let grown = |pieces: &[f64], noise| is_larger(&squares(pieces, noise), &before, &rules);
         assert!(grown(&[2.0, 2.2, 1.9, 2.1], 0.0));
         // One run of four is far worse, the others are not: within the scatter.
         assert!(!grown(&[5.0, 1.1, 0.9, 1.0], 0.0));
         // Worse in each run, by less than the share.
         assert!(!grown(&[1.01, 1.11, 0.91, 1.01], 0.0));
         let quiet = squares(&[1e-4; 4], 1.0);
-        assert!(!grows(
+        assert!(!is_larger(
             &squares(&[1e-2, 1.1e-2, 1e-2, 0.9e-2], 1.0),
             &quiet,
             &rules
         ));
         // The scatter of a single run is unknown.
-        assert!(!grows(&squares(&[2.0], 0.0), &squares(&[1.0], 0.0), &rules));
-        assert!(grows(&squares(&[5.0], 0.0), &squares(&[1.0], 0.0), &rules));
+        assert!(!is_larger(
+            &squares(&[2.0], 0.0),
+            &squares(&[1.0], 0.0),
+            &rules
+        ));
+        assert!(is_larger(
+            &squares(&[5.0], 0.0),
+            &squares(&[1.0], 0.0),
+            &rules
+        ));
     }
 }

@@ -18,7 +18,8 @@ use crate::procedure::evidence::Dependence;
 use crate::procedure::rules::RunRules;
 
 impl Campaign<'_> {
-    /// Sizes with their intervals, by step.
+    /// Parameters of the added effects with their intervals, by step. The error of a window's edges
+    /// is added to the interval in quadrature.
     pub fn parameters(&self, last: &RunFit, steps: usize) -> Vec<Vec<Fitted>> {
         let (after, already) = (&last.residual_model, last.already());
         let estimates = &last.estimates[self.free.len()..];
@@ -174,8 +175,7 @@ impl Campaign<'_> {
     pub fn has_significant_bins(&self, last: &RunFit, bins: &[Bin]) -> bool {
         let simulator = self.simulator(&last.settled);
         let rules = self.rules();
-        let strong =
-            |bins: &[crate::finding::Bin]| bins.iter().any(|b| b.p_value <= rules.alpha_levels);
+        let strong = |bins: &[Bin]| bins.iter().any(|b| b.p_value <= rules.alpha_levels);
         strong(bins)
             && (0..6).all(|k| {
                 let model = &last.residual_model;
@@ -231,6 +231,7 @@ pub fn shared_faults(steps: &[Step], training: &[Frame], alpha: f64) -> Vec<Depe
     steps.iter().filter_map(of).collect()
 }
 
+/// An active local effect as the candidate it was selected as; `None` if it is not local.
 fn as_candidate(active: &Active, locals: &[Candidate<Amplitude>]) -> Option<Candidate<Amplitude>> {
     let local = locals
         .iter()
@@ -242,6 +243,7 @@ fn as_candidate(active: &Active, locals: &[Candidate<Amplitude>]) -> Option<Cand
     Some(candidate)
 }
 
+/// Given value of a base parameter; 1 for friction that is not constant.
 pub(super) fn base_value(model: &Model, b: usize) -> f64 {
     match b {
         1 => model.friction.front.mu_zeta,

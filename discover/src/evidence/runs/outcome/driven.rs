@@ -14,21 +14,25 @@ use crate::evidence::runs::recordings::smooth_run::{frame, signal_kernel};
 use crate::evidence::runs::recordings::survey::Surveys;
 use crate::finding::NextRuns;
 
-/// Changes relative to usual conditions, one at a time, as a team can make them between two
+/// Factors of the start speed, of plans that change one condition as a team can between two
 /// sessions.
 const SPEEDS: [f64; 2] = [0.7, 1.3];
+/// Factors of the mass.
 const MASSES: [f64; 2] = [0.9, 1.1];
+/// Changes of the ice temperature [K].
 const ICE_K: [f64; 2] = [-5.0, 5.0];
+/// Changes of the relative humidity [%].
 const HUMIDITY_PCT: [f64; 2] = [-25.0, 25.0];
+/// Changes of the air pressure [Pa].
 const AIR_PA: [f64; 2] = [-3000.0, 3000.0];
-/// Relative noise of a better instrument.
-const QUIETER: f64 = 0.25;
+/// Ratio of a better instrument's noise to the usual noise.
+const NOISE_RATIO: f64 = 0.25;
 /// Longest simulated run [s].
-const MOST_S: f64 = 150.0;
-/// Largest time step [s].
+const MAX_S: f64 = 150.0;
+/// Time step [s].
 const STEP_S: f64 = 2.5e-3;
 
-/// Runs of a plan, a session's worth; the order of the plans does not depend on it.
+/// Number of runs of a plan, all in one session.
 pub const RUNS: usize = 3;
 
 /// Runs that could be driven next.
@@ -38,15 +42,15 @@ pub struct Plan {
     start_speed_mps: f64,
     conditions: Conditions,
     mass_kg: f64,
-    /// Sensor noise with a better instrument.
+    /// Sensor noise with a better instrument; `None`: usual noise.
     pub noise: Option<Noise>,
     change: String,
 }
 
 /// Mean conditions of a campaign.
 fn usual(training: &[Frame]) -> Conditions {
-    let mean = |of: &dyn Fn(&Frame) -> f64| {
-        training.iter().map(of).sum::<f64>() / training.len().max(1) as f64
+    let mean = |value: &dyn Fn(&Frame) -> f64| {
+        training.iter().map(value).sum::<f64>() / training.len().max(1) as f64
     };
     let stated =
         |frame: &Frame, name: &str| frame.condition(name).iter().sum::<f64>() / frame.len() as f64;
@@ -80,12 +84,12 @@ pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
             noise: None,
             change: "as before".to_owned(),
         };
-        let mut add = |change: String, of: &dyn Fn(&mut Plan)| {
+        let mut add = |change: String, apply: &dyn Fn(&mut Plan)| {
             let mut plan = Plan {
                 change,
                 ..same.clone()
             };
-            of(&mut plan);
+            apply(&mut plan);
             plans.push(plan);
         };
         add("as before".to_owned(), &|_| {});
@@ -132,18 +136,21 @@ fn instruments(noise: Option<Noise>) -> Vec<(&'static str, Noise)> {
     let Some(noise) = noise else {
         return Vec::new();
     };
-    let with = |of: fn(&mut Noise)| {
+    let with = |reduce: fn(&mut Noise)| {
         let mut better = noise;
-        of(&mut better);
+        reduce(&mut better);
         better
     };
     vec![
-        ("an accelerometer", with(|n| n.accel_mps2 *= QUIETER)),
-        ("a gyroscope", with(|n| n.rate_radps *= QUIETER)),
-        ("a speed sensor", with(|n| n.speed_mps *= QUIETER)),
-        ("a slip sensor", with(|n| n.slip_rad *= QUIETER)),
-        ("a steering sensor", with(|n| n.steer_rad *= QUIETER)),
-        ("a roll-split sensor", with(|n| n.roll_split_rad *= QUIETER)),
+        ("an accelerometer", with(|n| n.accel_mps2 *= NOISE_RATIO)),
+        ("a gyroscope", with(|n| n.rate_radps *= NOISE_RATIO)),
+        ("a speed sensor", with(|n| n.speed_mps *= NOISE_RATIO)),
+        ("a slip sensor", with(|n| n.slip_rad *= NOISE_RATIO)),
+        ("a steering sensor", with(|n| n.steer_rad *= NOISE_RATIO)),
+        (
+            "a roll-split sensor",
+            with(|n| n.roll_split_rad *= NOISE_RATIO),
+        ),
     ]
 }
 
@@ -183,7 +190,7 @@ pub fn driven(
         step_s: STEP_S,
         rate_hz: (1.0 / recorded_dt).round(),
         start_speed_mps: plan.start_speed_mps,
-        most_s: MOST_S,
+        most_s: MAX_S,
         conditions: plan.conditions,
         ..SimulateOptions::default()
     };

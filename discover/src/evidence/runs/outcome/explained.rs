@@ -17,11 +17,11 @@ use crate::regression::scores::studentised;
 
 /// Share of the explainable misfit that is closed.
 ///
-/// On the training runs f is fitted, the part of the initial residual that the candidates' columns
-/// explain ([`explained`]). On other runs, whose noise is independent of f, `f . r_before` measures
-/// the explainable part and `f . r_after` the rest of it; the bias of noisy inputs in both, from
-/// simulated runs, is subtracted. The interval comes from resampling runs; it is -1 to 1 if the
-/// explainable part is too small.
+/// f is the part of the initial residual that the candidates' columns explain, with coefficients
+/// fitted to the training runs ([`explained`]). On other runs, whose noise is independent of f,
+/// `f . r_before` measures the explainable part and `f . r_after` the part of it that remains. The
+/// bias of noisy inputs in both is determined from simulated runs and subtracted. The interval is a
+/// bootstrap interval over runs; it is -1 to 1 if the explainable part is too small.
 ///
 /// `learned` and `before` are designs of the initial model on the training runs and on the others;
 /// `after` is the final model on the others.

@@ -1,5 +1,5 @@
-//! Misfit by channel, before and after. For the track channel it is that of the speed's rate
-//! between the halves of its bins.
+//! Root mean square residual by channel, before and after. In the track channel residuals are rates
+//! of the speed between the halves of bins.
 
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
@@ -12,7 +12,11 @@ use crate::finding::ChannelGap;
 
 /// Residuals of runs as they are compared; for the track channel rates within bins of this width
 /// \[m\].
-pub fn judged_rows(model: &ResidualModel, frames: &[Frame], track_bin_m: f64) -> Vec<ChannelRows> {
+pub fn comparison_rows(
+    model: &ResidualModel,
+    frames: &[Frame],
+    track_bin_m: f64,
+) -> Vec<ChannelRows> {
     let mut runs = residuals(model, frames);
     for (rows, frame) in runs.iter_mut().zip(frames) {
         rows[TRACK] = rates(frame, &rows[TRACK], track_bin_m);
@@ -31,7 +35,7 @@ pub fn channels(
     track_bin_m: f64,
 ) -> Vec<ChannelGap> {
     let rms = |residual_model: &ResidualModel, frames: &[Frame]| -> [f64; CHANNELS] {
-        let runs = judged_rows(residual_model, frames, track_bin_m);
+        let runs = comparison_rows(residual_model, frames, track_bin_m);
         std::array::from_fn(|c| {
             let rows = runs.iter().flat_map(|rows| &rows[c]);
             let (sum, count) = rows.fold((0.0, 0.0), |(s, n), x| (s + x * x, n + 1.0));

@@ -9,7 +9,7 @@
 //! by = sum_k (r_from^2 - (r_to g_from / g_to)^2) + a_from^2 - a_to^2        repeats = sum r_from . m
 //! ```
 //!
-//! g is the derivative of a residual by its acceleration. Contacts of a run are estimated from its
+//! g is the expected standard deviation of a residual's noise. Contacts of a run are estimated from its
 //! lateral residual, which is therefore compared without them; the evidence of the contacts in it
 //! ([`log_likelihood_ratio`]) is added instead.
 //!
@@ -32,9 +32,9 @@ use crate::evidence::runs::model::residual_model::{
 };
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::choose::PIECE_ROWS;
-use crate::evidence::runs::outcome::gap::judged_rows;
+use crate::evidence::runs::outcome::gap::comparison_rows;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::screen::track::bins::{gains, rates};
+use crate::evidence::runs::screen::track::bins::{numbered_rates, rates};
 use crate::finding::Interval;
 use crate::procedure::misfit_decrease::Decrease;
 
@@ -67,7 +67,7 @@ impl Campaign<'_> {
         let [before, after] = [from, to].map(|fit| self.compared(fit));
         let decrease = self.decrease_between(&before, &after, to.unwritten.as_ref())?;
         let [distance, distance_after] =
-            [&before, &after].map(|model| model.held_out.installation.distance());
+            [&before, &after].map(|model| model.held_out.installation.penalty());
         Some(Decrease {
             repeats: self.repeats(&before),
             ..decrease.with_prior(2.0 * (distance - distance_after))
@@ -78,21 +78,21 @@ impl Campaign<'_> {
     /// training runs at the same place.
     fn repeats(&self, model: &ComparedModel) -> f64 {
         let width = self.rules().track_bin_m;
-        let (learned, whitener) = self.learned(model.training);
+        let (learned, whitener) = self.training_rows(model.training);
         let means = self.means(&learned, &whitener);
         let of_run = |frame: &Frame| {
             let few = without_pushes(frame);
             let frame = &few.at_every_sample();
-            let rows = judged(model.held_out, frame, width, &whitener);
-            repeating(self.placed(frame, &rows), &means, &shares(&few, frame))
+            let rows = compared_rows(model.held_out, frame, width, &whitener);
+            repeated(self.placed(frame, &rows), &means, &shares(&few, frame))
         };
         let each: Vec<f64> = self.held_out.par_iter().map(of_run).collect();
         each.iter().sum::<f64>().max(0.0)
     }
 
     /// Rows of the training runs and their whitening.
-    fn learned(&self, model: &ResidualModel) -> (Vec<ChannelRows>, Whitener) {
-        let learned = judged_rows(model, &self.training, self.rules().track_bin_m);
+    fn training_rows(&self, model: &ResidualModel) -> (Vec<ChannelRows>, Whitener) {
+        let learned = comparison_rows(model, &self.training, self.rules().track_bin_m);
         let whitener = Whitener::estimate(&self.training, &learned, self.used);
         (learned, whitener)
     }
@@ -109,7 +109,7 @@ impl Campaign<'_> {
         let in_training = [before.training, after.training];
         let in_held_out = [before.held_out, after.held_out];
         let [before, after] = in_training;
-        let (learned, mut whitener) = self.learned(before);
+        let (learned, mut whitener) = self.training_rows(before);
         // A contact is subtracted from one balance but not from the other: their residuals then do
         // not share noise as whitening assumes.
         if before.contacts.is_some() || after.contacts.is_some() {
@@ -133,21 +133,21 @@ impl Campaign<'_> {
             // would differ by chance.
             let frame = &few.at_every_sample();
             let shares = shares(&few, frame);
-            let mut rows = judged(before, frame, width, &whitener);
+            let mut rows = compared_rows(before, frame, width, &whitener);
             // Less weight of the measurements lowers the residual without explaining more.
-            let [own, of_after] = [before, after].map(|model| {
+            let [noise, noise_after] = [before, after].map(|model| {
                 let alike = ResidualModel {
                     model_error,
                     ..model.clone()
                 };
                 expected(&alike, frame)
             });
-            let counts = std::array::from_fn(|c| {
-                let by = of_after[(c, c)] / own[(c, c)];
-                let known = by.is_finite() && by > 0.0;
-                whitener.sd[c] * if known { by.sqrt() } else { 1.0 }
+            let sd = std::array::from_fn(|c| {
+                let ratio = noise_after[(c, c)] / noise[(c, c)];
+                let known = ratio.is_finite() && ratio > 0.0;
+                whitener.sd[c] * if known { ratio.sqrt() } else { 1.0 }
             });
-            let mut after_rows = judged(after, frame, width, &whitener.with_sd(counts));
+            let mut after_rows = compared_rows(after, frame, width, &whitener.with_sd(sd));
             if let Some(UnwrittenEffect {
                 candidate, size, ..
             }) = unwritten
@@ -166,9 +166,9 @@ impl Campaign<'_> {
                 }
             }
             let pieces = (few.row_count() as f64 / PIECE_ROWS as f64).ceil() as usize;
-            let falls = falls(&rows, &after_rows, &shares, pieces.max(1));
-            // The residual that set a contact is no evidence of it: other runs' contacts predict
-            // it.
+            let decreases = decreases(&rows, &after_rows, &shares, pieces.max(1));
+            // The residual that a contact was estimated from is no evidence of it: contacts of other
+            // runs predict it.
             let observed = |model: &ResidualModel, alike: f64| {
                 let contacts = model.contacts.as_ref().filter(|_| by_contacts)?;
                 let mut own = residuals_without(model, std::slice::from_ref(frame));
@@ -185,25 +185,27 @@ impl Campaign<'_> {
             };
             let [own, next] = [(before, alike[0]), (after, alike[1])]
                 .map(|(model, alike)| observed(model, alike).unwrap_or_default());
-            (falls, next - own)
+            (decreases, next - own)
         };
         let held_out = self.held_out.par_iter();
         let each: Vec<(Vec<[f64; CHANNELS]>, f64)> =
             held_out.map(|run| of_run(run, in_held_out)).collect();
-        let falls: Vec<[f64; CHANNELS]> =
-            each.iter().flat_map(|(falls, _)| falls.clone()).collect();
+        let decreases: Vec<[f64; CHANNELS]> = each
+            .iter()
+            .flat_map(|(decreases, _)| decreases.clone())
+            .collect();
         let observed: f64 = each.iter().map(|(_, observed)| observed).sum();
         if !by_contacts {
             let training = self.training.par_iter();
             let learned = training.map(|run| sum(&of_run(run, in_training).0));
             let names = CHANNEL_NAMES.map(|(name, _)| name);
-            return Decrease::over_channels(names, &falls, &learned.collect::<Vec<_>>());
+            return Decrease::over_channels(names, &decreases, &learned.collect::<Vec<_>>());
         }
         // The evidence under noise alone has a known bound and needs no scatter over runs. It alone
         // counts for contacts: their yaw residuals, each with a lever of its own, scatter by far
         // more than is learned.
-        let whole: Vec<f64> = falls.iter().map(|fall| fall.iter().sum()).collect();
-        let decrease = Decrease::over(&whole, 0.0)?;
+        let totals: Vec<f64> = decreases.iter().map(|by| by.iter().sum()).collect();
+        let decrease = Decrease::over(&totals, 0.0)?;
         Some(Decrease {
             by: decrease.by + observed,
             error: decrease.error.hypot(EVIDENCE_UNDER_NOISE),
@@ -213,8 +215,8 @@ impl Campaign<'_> {
         })
     }
 
-    /// Closed share of the held-out contacts' misfit above noise, in the balances that did not set
-    /// them; the interval from the scatter of runs.
+    /// Closed share of the held-out contacts' misfit above noise, in the balances that the contacts
+    /// were not estimated from. The interval follows from the scatter of runs.
     pub fn contacts_closed(&self, with: &ComparedModel) -> Interval {
         let rows = residuals(with.training, &self.training);
         let whitener = Whitener::estimate(&self.training, &rows, self.used).uncorrelated();
@@ -227,10 +229,10 @@ impl Campaign<'_> {
             let beneath = rows_beneath(frame);
             let square = |model: &ResidualModel| -> f64 {
                 let rows = whitener.rows(frame, &model.residuals(frame));
-                let there = |c: usize| rows[c].iter().zip(&beneath).filter(|(_, b)| **b);
+                let contact_rows = |c: usize| rows[c].iter().zip(&beneath).filter(|(_, b)| **b);
                 [0, 2]
                     .iter()
-                    .flat_map(|c| there(*c))
+                    .flat_map(|c| contact_rows(*c))
                     .map(|(r, _)| r * r - 1.0)
                     .sum()
             };
@@ -238,10 +240,10 @@ impl Campaign<'_> {
             [before, before - square(with)]
         };
         let each: Vec<[f64; 2]> = self.held_out.iter().map(of_run).collect();
-        let open: f64 = each.iter().map(|[before, _]| before).sum();
-        let falls: Vec<f64> = each.iter().map(|[_, fall]| *fall).collect();
-        let decrease = Decrease::over(&falls, open).filter(|l| l.repeats > 0.0);
-        let share = |by: f64| (by / open).clamp(-1.0, 1.0);
+        let total: f64 = each.iter().map(|[before, _]| before).sum();
+        let decreases: Vec<f64> = each.iter().map(|[_, decrease]| *decrease).collect();
+        let decrease = Decrease::over(&decreases, total).filter(|l| l.repeats > 0.0);
+        let share = |by: f64| (by / total).clamp(-1.0, 1.0);
         decrease.map_or(
             Interval {
                 value: 0.0,
@@ -291,7 +293,7 @@ impl Campaign<'_> {
         for (c, rows) in rows.iter().enumerate() {
             let places: Vec<i64> = match c {
                 TRACK => {
-                    let bins = gains(frame, &s, rules.track_bin_m);
+                    let bins = numbered_rates(frame, &s, rules.track_bin_m);
                     bins.into_iter().map(|(bin, _)| bin).collect()
                 }
                 _ => s.iter().map(at).collect(),
@@ -303,7 +305,8 @@ impl Campaign<'_> {
     }
 }
 
-/// Residuals without subtraction of contacts from the lateral balance that set them.
+/// Residuals of a model, with contacts not subtracted from the lateral balance that they were
+/// estimated from.
 pub fn with_whole_side(model: &ResidualModel, frame: &Frame) -> ChannelRows {
     let mut rows = model.residuals(frame);
     if model.contacts.is_some() {
@@ -316,19 +319,25 @@ pub fn with_whole_side(model: &ResidualModel, frame: &Frame) -> ChannelRows {
 }
 
 /// Weight of a row of each channel if rows are made at every sample; 1 in the track channel.
-fn shares(few: &Frame, dense: &Frame) -> [f64; CHANNELS] {
-    let share = few.row_count() as f64 / dense.row_count().max(1) as f64;
+fn shares(thinned: &Frame, dense: &Frame) -> [f64; CHANNELS] {
+    let share = thinned.row_count() as f64 / dense.row_count().max(1) as f64;
     std::array::from_fn(|c| if c == TRACK { 1.0 } else { share })
 }
 
 /// The rows of a held-out run that are compared; `width`: bins of the track channel \[m\].
-fn judged(model: &ResidualModel, frame: &Frame, width: f64, whitener: &Whitener) -> ChannelRows {
+fn compared_rows(
+    model: &ResidualModel,
+    frame: &Frame,
+    width: f64,
+    whitener: &Whitener,
+) -> ChannelRows {
     let mut rows = with_whole_side(model, frame);
     rows[TRACK] = rates(frame, &rows[TRACK], width);
     whitener.rows(frame, &rows)
 }
 
-fn repeating(
+/// Weighted sum of products of rows and mean training residuals at the same place.
+fn repeated(
     placed: Vec<(Place, f64)>,
     means: &BTreeMap<Place, f64>,
     shares: &[f64; CHANNELS],
@@ -339,23 +348,24 @@ fn repeating(
         .sum()
 }
 
-/// The decrease of each channel's weighted sum of squares, by pieces of a run.
-fn falls(
+/// Decrease of each channel's weighted sum of squares, by piece of a run.
+fn decreases(
     before: &ChannelRows,
     after: &ChannelRows,
     shares: &[f64; CHANNELS],
     pieces: usize,
 ) -> Vec<[f64; CHANNELS]> {
-    let mut falls = vec![[0.0; CHANNELS]; pieces];
+    let mut decreases = vec![[0.0; CHANNELS]; pieces];
     for (c, (before, after)) in before.iter().zip(after).enumerate() {
         let rows = before.len().max(1);
         for (i, (b, a)) in before.iter().zip(after).enumerate() {
-            falls[i * pieces / rows][c] += shares[c] * (b * b - a * a);
+            decreases[i * pieces / rows][c] += shares[c] * (b * b - a * a);
         }
     }
-    falls
+    decreases
 }
 
-fn sum(falls: &[[f64; CHANNELS]]) -> [f64; CHANNELS] {
-    std::array::from_fn(|c| falls.iter().map(|fall| fall[c]).sum())
+/// Sum over pieces, by channel.
+fn sum(pieces: &[[f64; CHANNELS]]) -> [f64; CHANNELS] {
+    std::array::from_fn(|c| pieces.iter().map(|piece| piece[c]).sum())
 }

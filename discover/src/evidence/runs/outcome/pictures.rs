@@ -13,16 +13,16 @@ use crate::finding::{
     ChannelGap, Curve, Picture, Place, Plot, Scatter, Series, Step, Strip, StripRun,
 };
 
-/// Most places of a strip along a track.
-const PLACES: usize = 240;
-/// Shortest distance between them [m].
-const SHORTEST: f64 = 2.0;
-/// Most channels that are drawn along the track.
-const MOST_CHANNELS: usize = 2;
-/// Bins of a column, with as many rows each.
+/// Largest number of places of a strip along a track.
+const MAX_PLACES: usize = 240;
+/// Smallest distance between two places [m].
+const MIN_STEP_M: f64 = 2.0;
+/// Largest number of channels that are drawn along the track.
+const MAX_CHANNELS: usize = 2;
+/// Number of bins of a column, with equal numbers of rows.
 const BINS: usize = 16;
-/// Fewest rows of a bin that is drawn.
-const FEWEST: usize = 20;
+/// Smallest number of rows of a bin that is drawn.
+const MIN_ROWS: usize = 20;
 
 /// Conditions, usually one value per run.
 const STATED: [&str; 4] = ["ice_c", "air_c", "humidity_pct", "distance_m"];
@@ -74,6 +74,7 @@ impl Campaign<'_> {
     }
 }
 
+/// Residuals of the `shown` channels along each track, before and after.
 fn strips(
     last: &RunFit,
     shown: &[usize],
@@ -91,7 +92,7 @@ fn strips(
             let Some((from, to)) = extent(&on, frames) else {
                 continue;
             };
-            let step_m = ((to - from) / PLACES as f64).max(SHORTEST);
+            let step_m = ((to - from) / MAX_PLACES as f64).max(MIN_STEP_M);
             let along = |rows: &ChannelRows, frame: &Frame| {
                 means_along(&frame.rows(&frame.s), &rows[c], from, step_m, to)
             };
@@ -148,7 +149,7 @@ fn shown_channels(steps: &[Step], gaps: &[ChannelGap]) -> Vec<usize> {
         let most = gaps.iter().max_by(|a, b| above(a).total_cmp(&above(b)));
         shown.extend(most.and_then(|gap| place(&gap.channel)));
     }
-    shown.truncate(MOST_CHANNELS);
+    shown.truncate(MAX_CHANNELS);
     shown
 }
 
@@ -212,7 +213,7 @@ fn driven(
                     }));
                 }
             }
-            (rows.len() >= BINS * FEWEST).then(|| (name, bins(rows)))
+            (rows.len() >= BINS * MIN_ROWS).then(|| (name, bins(rows)))
         })
         .max_by(|a, b| between(&a.1).total_cmp(&between(&b.1)))?;
     let (quantity, unit) = CHANNEL_NAMES[channel];

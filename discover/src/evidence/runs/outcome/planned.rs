@@ -1,18 +1,24 @@
 //! Experimental design: simulated runs that would discriminate between the members of a class.
 //!
-//! Every plan is simulated with each member at its fitted size, without noise, and evaluated with
-//! every other member's model, each fitted to the same runs. With r the difference of the two
-//! models' whitened rows, U the columns of unknown parameters, n equal runs in one session, the
-//! expected log-likelihood ratio is
+//! A class is a set of effects that the data so far cannot distinguish. Every plan is simulated with
+//! each member at its fitted size, without noise, and evaluated with the model of every other member
+//! (each model fitted to the data so far). With r the difference of the two models' whitened
+//! residuals, U the columns of the unknown parameters in units of their standard deviations, and n
+//! equal runs in one session, the expected log-likelihood ratio is
 //!
 //! ```text
 //! 1/2 (n r'r  -  n^2 r'U (1 + n U'U)^-1 U'r)
 //! ```
 //!
-//! U contains a session's friction and grip, in units of the standard deviation between sessions,
-//! and the other model's parameters (base, installation, size), in units of their posterior
-//! standard deviation. The value of a plan is the smallest ratio of any two members that some plan
-//! discriminates. A member's expected t is sqrt(2 times the ratio).
+//! which is `1/2 R' (1 + Z Z')^-1 R` with R and Z the n-fold stacked r and U (Woodbury): U u are
+//! random effects with independent u of unit variance, common to the runs.
+//!
+//! U contains a session's level of friction and of grip, scaled by the standard deviation between
+//! sessions, and the other model's parameters (base, installation, size), scaled by a root of their
+//! posterior covariance. With training runs of a single session the standard deviation between
+//! sessions is taken as 0: the levels then count as known, and the ratio is an upper bound. The
+//! value of a plan is the smallest ratio of any two members that some plan discriminates. A member's
+//! expected t is the square root of twice the ratio.
 
 use kufe_sled::Noise;
 use nalgebra::{DMatrix, DVector};
@@ -37,15 +43,16 @@ use crate::regression::inverse::ridge_inverse;
 struct Member {
     effect: String,
     model: ResidualModel,
-    /// A root of the posterior covariance of its parameters.
-    open: DMatrix<f64>,
+    /// A root X of the posterior covariance `X X'` of its parameters.
+    covariance_root: DMatrix<f64>,
 }
 
-/// Two members and the expected evidence between them.
+/// Indices of two members and the expected log-likelihood ratio between them.
 type Pair = ([usize; 2], f64);
 
 impl Campaign<'_> {
-    /// Runs that would halve the smallest detectable sizes, proportional to 1 / sqrt(runs).
+    /// Advice to make the runs that would halve the smallest detectable sizes, which are
+    /// proportional to 1 / sqrt(runs).
     pub fn runs_to_halve(&self) -> String {
         let runs = self.training.len() + self.held_out.len();
         let mut tracks: Vec<&str> = self.training.iter().map(|f| f.track.as_str()).collect();
@@ -59,7 +66,7 @@ impl Campaign<'_> {
     }
 
     /// Plans for the first step whose class has several members, the best first; empty if no track
-    /// is known or no two members can be simulated.
+    /// is known or fewer than two members have a model.
     pub fn next_runs(&mut self, last: &RunFit, steps: &[Step]) -> Result<Vec<NextRuns>, Error> {
         let several = steps.iter().position(|step| step.class.len() > 1);
         let Some(step) = several.filter(|_| !self.data.tracks.is_empty()) else {
@@ -70,37 +77,39 @@ impl Campaign<'_> {
             return Ok(Vec::new());
         }
         let whitener = &last.whitener;
-        let spread = self.between_sessions(last);
+        let level_sd = self.between_sessions(last);
         let campaign = &*self;
-        let driven: Vec<(Plan, Vec<Pair>)> = plans(self.data, &self.training, self.model)
+        let evaluated: Vec<(Plan, Vec<Pair>)> = plans(self.data, &self.training, self.model)
             .into_par_iter()
             .filter_map(|plan| {
-                let pairs = campaign.evidence(&plan, &members, whitener, spread)?;
+                let pairs = campaign.pairwise_evidence(&plan, &members, whitener, level_sd)?;
                 Some((plan, pairs))
             })
             .collect();
         // Pairs that no plan discriminates do not affect the order, unless there are no others.
-        let split = |pair: &Pair| {
-            let of_plans = driven.iter().flat_map(|(_, pairs)| pairs);
+        let can_be_split = |pair: &Pair| {
+            let of_plans = evaluated.iter().flat_map(|(_, pairs)| pairs);
             let mut same = of_plans.filter(|other| other.0 == pair.0);
-            same.any(|other| campaign.splits(other.1))
+            same.any(|other| campaign.discriminates(other.1))
         };
-        let any = driven.iter().flat_map(|(_, pairs)| pairs).any(split);
-        let mut judged: Vec<NextRuns> = driven
+        let mut all = evaluated.iter().flat_map(|(_, pairs)| pairs);
+        let any = all.any(can_be_split);
+        let mut ranked: Vec<NextRuns> = evaluated
             .iter()
             .filter_map(|(plan, pairs)| {
-                let counted = pairs.iter().filter(|pair| !any || split(pair));
-                let least = counted.min_by(|a, b| a.1.total_cmp(&b.1))?;
-                let names = least.0.map(|m| members[m].effect.as_str());
-                Some(plan.next_runs(names, least.1, campaign.splits(least.1)))
+                let counted = pairs.iter().filter(|pair| !any || can_be_split(pair));
+                let weakest = counted.min_by(|a, b| a.1.total_cmp(&b.1))?;
+                let names = weakest.0.map(|m| members[m].effect.as_str());
+                Some(plan.next_runs(names, weakest.1, campaign.discriminates(weakest.1)))
             })
             .collect();
-        judged.sort_by(|a, b| b.expected_evidence.total_cmp(&a.expected_evidence));
-        Ok(judged)
+        ranked.sort_by(|a, b| b.expected_evidence.total_cmp(&a.expected_evidence));
+        Ok(ranked)
     }
 
-    /// Whether this evidence discriminates two members with a probability of 90 %.
-    fn splits(&self, evidence: f64) -> bool {
+    /// Whether this expected log-likelihood ratio discriminates two members with a probability of
+    /// 90 %.
+    fn discriminates(&self, evidence: f64) -> bool {
         let (runs, levels) = (&self.rules().rivals, &self.rules().level_rivals);
         let needed = runs.needed_t.max(levels.needed_t);
         (2.0 * evidence).sqrt() >= needed + self.options.rules.search.nine_in_ten
@@ -139,7 +148,7 @@ impl Campaign<'_> {
     fn member(&self, effect: &str, fit: &RunFit) -> Member {
         let model = fit.residual_model.without_discrepancy().with_fixed(false);
         let design = self.design_of(&model, &fit.whitener);
-        let fitted = design.fitted();
+        let fitted = design.fitted_count();
         let mut sum = DMatrix::zeros(fitted, fitted);
         for products in design.products(&self.training) {
             sum += products
@@ -150,7 +159,7 @@ impl Campaign<'_> {
         let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
         Member {
             effect: effect.to_owned(),
-            open: eigen.eigenvectors * DMatrix::from_diagonal(&roots),
+            covariance_root: eigen.eigenvectors * DMatrix::from_diagonal(&roots),
             model,
         }
     }
@@ -169,17 +178,18 @@ impl Campaign<'_> {
         }
     }
 
-    /// Standard deviations of the sessions' levels of friction and grip.
+    /// Standard deviations of the sessions' mean levels of friction and of grip; 0 with a single
+    /// session.
     fn between_sessions(&self, last: &RunFit) -> [f64; OWN_LEVELS] {
         let design = self.design_of(&last.residual_model, &last.whitener);
-        let of_run = |frame: &Frame| {
-            let all = design.columns(frame);
-            let own = all.columns(0, OWN_LEVELS);
-            let rest = all.column(all.ncols() - 1);
-            let level = ridge_inverse(own.tr_mul(&own)) * own.tr_mul(&rest);
+        let level_of = |frame: &Frame| {
+            let columns = design.columns(frame);
+            let levels = columns.columns(0, OWN_LEVELS);
+            let residual = columns.column(columns.ncols() - 1);
+            let level = ridge_inverse(levels.tr_mul(&levels)) * levels.tr_mul(&residual);
             [level[0], level[1]]
         };
-        let levels: Vec<[f64; OWN_LEVELS]> = self.training.par_iter().map(of_run).collect();
+        let levels: Vec<[f64; OWN_LEVELS]> = self.training.par_iter().map(level_of).collect();
         let sessions = group(&self.training);
         std::array::from_fn(|k| {
             let means: Vec<f64> = sessions
@@ -193,43 +203,44 @@ impl Campaign<'_> {
         })
     }
 
-    /// Expected evidence of a plan for every pair of members, the smaller of both directions;
-    /// `None` if it cannot be simulated.
-    fn evidence(
+    /// Expected log-likelihood ratio of a plan for every pair of members, the smaller one of both
+    /// directions; `None` if the plan cannot be simulated or a ratio is not finite.
+    fn pairwise_evidence(
         &self,
         plan: &Plan,
         members: &[Member],
         whitener: &Whitener,
-        spread: [f64; OWN_LEVELS],
+        level_sd: [f64; OWN_LEVELS],
     ) -> Option<Vec<Pair>> {
         let mut pairs: Vec<Pair> = Vec::new();
         for (a, truth) in members.iter().enumerate() {
-            let drive = |noise: Option<&Noise>| driven(self, &truth.model, plan, noise);
-            let frame = drive(None)?;
+            let simulate = |noise: Option<&Noise>| driven(self, &truth.model, plan, noise);
+            let frame = simulate(None)?;
             let whitener = match plan.noise {
                 None => whitener.clone(),
-                Some(better) => self.quieter(
-                    whitener,
-                    &truth.model,
-                    [drive(Some(&self.data.noise.sd()))?, drive(Some(&better))?],
-                ),
+                Some(better) => {
+                    let usual = self.data.noise.sd();
+                    let runs = [simulate(Some(&usual))?, simulate(Some(&better))?];
+                    self.with_reduced_noise(whitener, &truth.model, runs)
+                }
             };
-            let rows = |member: &Member| {
-                let all = self.design_of(&member.model, &whitener).columns(&frame);
-                let rest = all.column(all.ncols() - 1).into_owned();
-                (all, rest)
+            let columns_and_residual = |member: &Member| {
+                let columns = self.design_of(&member.model, &whitener).columns(&frame);
+                let residual = columns.column(columns.ncols() - 1).into_owned();
+                (columns, residual)
             };
-            let (_, mine) = rows(truth);
+            let (_, of_truth) = columns_and_residual(truth);
             for (b, rival) in members.iter().enumerate().filter(|(b, _)| *b != a) {
-                let (all, theirs) = rows(rival);
-                let levels = DMatrix::from_diagonal(&DVector::from_row_slice(&spread));
-                let levels = all.columns(0, OWN_LEVELS) * levels;
-                let open = all.columns(OWN_LEVELS, rival.open.nrows()) * &rival.open;
-                let mut unknown = levels.insert_columns(OWN_LEVELS, open.ncols(), 0.0);
+                let (columns, of_rival) = columns_and_residual(rival);
+                let level_sd = DMatrix::from_diagonal(&DVector::from_row_slice(&level_sd));
+                let levels = columns.columns(0, OWN_LEVELS) * level_sd;
+                let root = &rival.covariance_root;
+                let fitted = columns.columns(OWN_LEVELS, root.nrows()) * root;
+                let mut unknown = levels.insert_columns(OWN_LEVELS, fitted.ncols(), 0.0);
                 unknown
-                    .columns_mut(OWN_LEVELS, open.ncols())
-                    .copy_from(&open);
-                let evidence = expected(&(theirs - &mine), &unknown);
+                    .columns_mut(OWN_LEVELS, fitted.ncols())
+                    .copy_from(&fitted);
+                let evidence = expected_log_likelihood_ratio(&(of_rival - &of_truth), &unknown);
                 let pair = [a.min(b), a.max(b)];
                 match pairs.iter_mut().find(|p| p.0 == pair) {
                     Some(known) => known.1 = known.1.min(evidence),
@@ -241,8 +252,9 @@ impl Campaign<'_> {
         finite.then_some(pairs)
     }
 
-    /// A whitening with less noise, reduced by channel as in the simulated runs.
-    fn quieter(
+    /// A whitening with less noise: the variance of each channel is reduced by the difference
+    /// between the two simulated runs.
+    fn with_reduced_noise(
         &self,
         whitener: &Whitener,
         model: &ResidualModel,
@@ -262,17 +274,18 @@ impl Campaign<'_> {
     }
 }
 
-/// Expected log-likelihood ratio of equal runs in one session.
-fn expected(r: &DVector<f64>, unknown: &DMatrix<f64>) -> f64 {
+/// Expected log-likelihood ratio of [`RUNS`] equal runs in one session, with the residual r of a run
+/// and the columns U of unknown parameters.
+fn expected_log_likelihood_ratio(r: &DVector<f64>, unknown: &DMatrix<f64>) -> f64 {
     let n = RUNS as f64;
     let count = unknown.ncols();
     let inner = DMatrix::identity(count, count) + unknown.tr_mul(unknown) * n;
-    let along = unknown.tr_mul(r);
-    let taken = inner
+    let projection = unknown.tr_mul(r);
+    let explained = inner
         .lu()
-        .solve(&along)
-        .map_or(0.0, |solved| along.dot(&solved));
-    0.5 * (n * r.norm_squared() - n * n * taken)
+        .solve(&projection)
+        .map_or(0.0, |solved| projection.dot(&solved));
+    0.5 * (n * r.norm_squared() - n * n * explained)
 }
 
 #[cfg(test)]
@@ -280,24 +293,24 @@ mod tests {
     use super::*;
 
     /// With known levels the ratio is half the sum of squares. With unknown levels a change that
-    /// resembles one has no value, however often it is driven. In between it is that of the
-    /// marginal normal law, by its full covariance.
+    /// resembles one has no value, however often it is driven. In between it is the ratio of the
+    /// marginal normal distribution, with its full covariance.
     #[test]
     fn the_expected_ratio_is_that_of_normal_rows_with_levels_of_their_own() {
         let own = DMatrix::from_fn(6, 2, |i, k| if k == 0 { 1.0 } else { i as f64 - 2.5 });
         let r = DVector::from_fn(6, |i, _| 0.3 + 0.1 * (i as f64).sin());
         let n = RUNS as f64;
         let spread = |sd: [f64; 2]| &own * DMatrix::from_diagonal(&DVector::from_row_slice(&sd));
-        let known = expected(&r, &spread([0.0, 0.0]));
+        let known = expected_log_likelihood_ratio(&r, &spread([0.0, 0.0]));
         assert!((known - 0.5 * n * r.norm_squared()).abs() < 1e-12);
         let level = own.column(0).into_owned();
-        assert!(expected(&level, &spread([1e6, 1e6])) < 1e-6);
+        assert!(expected_log_likelihood_ratio(&level, &spread([1e6, 1e6])) < 1e-6);
         let unknown = spread([0.4, 0.2]);
         let rows = 6 * RUNS;
         let all = DVector::from_fn(rows, |i, _| r[i % 6]);
         let levels = DMatrix::from_fn(rows, 2, |i, k| unknown[(i % 6, k)]);
         let covariance = DMatrix::identity(rows, rows) + &levels * levels.transpose();
         let full = 0.5 * all.dot(&covariance.lu().solve(&all).unwrap());
-        assert!((expected(&r, &unknown) / full - 1.0).abs() < 1e-12);
+        assert!((expected_log_likelihood_ratio(&r, &unknown) / full - 1.0).abs() < 1e-12);
     }
 }

@@ -37,12 +37,12 @@ const SPEED: usize = 1;
 /// Time step [s]: the differences of time, of 5 ms, change by 7 µs from half of it.
 const STEP_S: f64 = 1e-2;
 /// Speed below which a run counts as at rest [m/s].
-const SLOWEST_MPS: f64 = 1.0;
+const REST_MPS: f64 = 1.0;
 /// Rate of a replay's output [Hz].
 const RATE_HZ: f64 = 100.0;
 /// Relative step of the friction for differences of its replays: speeds are linear in it beyond.
 const FRICTION_STEP: f64 = 0.1;
-/// Most repetitions where the friction moves by more than a step.
+/// Largest number of Newton steps if the friction changes by more than `FRICTION_STEP`.
 const FRICTION_ROUNDS: usize = 3;
 
 /// Sums of squares of one quantity with their numbers of values, by piece.
@@ -51,6 +51,7 @@ pub struct Squares {
     pub unit: &'static str,
     /// Variance of the sensor's noise; 0 if the squares include it.
     pub noise: f64,
+    /// Sum of squares and number of values of each piece.
     pub pieces: Vec<[f64; 2]>,
 }
 
@@ -85,8 +86,9 @@ impl Campaign<'_> {
         read().map_err(|error| format!("it cannot be simulated: {error}"))
     }
 
-    /// Squares of the replays' differences, one piece per session, and the indices of the runs; runs
-    /// whose track has no table, and those that all estimates are fitted to, are omitted.
+    /// Indices of the replayed runs, and the squares of their replays' differences, one piece per
+    /// session. Unless runs are `stated`, all possible ones are replayed: runs on a track without a
+    /// table, and runs that all estimates are fitted to, are omitted.
     pub fn replay_squares<'v>(
         &self,
         vehicle_of: impl Fn(usize) -> &'v Vehicle + Sync,
@@ -96,14 +98,15 @@ impl Campaign<'_> {
         let all = &self.data.runs;
         let shapes: Vec<_> = tracks.iter().map(|t| (t, TrackShape::new(t))).collect();
         let on_track = |i: &usize| tracks.iter().any(|t| t.name == all[*i].entry.track);
-        // The estimates without their session are those of other runs; of one session there are none.
+        // Training runs are replayed with the estimates without their session; with a single session
+        // there are no such estimates.
         let sessions = members(self.training.iter().map(|frame| frame.session.as_str()));
         let fitted = |i: &usize| self.data.segmented || self.data.locked.training.contains(i);
-        let able = || {
-            let able = (0..all.len()).filter(on_track);
-            able.filter(|i| sessions.len() > 1 || !fitted(i)).collect()
+        let possible = || {
+            let runs = (0..all.len()).filter(on_track);
+            runs.filter(|i| sessions.len() > 1 || !fitted(i)).collect()
         };
-        let runs: Vec<usize> = stated.map_or_else(able, <[usize]>::to_vec);
+        let runs: Vec<usize> = stated.map_or_else(possible, <[usize]>::to_vec);
         let of_run = |i: &usize| -> Result<([f64; 3], [f64; 3]), String> {
             let (run, vehicle) = (&all[*i], vehicle_of(*i));
             let track = shapes.iter().find(|(t, _)| t.name == run.entry.track);
@@ -126,15 +129,18 @@ impl Campaign<'_> {
                 ));
             }
             let mean_square = REPLAYED.map(|(column, _)| {
-                let of = replay.differences.iter().find(|d| d.column == column);
-                of.map_or(0.0, |d| d.rms * d.rms)
+                let difference = replay.differences.iter().find(|d| d.column == column);
+                difference.map_or(0.0, |d| d.rms * d.rms)
             });
             // An error of the speed shifts the time of passing.
-            let late: f64 = run.columns.get("v_mps").map_or(0.0, |speeds| {
-                let moving = speeds.iter().filter(|v| **v > SLOWEST_MPS);
+            let time_sd: f64 = run.columns.get("v_mps").map_or(0.0, |speeds| {
+                let moving = speeds.iter().filter(|v| **v > REST_MPS);
                 moving.map(|v| run.dt_s * inputs.noise_sd[0] / v).sum()
             });
-            Ok((mean_square, [late, inputs.noise_sd[0], inputs.noise_sd[2]]))
+            Ok((
+                mean_square,
+                [time_sd, inputs.noise_sd[0], inputs.noise_sd[2]],
+            ))
         };
         let tried: Vec<Result<_, String>> = runs.par_iter().map(of_run).collect();
         let (mut replayed, mut each) = (Vec::new(), Vec::new());
@@ -189,10 +195,10 @@ impl Campaign<'_> {
         Ok(inputs)
     }
 
-    /// The fit with the friction at which the training runs among `replayed` are replayed best, less
-    /// what sessions do not agree on.
+    /// The fit with the friction at which the training runs among `replayed` are replayed best,
+    /// shrunk towards the stated friction by the scatter between sessions.
     ///
-    /// Unchanged where friction is not fitted or a run cannot be replayed.
+    /// Unchanged if friction is not fitted or a run cannot be replayed.
     pub fn with_replayed_friction(&self, mut fit: RunFit, replayed: &[usize]) -> RunFit {
         let training = &self.data.locked.training;
         let learned = |run: &usize| training.contains(run);

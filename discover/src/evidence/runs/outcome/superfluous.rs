@@ -7,7 +7,7 @@ use crate::finding::Step;
 use crate::procedure::evidence::{Account, NO_SIZE};
 
 impl Campaign<'_> {
-    /// The fit with the steps that are significant given the others, with final estimates.
+    /// The fit without the steps that are insignificant given the others, with final estimates.
     pub fn with_significant_steps(
         &self,
         mut fit: RunFit,
@@ -15,7 +15,7 @@ impl Campaign<'_> {
     ) -> Result<RunFit, Error> {
         loop {
             self.write(&mut fit);
-            let Some(step) = self.of_no_size(&fit, &account.steps) else {
+            let Some(step) = self.insignificant_step(&fit, &account.steps) else {
                 return Ok(fit);
             };
             account.remove_step(step, NO_SIZE);
@@ -24,15 +24,15 @@ impl Campaign<'_> {
     }
 
     /// The first step whose amplitudes all have intervals that contain 0.
-    pub fn of_no_size(&self, last: &RunFit, steps: &[Step]) -> Option<usize> {
+    pub fn insignificant_step(&self, last: &RunFit, steps: &[Step]) -> Option<usize> {
         let of_forces = |step: &usize| steps[*step].channel != CHANNEL_NAMES[3].0;
         let sizes = self.parameters(last, steps.len());
-        let nothing = |step: &usize| {
+        let is_insignificant = |step: &usize| {
             let mut sizes = sizes[*step].iter();
             let known = last.owners.contains(step) && sizes.len() > 0;
             known && sizes.all(|p| p.low <= 0.0 && p.high >= 0.0)
         };
-        (0..steps.len()).filter(of_forces).find(nothing)
+        (0..steps.len()).filter(of_forces).find(is_insignificant)
     }
 
     /// The model without the effects of a step, fitted.

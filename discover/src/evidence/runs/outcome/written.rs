@@ -48,7 +48,7 @@ impl Campaign<'_> {
     /// Significant installation errors within tolerance; remarks report those outside.
     pub fn within_tolerance(&self, last: &RunFit, account: &mut Account) -> Vec<Tolerated> {
         let quantile = self.options.rules.search.interval;
-        let parts = &last.residual_model.installation.parts;
+        let parts = &last.residual_model.installation.errors;
         let first = last.estimates.len().saturating_sub(parts.len());
         let estimated = parts.iter().zip(&last.estimates[first..]);
         let tolerated = estimated.filter_map(|(part, estimate)| {

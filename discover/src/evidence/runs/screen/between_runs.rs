@@ -5,7 +5,7 @@ use kufe_sled::effects::Level;
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
-use crate::evidence::runs::screen::levels::{judge, least_p};
+use crate::evidence::runs::screen::levels::{min_p_value, screen_levels};
 use crate::evidence::runs::shared_effects::between;
 use crate::finding::Rival;
 use crate::procedure::evidence::{Account, Randomised, Selection};
@@ -26,7 +26,7 @@ impl Campaign<'_> {
         let design = at.design(&list);
         let rules = self.rules();
         let share = self.share(account);
-        let levels = judge(
+        let levels = screen_levels(
             &design,
             &self.training,
             &list,
@@ -42,7 +42,7 @@ impl Campaign<'_> {
             .max_by(|a, b| levels.seen[*a].gain.total_cmp(&levels.seen[*b].gain));
         let Some(named) = best else {
             let differ = levels.sessions_differ.iter().copied().fold(1.0, f64::min);
-            let enough = |count: &usize| least_p(*count) <= rules.alpha_levels;
+            let enough = |count: &usize| min_p_value(*count) <= rules.alpha_levels;
             let is_unexplained = differ < rules.alpha_column && account.unexplained.is_none();
             if is_unexplained && !enough(&levels.sessions) {
                 let needed = (levels.sessions..).find(enough).unwrap_or(levels.sessions);

@@ -21,7 +21,7 @@ use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Evidence, SelectedFit, Selection};
 
 /// Largest number of replacements.
-const MOST: usize = 3;
+const MAX_REPLACEMENTS: usize = 3;
 
 impl Campaign<'_> {
     /// A selected effect or its replacement, with its fit.
@@ -35,11 +35,11 @@ impl Campaign<'_> {
         // The full fit of a law must have a smaller misfit than that of the effect it replaces.
         if let Some(other) = self.runner_up.take() {
             let next = self.add(before, &other, step)?;
-            if self.gained(&added.fit, &next.fit) > -self.rules().laws.number {
+            if self.posterior_gain(&added.fit, &next.fit) > -self.rules().laws.number {
                 (selection, added) = (other, next);
             }
         }
-        for _ in 0..MOST {
+        for _ in 0..MAX_REPLACEMENTS {
             let Some(again) = self.reevaluated(&added.fit, &selection.candidate, account) else {
                 break;
             };
@@ -56,7 +56,7 @@ impl Campaign<'_> {
                 break;
             }
             let next = self.add(before, &again, step)?;
-            if self.gained(&added.fit, &next.fit) <= 0.0 {
+            if self.posterior_gain(&added.fit, &next.fit) <= 0.0 {
                 if !selection.class.contains(&again.candidate.effect) {
                     selection.class.push(again.candidate.effect);
                 }
@@ -99,7 +99,7 @@ impl Campaign<'_> {
         list.insert(place, named);
         let out = MovedColumn {
             from: OWN_LEVELS + self.free.len() + amplitude,
-            to: OWN_LEVELS + design.fitted() - 1 + place,
+            to: OWN_LEVELS + design.fitted_count() - 1 + place,
             size: model.effects.active[last].values[free[amplitude].1] / scale,
         };
         let parameter = self.free.len() + amplitude;

@@ -1,4 +1,4 @@
-//! Friction and grip levels of sessions and runs against weather and order.
+//! Regression of the levels of friction and grip of sessions and runs on weather and order.
 
 use std::collections::BTreeMap;
 
@@ -36,13 +36,16 @@ pub struct LevelScreen {
     pub sessions: usize,
     /// p-values of an F test of differences between sessions, for friction and for grip.
     pub sessions_differ: [f64; OWN_LEVELS],
+    /// Mean covariate of each session, by candidate.
     covariates: Vec<Vec<f64>>,
+    /// Level that each candidate changes most: 0 friction, 1 grip.
     level_of: Vec<usize>,
+    /// Mean of each level by session.
     means: [Vec<f64>; OWN_LEVELS],
 }
 
-/// Scores the candidates of `design`, which must be those between sessions and runs.
-pub fn judge(
+/// Scores the candidates of `design`, all of which must act between sessions or between runs.
+pub fn screen_levels(
     design: &Design,
     frames: &[Frame],
     candidates: &[Candidate<Amplitude>],
@@ -50,13 +53,13 @@ pub fn judge(
     seed: u64,
 ) -> LevelScreen {
     let q = candidates.len();
-    let first = OWN_LEVELS + design.fitted();
+    let first = OWN_LEVELS + design.fitted_count();
     let mut levels: Vec<[f64; OWN_LEVELS]> = Vec::new();
     let mut weights: Vec<[f64; OWN_LEVELS]> = Vec::new();
     let mut covariates = vec![Vec::new(); q];
     let mut level_of = vec![0; q];
-    let mut spread = vec![[0.0; OWN_LEVELS]; q];
-    let mut raw: Vec<Vec<[f64; OWN_LEVELS]>> = vec![Vec::new(); q];
+    let mut explained = vec![[0.0; OWN_LEVELS]; q];
+    let mut by_run: Vec<Vec<[f64; OWN_LEVELS]>> = vec![Vec::new(); q];
     let products = design.products(frames);
     let noise = noise_products(design, frames, simulator, 6_000_029);
     for (products, noise) in products.iter().zip(&noise) {
@@ -67,17 +70,17 @@ pub fn judge(
         let level = &inverse * matrix.view((0, m - 1), (OWN_LEVELS, 1)).column(0);
         levels.push([level[0], level[1]]);
         weights.push([square[(0, 0)], square[(1, 1)]]);
-        for (c, raw) in raw.iter_mut().enumerate() {
+        for (c, by_run) in by_run.iter_mut().enumerate() {
             let z = &inverse * matrix.view((0, first + c), (OWN_LEVELS, 1)).column(0);
             for k in 0..OWN_LEVELS {
-                spread[c][k] += z[k] * z[k] * square[(k, k)];
+                explained[c][k] += z[k] * z[k] * square[(k, k)];
             }
-            raw.push([z[0], z[1]]);
+            by_run.push([z[0], z[1]]);
         }
     }
     for c in 0..q {
-        level_of[c] = usize::from(spread[c][1] > spread[c][0]);
-        covariates[c] = raw[c].iter().map(|z| z[level_of[c]]).collect();
+        level_of[c] = usize::from(explained[c][1] > explained[c][0]);
+        covariates[c] = by_run[c].iter().map(|z| z[level_of[c]]).collect();
     }
     let sessions = group(frames);
     let mean_of = |x: &[f64]| -> Vec<f64> {
@@ -91,18 +94,18 @@ pub fn judge(
     let session_covariates: Vec<Vec<f64>> = covariates.iter().map(|z| mean_of(z)).collect();
     let mut seen = vec![None; q];
     for k in 0..OWN_LEVELS {
-        let mine: Vec<usize> = (0..q)
-            .filter(|c| level_of[*c] == k && candidates[*c].act.level == Level::Session)
-            .collect();
-        if mine.is_empty() || means[k].len() < 3 {
+        let of_session =
+            |c: &usize| level_of[*c] == k && candidates[*c].act.level == Level::Session;
+        let tested: Vec<usize> = (0..q).filter(of_session).collect();
+        if tested.is_empty() || means[k].len() < 3 {
             continue;
         }
-        let xs: Vec<Vec<f64>> = mine
+        let xs: Vec<Vec<f64>> = tested
             .iter()
             .map(|c| session_covariates[*c].clone())
             .collect();
-        let judged = by_session_permutation(&means[k], &xs, 3999, seed);
-        for ((c, x), (_, p)) in mine.iter().zip(&xs).zip(&judged) {
+        let permuted = by_session_permutation(&means[k], &xs, 3999, seed);
+        for ((c, x), (_, p)) in tested.iter().zip(&xs).zip(&permuted) {
             let weight: f64 = weights.iter().map(|w| w[k]).sum::<f64>() / means[k].len() as f64;
             let mut one = slope(&means[k], x, candidates[*c].typical, weight);
             one.p_value = *p;
@@ -111,36 +114,36 @@ pub fn judge(
     }
     for k in 0..OWN_LEVELS {
         let of_runs = |c: &usize| level_of[*c] == k && candidates[*c].act.level == Level::Run;
-        let mine: Vec<usize> = (0..q).filter(of_runs).collect();
-        let Some(first) = mine.first() else {
+        let tested: Vec<usize> = (0..q).filter(of_runs).collect();
+        let Some(first) = tested.first() else {
             continue;
         };
         let y = within(&of_level(k), &sessions);
-        let xs: Vec<Vec<f64>> = (mine.iter())
+        let xs: Vec<Vec<f64>> = (tested.iter())
             .map(|c| within(&covariates[*c], &sessions))
             .collect();
         let observed: Vec<f64> = xs.iter().map(|x| correlation(&y, x).abs()).collect();
         let permutations = 1999;
-        let mut above = vec![1; mine.len()];
+        let mut above = vec![1; tested.len()];
         for trial in 0..permutations {
             let mut rng = stream(seed, 0x0BDE + *first as u64, trial);
-            let mut mixed = y.clone();
+            let mut permuted = y.clone();
             for runs in sessions.values() {
                 let mut order = runs.clone();
                 shuffle(&mut rng, &mut order);
                 for (to, from) in runs.iter().zip(&order) {
-                    mixed[*to] = y[*from];
+                    permuted[*to] = y[*from];
                 }
             }
-            // The largest of all candidates: one p-value for the family.
-            let largest = xs.iter().map(|x| correlation(&mixed, x).abs());
+            // The largest of all candidates: the p-value is corrected for their number (max-T).
+            let largest = xs.iter().map(|x| correlation(&permuted, x).abs());
             let largest = largest.fold(0.0, f64::max);
             for (above, observed) in above.iter_mut().zip(&observed) {
                 *above += i32::from(largest >= observed - 1e-12);
             }
         }
         let weight: f64 = weights.iter().map(|w| w[k]).sum::<f64>() / y.len() as f64;
-        for ((c, x), above) in mine.iter().zip(&xs).zip(above) {
+        for ((c, x), above) in tested.iter().zip(&xs).zip(above) {
             let mut one = slope(&y, x, candidates[*c].typical, weight);
             one.p_value = f64::from(above) / (permutations + 1) as f64;
             seen[*c] = Some(one);
@@ -167,8 +170,8 @@ pub fn judge(
     }
 }
 
-/// Smallest p-value by permutation of so many sessions: only the order and its reverse tie.
-pub fn least_p(sessions: usize) -> f64 {
+/// Smallest p-value by permutation of `sessions` sessions, where only the order and its reverse tie.
+pub fn min_p_value(sessions: usize) -> f64 {
     2.0 / (1..=sessions.min(10)).product::<usize>() as f64
 }
 
@@ -197,10 +200,12 @@ impl LevelScreen {
     }
 }
 
+/// Indices of the runs of each session.
 pub fn group(frames: &[Frame]) -> BTreeMap<&str, Vec<usize>> {
     members(frames.iter().map(|frame| frame.session.as_str()))
 }
 
+/// Values minus the mean of their session.
 fn within(x: &[f64], sessions: &BTreeMap<&str, Vec<usize>>) -> Vec<f64> {
     let mut out = x.to_vec();
     for runs in sessions.values() {
@@ -221,6 +226,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+/// Simple linear regression of y on x, per unit of `typical`; without a p-value.
 fn slope(y: &[f64], x: &[f64], typical: f64, weight: f64) -> LevelScore {
     let (yc, xc) = (centred(y), centred(x));
     let xx = dot(&xc, &xc).max(1e-300);

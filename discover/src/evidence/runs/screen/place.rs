@@ -37,11 +37,11 @@ impl Campaign<'_> {
         let Some(frame) = self.training.first() else {
             return "all runs".to_owned();
         };
-        let rest = at.residual_model.raw(frame);
+        let rest = at.residual_model.sample_residuals(frame);
         let moved = at
             .residual_model
             .with(candidate.active(candidate.typical))
-            .raw(frame);
+            .sample_residuals(frame);
         let mut size: Vec<(f64, usize)> = frame
             .samples()
             .map(|i| {

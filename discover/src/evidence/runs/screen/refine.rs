@@ -21,10 +21,11 @@ impl Campaign<'_> {
         /// Grid of edges [m].
         const STEP: f64 = 2.5;
         /// Largest number of steps of an edge, either way.
-        const MOST: usize = 9;
-        let there = self.training.iter().filter(|f| f.track == window.track);
-        let there: Vec<Frame> = there.cloned().collect();
-        let edges = |at: f64| (0..=2 * MOST).map(move |k| at + (k as f64 - MOST as f64) * STEP);
+        const MAX_STEPS: usize = 9;
+        let on_track = self.training.iter().filter(|f| f.track == window.track);
+        let on_track: Vec<Frame> = on_track.cloned().collect();
+        let edges =
+            |at: f64| (0..=2 * MAX_STEPS).map(move |k| at + (k as f64 - MAX_STEPS as f64) * STEP);
         let windows: Vec<Window> = edges(window.from)
             .flat_map(|from| edges(window.to).map(move |to| (from, to)))
             .filter(|(from, to)| to - from >= 2.0 * STEP)
@@ -42,7 +43,7 @@ impl Campaign<'_> {
             ..at.design(&[])
         };
         let grams: Vec<_> = design
-            .products(&there)
+            .products(&on_track)
             .iter()
             .map(Products::plain)
             .collect();

@@ -1,4 +1,5 @@
-//! One screen of the residuals: corrected scores of every candidate, tested by sign-flips.
+//! One screen of the residuals: score tests of every candidate, with scores corrected for noisy
+//! inputs and p-values by sign-flips.
 
 use std::ops::Range;
 
@@ -17,19 +18,22 @@ use crate::procedure::candidate::Candidate;
 use crate::regression::prior::Prior;
 use crate::regression::scores::{Scores, cross_information};
 
+/// Options of a screen.
 #[derive(Clone, Copy, Debug)]
 pub struct ScreenOptions {
     /// Pairs of simulated runs per run.
     pub pairs: u64,
+    /// Number of sign-flips.
     pub flips: usize,
     /// Largest p-value of a selected effect.
     pub alpha: f64,
-    /// The same for an effect in a window of distance.
+    /// Largest p-value of a selected effect in a window of distance.
     pub alpha_local: f64,
-    /// The same for an effect outside the catalogue.
+    /// Largest p-value of a selected effect outside the catalogue.
     pub alpha_column: f64,
-    /// Smallest shares of a column: remaining after a refit of the base, and not noise.
-    pub least: [f64; 2],
+    /// Smallest share of a column's information that remains after a refit of the base, and smallest
+    /// share that is not noise.
+    pub min_shares: [f64; 2],
     /// Excess over the critical value of a size with a power of 90 %, in standard errors.
     pub nine_in_ten: f64,
     pub seed: u64,
@@ -42,33 +46,34 @@ pub struct CandidateScore {
     pub remaining_share: f64,
     pub size: f64,
     pub error: f64,
-    /// T: the sum of its scores over their standard deviation.
+    /// T: the ratio of the sum of its scores to their standard deviation.
     pub t: f64,
-    /// T of the noise correction.
+    /// Ratio of the noise correction of the sum to the standard error of the sum.
     pub bias_t: f64,
     /// p-value by sign-flips, max-T over its kind.
     pub p_value: f64,
-    /// The same with the runs of a session weighted together; absent with a single session.
+    /// p-value by a wild bootstrap over sessions; `None` with a single session.
     pub p_sessions: Option<f64>,
     /// Explained sum of squares, in units of the noise's variance.
     pub gain: f64,
     pub cross_validated_gain: f64,
     /// Smallest size that would be selected with a probability of 90 %.
     pub detectable: f64,
-    /// Whether it can be judged.
+    /// Whether the data determine it well enough to be tested.
     pub usable: bool,
 }
 
+/// Results of a screen.
 pub struct RunScreen {
-    /// Regular candidates, then windows.
-    pub seen: Vec<CandidateScore>,
-    /// Scores of candidates and windows.
+    /// Scores of the regular candidates, then of the windows.
+    pub scores: Vec<CandidateScore>,
+    /// Scores by run of candidates and windows.
     pub sums: UnitScores,
-    /// Products of the regular candidates given the base.
+    /// Information matrix of the regular candidates given the base.
     pub cross: DMatrix<f64>,
 }
 
-/// Products of all columns, with their candidates.
+/// Candidates and windows, and the products of all columns.
 pub struct CandidateProducts<'a> {
     pub regular: &'a [Candidate<Amplitude>],
     pub local: &'a [Candidate<Amplitude>],
@@ -81,7 +86,8 @@ pub struct CandidateProducts<'a> {
 }
 
 impl<'a> CandidateProducts<'a> {
-    /// The candidates of a design, with a noise correction from so many pairs of simulated runs.
+    /// The candidates of a design, with a noise correction from `pairs` pairs of simulations of each
+    /// run.
     pub fn new(
         design: &Design<'a>,
         frames: &[Frame],
@@ -106,6 +112,7 @@ impl<'a> CandidateProducts<'a> {
     }
 }
 
+/// Scores and tests all candidates and windows.
 pub fn screen_runs(
     tested: &CandidateProducts,
     frames: &[Frame],
@@ -130,18 +137,19 @@ pub fn screen_runs(
     let usable: Vec<bool> = (0..count)
         .map(|c| {
             let information = scores.total_information(c);
-            let touched = (0..runs)
+            let informative_runs = (0..runs)
                 .filter(|i| scores.information[(c, *i)] > 1e-9)
                 .count();
             let enough = if c < regular {
                 // A direction that is mostly noise is excluded.
-                touched >= 4 && information > options.least[1] * plain.total_information(c)
+                let min_information = options.min_shares[1] * plain.total_information(c);
+                informative_runs >= 4 && information > min_information
             } else {
                 let window = &tested.windows[c - regular];
-                let there = frames.iter().filter(|f| f.track == window.track).count();
-                touched >= 4 && 2 * touched > there
+                let on_track = frames.iter().filter(|f| f.track == window.track).count();
+                informative_runs >= 4 && 2 * informative_runs > on_track
             };
-            scores.remaining_share(c) > options.least[0] && information > 1e-6 && enough
+            scores.remaining_share(c) > options.min_shares[0] && information > 1e-6 && enough
         })
         .collect();
     let norms = window_norms(&scores, &usable, tested);
@@ -155,18 +163,18 @@ pub fn screen_runs(
     let sums = UnitScores::of(&scores);
     let of_family = |family: &Range<usize>| {
         let rows: Vec<usize> = family.clone().collect();
-        let mut own = sums.only(&rows);
+        let mut family = sums.only(&rows);
         for (row, _) in rows.iter().enumerate().filter(|(_, c)| !usable[**c]) {
-            own.information.row_mut(row).fill(0.0);
+            family.information.row_mut(row).fill(0.0);
         }
-        own
+        family
     };
     let [known, columns, places] = families.each_ref().map(of_family);
     let nulls = [
         known.by_sign_flips(options.flips, options.seed),
         columns.by_sign_flips(options.flips, options.seed ^ 0xBE40),
         MaxT::with_norms(
-            &scattered(&places),
+            &without_estimated_effect(&places),
             &norms,
             &places.common,
             options.flips,
@@ -183,9 +191,9 @@ pub fn screen_runs(
     let sessions = session_numbers(frames.iter().map(|frame| frame.session.as_str()));
     let p_sessions: Vec<Option<f64>> = [&known, &columns, &places]
         .into_iter()
-        .flat_map(|own| {
-            let Some(of_sessions) = own.by_sessions(&sessions) else {
-                return vec![None; own.u.nrows()];
+        .flat_map(|family| {
+            let Some(of_sessions) = family.by_sessions(&sessions) else {
+                return vec![None; family.u.nrows()];
             };
             let null = of_sessions.by_wild_bootstrap(options.flips, options.seed);
             let p_value = |t: f64| Some(null.p_value(t));
@@ -198,7 +206,7 @@ pub fn screen_runs(
         .map(|(null, alpha)| null.critical(alpha))
         .collect();
     let family = |c: usize| usize::from(c >= named) + usize::from(c >= regular);
-    let seen = (0..count)
+    let candidate_scores = (0..count)
         .map(|c| {
             let information = scores.total_information(c).max(1e-300);
             let scale = tested.typical(c);
@@ -206,10 +214,10 @@ pub fn screen_runs(
             let t = t_all[c];
             let size = sum / information;
             let n = runs as f64;
-            let spread: f64 = (0..runs)
+            let squares: f64 = (0..runs)
                 .map(|i| (scores.u[(c, i)] - size * scores.information[(c, i)]).powi(2))
                 .sum();
-            let scatter = spread * n / (n - 1.0).max(1.0);
+            let scatter = squares * n / (n - 1.0).max(1.0);
             let error = (scatter + scores.shared_variance(c)).sqrt() / information;
             let (null, critical) = (&nulls[family(c)], criticals[family(c)]);
             CandidateScore {
@@ -228,56 +236,57 @@ pub fn screen_runs(
         })
         .collect();
     RunScreen {
-        seen,
+        scores: candidate_scores,
         sums,
         cross: cross_information(&grams, prior),
     }
 }
 
-/// Scores of windows less their own sizes, rescaled for the lost degree of freedom.
+/// Scores of windows minus the contribution of the window's estimated size, rescaled for the lost
+/// degree of freedom.
 ///
-/// The few runs on a track have few sign patterns, and the windows share their norms: an effect in
-/// the data would otherwise appear in its own null, with seven ninths of its T if one of nine signs
-/// is flipped. The rest scatters as noise does.
-fn scattered(windows: &UnitScores) -> DMatrix<f64> {
+/// The few runs on a track have few sign patterns, and the windows share their norms. An effect in
+/// the data would otherwise appear in its own null distribution, with seven ninths of its T if one
+/// of nine signs is flipped. The remaining scores scatter as noise does.
+fn without_estimated_effect(windows: &UnitScores) -> DMatrix<f64> {
     let mut u = windows.u.clone();
     for c in 0..u.nrows() {
-        let own = windows.information.row(c);
-        let touched = own.iter().filter(|i| **i > 1e-9).count() as f64;
-        let information = own.sum() + windows.common.row(c).norm_squared();
-        if information <= 0.0 || touched < 2.0 {
+        let of_runs = windows.information.row(c);
+        let runs = of_runs.iter().filter(|i| **i > 1e-9).count() as f64;
+        let information = of_runs.sum() + windows.common.row(c).norm_squared();
+        if information <= 0.0 || runs < 2.0 {
             continue;
         }
         let size = windows.u.row(c).sum() / information;
-        let freed = (touched / (touched - 1.0)).sqrt();
+        let rescaling = (runs / (runs - 1.0)).sqrt();
         for i in 0..u.ncols() {
-            u[(c, i)] = freed * (u[(c, i)] - size * own[i]);
+            u[(c, i)] = rescaling * (u[(c, i)] - size * of_runs[i]);
         }
     }
     u
 }
 
-/// Standard deviations of the sums of scores of windows: from their information and the median
-/// scatter of their kind, because the few runs on one track do not determine their own. 0 if a
-/// window cannot be judged.
+/// Standard deviations of the sums of scores of windows; 0 for an unusable window. They follow from
+/// the window's information and the median scatter of the windows of its candidate, because the few
+/// runs on one track do not determine a scatter for each window.
 fn window_norms(scores: &Scores, usable: &[bool], tested: &CandidateProducts) -> Vec<f64> {
     let regular = tested.regular.len();
     let mut norms = vec![0.0; scores.u.nrows() - regular];
     for l in 0..tested.local.len() {
-        let mine: Vec<usize> = (0..norms.len())
+        let of_candidate: Vec<usize> = (0..norms.len())
             .filter(|w| usable[regular + w] && tested.windows[*w].local == l)
             .collect();
         let information = |w: usize| scores.total_information(regular + w);
         let inflation = |w: &usize| scores.u.row(regular + w).norm_squared() / information(*w);
-        let mut inflation: Vec<f64> = mine.iter().map(inflation).collect();
+        let mut inflation: Vec<f64> = of_candidate.iter().map(inflation).collect();
         inflation.sort_by(f64::total_cmp);
-        let Some(middle) = inflation.get(inflation.len() / 2) else {
+        let Some(median) = inflation.get(inflation.len() / 2) else {
             continue;
         };
         // The contribution of random effects is common to all runs.
-        for w in &mine {
+        for w in &of_candidate {
             let common = scores.shared_variance(regular + w);
-            norms[*w] = (middle * information(*w) + common).sqrt();
+            norms[*w] = (median * information(*w) + common).sqrt();
         }
     }
     norms
@@ -306,11 +315,11 @@ fn cross_validated_gain(scores: &Scores, c: usize) -> f64 {
 }
 
 impl RunScreen {
-    /// Some of the regular candidates.
+    /// The screen of the selected regular candidates alone.
     pub fn only(&self, selected: &[usize]) -> Self {
         let pairs = |i: usize, j: usize| self.cross[(selected[i], selected[j])];
         Self {
-            seen: selected.iter().map(|c| self.seen[*c].clone()).collect(),
+            scores: selected.iter().map(|c| self.scores[*c].clone()).collect(),
             sums: self.sums.only(selected),
             cross: DMatrix::from_fn(selected.len(), selected.len(), pairs),
         }
@@ -324,33 +333,33 @@ impl RunScreen {
 
     /// Correlation of two regular candidates given the base, corrected for noise.
     ///
-    /// Corrected products are estimates: for two almost collinear columns the corrected squares may
-    /// be smaller than their product. The nearest matrix of products of two columns then has a
-    /// correlation of 1.
+    /// Corrected products are estimates: for two almost collinear columns they may violate the
+    /// Cauchy-Schwarz inequality. The nearest valid matrix of products has a correlation of 1 in
+    /// magnitude.
     pub fn correlation(&self, a: usize, b: usize) -> f64 {
         correlation([self.cross[(a, a)], self.cross[(a, b)], self.cross[(b, b)]])
     }
 
     /// Whether a candidate may be selected.
     pub fn is_selectable(&self, c: usize, candidate: &Candidate<Amplitude>, alpha: f64) -> bool {
-        let s = &self.seen[c];
+        let s = &self.scores[c];
         s.usable && s.p_value <= alpha && s.cross_validated_gain > 0.0 && candidate.admits(s.size)
     }
 }
 
-/// The window of largest gain of each local candidate, with its index in the screen.
+/// The usable window of largest gain of each local candidate, with its index in the screen.
 pub fn best_windows<'w>(
     screen: &RunScreen,
     windows: &'w [Window],
     regular: usize,
 ) -> Vec<(&'w Window, usize)> {
-    let gain = |c: usize| screen.seen[c].gain;
+    let gain = |c: usize| screen.scores[c].gain;
     windows
         .chunk_by(|a, b| a.local == b.local)
         .scan(regular, |first, of_one| {
             let places = of_one.iter().zip(*first..);
             *first += of_one.len();
-            let usable = places.filter(|(_, c)| screen.seen[*c].usable);
+            let usable = places.filter(|(_, c)| screen.scores[*c].usable);
             Some(usable.max_by(|a, b| gain(a.1).total_cmp(&gain(b.1))))
         })
         .flatten()

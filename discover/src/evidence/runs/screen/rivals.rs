@@ -8,7 +8,8 @@ use crate::procedure::candidate::Candidate;
 use crate::procedure::rivals::NamedEffect;
 
 impl Campaign<'_> {
-    /// The class: rivals given which the named effect is not significant.
+    /// The class of the selected candidate `named`, and its rivals. A rival belongs to the class if
+    /// the named effect is not significant given it.
     pub fn rivals(
         &self,
         screen: &RunScreen,
@@ -18,12 +19,12 @@ impl Campaign<'_> {
         let rule = &self.rules().rivals;
         let name = &list[named].effect;
         let others = list.iter().enumerate().filter(|(j, candidate)| {
-            let s = &screen.seen[*j];
+            let s = &screen.scores[*j];
             let stranger = candidate.is_column() && !list[named].is_column();
             candidate.effect != *name && !stranger && s.usable && s.t.abs() >= rule.least_t
         });
         let others = others.map(|(j, candidate)| {
-            let s = &screen.seen[j];
+            let s = &screen.scores[j];
             Rival {
                 gain: s.gain,
                 correlation: screen.correlation(named, j),
@@ -34,8 +35,8 @@ impl Campaign<'_> {
         rule.class(
             &NamedEffect {
                 effect: name,
-                t: screen.seen[named].t,
-                gain: screen.seen[named].gain,
+                t: screen.scores[named].t,
+                gain: screen.scores[named].gain,
                 units: self.training.len(),
             },
             others.collect(),

@@ -34,7 +34,7 @@ impl Campaign<'_> {
                 detectable: Vec::new(),
             };
         }
-        let outside = self.options.looks_for(OUTSIDE_CATALOGUE);
+        let searches_outside = self.options.looks_for(OUTSIDE_CATALOGUE);
         let regular = self.everywhere(at.residual_model);
         let all_windows = windows(
             &self.training,
@@ -57,14 +57,14 @@ impl Campaign<'_> {
         };
         self.by_forces = regular
             .iter()
-            .zip(&screen.seen)
+            .zip(&screen.scores)
             .filter(|(_, seen)| seen.usable && seen.remaining_share > 0.05)
             .map(|(c, seen)| (c.clone(), seen.size, seen.error))
             .collect();
-        self.screen_estimates = within(&regular, &screen.seen);
+        self.screen_estimates = within(&regular, &screen.scores);
         // Errors of the accelerometer are also tested in the track channel: contradicted ones are
         // neither selected nor rivals.
-        for (candidate, seen) in regular.iter().zip(&mut screen.seen) {
+        for (candidate, seen) in regular.iter().zip(&mut screen.scores) {
             seen.usable &= track.is_none_or(|t| t.agrees(candidate, seen.size, seen.error));
         }
         let places = best_windows(&screen, &all_windows, regular.len());
@@ -72,16 +72,16 @@ impl Campaign<'_> {
         let found = self.find_contacts(at.residual_model);
         // Contacts bias the base, so that many candidates seem to explain something: the
         // significant ones are rivals.
-        let standing = regular
+        let largest_gain = regular
             .iter()
             .enumerate()
             .filter(|(c, candidate)| screen.is_selectable(*c, candidate, options.alpha))
-            .map(|(c, _)| screen.seen[c].gain)
+            .map(|(c, _)| screen.scores[c].gain)
             .fold(0.0, f64::max);
         let required = found
             .as_ref()
             .map_or(0.0, |found| found.gain / self.rules().contacts.over);
-        if let Some(found) = found.filter(|_| required > standing) {
+        if let Some(found) = found.filter(|_| required > largest_gain) {
             let selection = self.select_contacts(&found);
             self.selected_contacts = Some(found);
             return Screen {
@@ -89,7 +89,7 @@ impl Campaign<'_> {
                 detectable,
             };
         }
-        let law = match outside {
+        let law = match searches_outside {
             true => self.law(at, selection.as_ref(), &options),
             false => None,
         };
@@ -130,7 +130,7 @@ impl Campaign<'_> {
             alpha: share * rules.alpha,
             alpha_local: share * rules.alpha,
             alpha_column: share * rules.alpha_column,
-            least: match at.residual_model.installation.fitted() {
+            min_shares: match at.residual_model.installation.fitted_count() {
                 0 => [rules.least_left, rules.least_signal],
                 _ => [rules.least_left_installed, rules.least_signal],
             },
@@ -139,7 +139,8 @@ impl Campaign<'_> {
         }
     }
 
-    /// The selected effect of a screen: of the `regular` candidates and the windows at `places`.
+    /// The selected effect of a screen: one of the `regular` candidates or of the windows `places`;
+    /// `None` if no one is significant.
     pub fn choose(
         &self,
         at: &Current,
@@ -150,7 +151,7 @@ impl Campaign<'_> {
     ) -> Option<Selection<Amplitude>> {
         let options = self.screen_options(at, account);
         let rules = self.rules();
-        let gain = |c: usize| screen.seen[c].gain;
+        let gain = |c: usize| screen.scores[c].gain;
         let alpha_of = |candidate: &Candidate<Amplitude>| match (
             &candidate.act.track,
             candidate.is_column(),
@@ -160,33 +161,35 @@ impl Campaign<'_> {
             _ => options.alpha,
         };
         let local = |window: &Window| &self.candidates.local[window.local];
-        let whole = places.iter().map(|(window, c)| {
+        let in_windows = places.iter().map(|(window, c)| {
             let candidate = local(window).within(&window.track, window.from, window.to);
             (candidate, *c)
         });
         let everywhere = regular.iter().cloned().zip(0..);
-        let most = everywhere
-            .chain(whole)
+        let largest_gain = everywhere
+            .chain(in_windows)
             .filter(|(candidate, c)| screen.is_selectable(*c, candidate, alpha_of(candidate)))
             .map(|(_, c)| gain(c))
             .fold(0.0, f64::max);
         // Competing windows, with refined edges, are compared as regular candidates.
-        let close: Vec<(Candidate<Amplitude>, usize)> = places
+        let competing: Vec<(Candidate<Amplitude>, usize)> = places
             .iter()
-            .filter(|(_, c)| most > 0.0 && gain(*c) > rules.window_competes * most)
+            .filter(|(_, c)| largest_gain > 0.0 && gain(*c) > rules.window_competes * largest_gain)
             .map(|(window, c)| (self.refined(at, local(window), window), *c))
             .collect();
         // Candidates that may be selected or be a rival.
         let selected: Vec<usize> = (0..regular.len())
-            .filter(|c| screen.seen[*c].usable && screen.seen[*c].t.abs() >= rules.rivals.least_t)
+            .filter(|c| {
+                screen.scores[*c].usable && screen.scores[*c].t.abs() >= rules.rivals.least_t
+            })
             .collect();
         let of_kept = selected.iter().map(|c| &regular[*c]);
         let list: Vec<Candidate<Amplitude>> = of_kept
-            .chain(close.iter().map(|(candidate, _)| candidate))
+            .chain(competing.iter().map(|(candidate, _)| candidate))
             .cloned()
             .collect();
         let mut together = screen.only(&selected);
-        if !close.is_empty() {
+        if !competing.is_empty() {
             let design = at.design(&list);
             let noise = noise_products(&design, &self.training, at.simulator, 0);
             let grams: Vec<_> = design
@@ -198,35 +201,39 @@ impl Campaign<'_> {
             let scores = Scores::new(&grams, &design.prior());
             together.cross = cross_information(&grams, &design.prior());
             let sums = UnitScores::of(&scores);
-            for (k, (candidate, c)) in (selected.len()..).zip(&close) {
+            for (k, (candidate, c)) in (selected.len()..).zip(&competing) {
                 together.sums.push(&sums, k);
                 let information = scores.total_information(k).max(1e-300);
                 let sum = scores.sum(k);
-                let mut seen = screen.seen[*c].clone();
+                let mut seen = screen.scores[*c].clone();
                 seen.size = sum / information * candidate.typical;
                 seen.gain = sum * sum / information;
                 // Its edges may now be those of an effect of the model.
-                seen.usable &= scores.remaining_share(k) > options.least[0];
-                together.seen.push(seen);
+                seen.usable &= scores.remaining_share(k) > options.min_shares[0];
+                together.scores.push(seen);
             }
         }
-        let best = |wanted: bool| {
+        let best = |is_column: bool| {
             (0..list.len())
-                .filter(|c| list[*c].is_column() == wanted)
+                .filter(|c| list[*c].is_column() == is_column)
                 .filter(|c| {
                     let candidate = &list[*c];
                     together.is_selectable(*c, candidate, alpha_of(candidate))
                 })
-                .max_by(|a, b| together.seen[*a].gain.total_cmp(&together.seen[*b].gain))
+                .max_by(|a, b| {
+                    together.scores[*a]
+                        .gain
+                        .total_cmp(&together.scores[*b].gain)
+                })
         };
-        // The catalogue has precedence, unless a column explains in addition to it all that the
-        // named effect does, and more.
+        // An effect of the catalogue has precedence over a column outside it, unless the column
+        // explains all that the effect does, and more.
         let mut named = match (best(false), best(true)) {
             (Some(known), Some(other)) => {
-                let more = together.seen[other].gain > together.seen[known].gain;
-                let t = |a: usize, b: usize| together.t_given(a, b) * together.seen[a].t.signum();
-                let [lost, selected] = rules.column_wins;
-                if more && t(known, other) < lost && t(other, known) > selected {
+                let more = together.scores[other].gain > together.scores[known].gain;
+                let t = |a: usize, b: usize| together.t_given(a, b) * together.scores[a].t.signum();
+                let [max_known, min_other] = rules.column_wins;
+                if more && t(known, other) < max_known && t(other, known) > min_other {
                     other
                 } else {
                     known
@@ -246,7 +253,7 @@ impl Campaign<'_> {
             named = known;
             (class, rivals) = self.rivals(&together, &list, named);
         }
-        let seen = &together.seen[named];
+        let seen = &together.scores[named];
         let channel = self.strongest_channel(at.residual_model, &list[named], seen.size);
         let bias = seen.bias_t;
         let place = self.place_of(&list[named], at);

@@ -7,12 +7,13 @@ use crate::evidence::runs::recordings::frame::Frame;
 /// A driver and the mean of one of his runs in a bin.
 pub type DriverMean<'a> = (&'a str, f64);
 
-/// Fewest runs of a bin.
-const LEAST_RUNS: usize = 3;
+/// Smallest number of runs of a bin.
+const MIN_RUNS: usize = 3;
 
 /// Means of runs by track and bin.
 pub type ByBin<'a> = BTreeMap<(&'a str, i64), Vec<DriverMean<'a>>>;
 
+/// Means of all runs' rows by track and bin of `width` \[m\].
 pub fn by_bin<'a>(frames: &'a [Frame], rows: &[Vec<f64>], width: f64) -> ByBin<'a> {
     let mut by_bin = ByBin::new();
     for (frame, rows) in frames.iter().zip(rows) {
@@ -21,7 +22,7 @@ pub fn by_bin<'a>(frames: &'a [Frame], rows: &[Vec<f64>], width: f64) -> ByBin<'
             runs.push((frame.driver.as_str(), mean));
         }
     }
-    by_bin.retain(|_, runs| runs.len() >= LEAST_RUNS);
+    by_bin.retain(|_, runs| runs.len() >= MIN_RUNS);
     by_bin
 }
 
@@ -35,50 +36,54 @@ pub fn of_run(frame: &Frame, rows: &[f64], width: f64) -> Vec<(i64, f64)> {
         (*count, *sum) = (*count + 1.0, *sum + r);
     }
     let ends = [sums.keys().next(), sums.keys().last()];
-    let mut parts: Vec<i64> = ends.into_iter().flatten().copied().collect();
-    parts.extend(frame.rows_without_gaps(&frame.s).iter().map(bin_of));
-    let whole = sums.into_iter().filter(|(bin, _)| !parts.contains(bin));
-    whole
+    let mut incomplete: Vec<i64> = ends.into_iter().flatten().copied().collect();
+    incomplete.extend(frame.rows_without_gaps(&frame.s).iter().map(bin_of));
+    let complete = sums
+        .into_iter()
+        .filter(|(bin, _)| !incomplete.contains(bin));
+    complete
         .map(|(bin, (count, sum))| (bin, sum / count))
         .collect()
 }
 
-/// Rate of the speed between the halves of each bin: with e the integral of a run's rows over time,
-/// and means over the halves k,
+/// Rate of change of the speed between the halves of each bin, with the bin's number. With e the
+/// integral of a run's rows over time, and e_k and t_k means over half k, it is
 ///
 /// ```text
 /// (e_k+1 - e_k) / (t_k+1 - t_k)
 /// ```
 ///
-/// A mean of the rows themselves is a difference of two readings of the speed; here it is one of
-/// two means of many readings.
-pub fn gains(frame: &Frame, rows: &[f64], width: f64) -> Vec<(i64, f64)> {
+/// The mean of the rows themselves is a difference of two single readings of the speed. This rate is
+/// a difference of two means of many readings.
+pub fn numbered_rates(frame: &Frame, rows: &[f64], width: f64) -> Vec<(i64, f64)> {
     let t = frame.rows(&frame.t);
     let steps = t.windows(2).zip(rows.windows(2));
     let sum = steps.scan(0.0, |sum, (t, r)| {
         *sum += 0.5 * (t[1] - t[0]) * (r[0] + r[1]);
         Some(*sum)
     });
-    let gained: Vec<f64> = std::iter::once(0.0).chain(sum).collect();
-    let [gained, t] = [&gained, &t].map(|x| of_run(frame, x, 0.5 * width));
-    let next = gained.windows(2).zip(t.windows(2));
+    let integral: Vec<f64> = std::iter::once(0.0).chain(sum).collect();
+    let [integral, t] = [&integral, &t].map(|x| of_run(frame, x, 0.5 * width));
+    let next = integral.windows(2).zip(t.windows(2));
     let neighbours = next.filter(|(e, _)| e[1].0 == e[0].0 + 1);
     neighbours
         .map(|(e, t)| (e[0].0, (e[1].1 - e[0].1) / (t[1].1 - t[0].1)))
         .collect()
 }
 
-/// The same without the bins' numbers: the rows of the track channel in comparisons of runs.
+/// [`numbered_rates`] without the bins' numbers: the rows of the track channel in comparisons of
+/// runs.
 pub fn rates(frame: &Frame, rows: &[f64], width: f64) -> Vec<f64> {
-    let gains = gains(frame, rows, width).into_iter();
-    gains.map(|(_, rate)| rate).collect()
+    let rates = numbered_rates(frame, rows, width).into_iter();
+    rates.map(|(_, rate)| rate).collect()
 }
 
+/// Mean over the runs of a bin.
 pub fn mean(runs: &[DriverMean]) -> f64 {
     runs.iter().map(|(_, r)| r).sum::<f64>() / runs.len() as f64
 }
 
-/// Variance of a bin's mean by the scatter between its drivers; `None` with a single driver.
+/// Variance of a bin's mean from the scatter between drivers; `None` with a single driver.
 pub fn between_drivers(runs: &[DriverMean]) -> Option<f64> {
     let mut drivers: BTreeMap<&str, (f64, f64)> = BTreeMap::new();
     for (driver, run) in runs {

@@ -10,18 +10,20 @@ pub fn angle(a: &[f64], b: &[f64], w: &[f64]) -> f64 {
     (dot(a, b).abs() / square.sqrt()).min(1.0).acos()
 }
 
-/// Two-sided p-value of the best of the directions that a candidate takes over its sizes: that of
-/// one direction, plus a bound on the expected number of crossings of `z` (Davies 1987, `turn / pi
-/// * exp(-z^2 / 2)`).
-pub fn by_chance(z: f64, turn: f64) -> f64 {
+/// Two-sided p-value of the maximum |z| over all directions of a candidate that is nonlinear in its
+/// size (look-elsewhere effect): the p-value of one direction, plus the bound for an upcrossing
+/// of `z` in between, `turn / pi * exp(-z^2 / 2)` (R. B. Davies, Biometrika 74 (1987) 33).
+pub fn p_value_of_maximum(z: f64, turn: f64) -> f64 {
     two_sided(z) + turn / std::f64::consts::PI * (-0.5 * z * z).exp()
 }
 
+/// Two-sided p-value of a standard normal variate.
 pub fn two_sided(z: f64) -> f64 {
     Normal::new(0.0, 1.0).map_or(1.0, |law| 2.0 * law.cdf(-z.abs()))
 }
 
-/// Inflation of the variance of a mean over bins by autocorrelation: `(1 + rho) / (1 - rho)`.
+/// Inflation of the variance of a mean over bins by autocorrelation, `(1 + rho) / (1 - rho)` with rho
+/// the lag-1 correlation of neighbouring bins of a track.
 pub fn inflation(bins: &[(String, f64, f64, f64)], values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -36,13 +38,13 @@ pub fn inflation(bins: &[(String, f64, f64, f64)], values: &[f64]) -> f64 {
     (1.0 + rho) / (1.0 - rho)
 }
 
-/// Minimum of a function between two sizes, to this accuracy, by golden-section search.
-pub fn least(of: impl Fn(f64) -> f64, [mut from, mut to]: [f64; 2], within: f64) -> f64 {
+/// Minimiser of a function in an interval, to an absolute tolerance, by golden-section search.
+pub fn minimise(of: impl Fn(f64) -> f64, [mut from, mut to]: [f64; 2], tolerance: f64) -> f64 {
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
     let inner = |from: f64, to: f64| [to - ratio * (to - from), from + ratio * (to - from)];
     let [mut a, mut b] = inner(from, to);
     let [mut of_a, mut of_b] = [a, b].map(&of);
-    while (to - from).abs() > within {
+    while (to - from).abs() > tolerance {
         if of_a < of_b {
             (to, b, of_b) = (b, a, of_a);
             a = inner(from, to)[0];
@@ -66,12 +68,12 @@ mod tests {
     fn the_bound_for_all_directions_of_a_plane_is_tight() {
         for z in [2.5, 3.5, 5.0] {
             let exact = f64::exp(-0.5 * z * z);
-            let bound = by_chance(z, std::f64::consts::PI);
+            let bound = p_value_of_maximum(z, std::f64::consts::PI);
             assert!(
                 bound >= exact && bound < 1.3 * exact,
                 "{z}: {bound} of {exact}"
             );
-            assert_eq!(by_chance(z, 0.0), two_sided(z));
+            assert_eq!(p_value_of_maximum(z, 0.0), two_sided(z));
         }
     }
 
@@ -87,7 +89,7 @@ mod tests {
     fn the_least_of_a_parabola_is_found_from_either_side() {
         for (from, to) in [(1.0, 4.0), (-4.0, -1.0)] {
             let middle = 0.4 * from + 0.6 * to;
-            let found = least(|x| (x - middle).powi(2), [from, to], 1e-6);
+            let found = minimise(|x| (x - middle).powi(2), [from, to], 1e-6);
             assert!((found - middle).abs() < 1e-6, "{found}");
         }
     }

@@ -16,7 +16,9 @@ use crate::evidence::runs::model::installation::{Information, Installation};
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::bins::{between_drivers, by_bin, mean};
-use crate::evidence::runs::screen::track::chance::{angle, by_chance, inflation, least, two_sided};
+use crate::evidence::runs::screen::track::chance::{
+    angle, inflation, minimise, p_value_of_maximum, two_sided,
+};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::rules::RunRules;
 
@@ -52,7 +54,7 @@ pub struct TrackChannel {
 }
 
 fn rows_of(residual_model: &ResidualModel, frames: &[Frame]) -> Vec<Vec<f64>> {
-    let of_run = |frame: &Frame| frame.rows(&residual_model.track(frame));
+    let of_run = |frame: &Frame| frame.rows(&residual_model.track_residual(frame));
     frames.par_iter().map(of_run).collect()
 }
 
@@ -148,7 +150,7 @@ impl TrackChannel {
             .min_by(|a, b| residual(&changes[*a]).total_cmp(&residual(&changes[*b])));
         let exact = best.map(|k| {
             let about = [sizes[k] / RATIO, sizes[k] * RATIO];
-            per_unit(least(
+            per_unit(minimise(
                 |size| residual(&of(size)),
                 about,
                 FOUND * sizes[k].abs(),
@@ -208,9 +210,9 @@ impl TrackChannel {
         stated: &Installation,
         slope_sd: f64,
     ) -> Information {
-        let count = stated.parts.len();
+        let count = stated.errors.len();
         let mut directions = DMatrix::zeros(self.bins.len(), count);
-        for part in (0..count).filter(|part| stated.parts[*part].is_tilt()) {
+        for part in (0..count).filter(|part| stated.errors[*part].is_tilt()) {
             let moved = ResidualModel {
                 installation: stated.moved(part, 1.0),
                 ..bare.clone()
@@ -264,7 +266,7 @@ impl TrackChannel {
             let own = (scatter / information.max(1e-300)).sqrt();
             own.hypot(self.tolerances[c])
         };
-        let p = by_chance(size / error(by_chance_alone), self.turns[c]);
+        let p = p_value_of_maximum(size / error(by_chance_alone), self.turns[c]);
         TrackScore {
             size,
             error: error(scatter),
@@ -272,7 +274,7 @@ impl TrackChannel {
         }
     }
 
-    /// Excess variance about a candidate of this size: Birge's ratio squared, at least 1, times the
+    /// Excess variance about a candidate of this size: Birge's ratio squared, at minimise 1, times the
     /// inflation by correlation, as a profile error along the track correlates with any candidate
     /// by chance.
     ///

@@ -7,7 +7,7 @@ use kufe_sled::GRAVITY;
 use crate::evidence::runs::campaign::{Campaign, sensor_effects};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
-use crate::evidence::runs::model::installation::{Information, Installation, Part};
+use crate::evidence::runs::model::installation::{Information, Installation, InstallationError};
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel, TRACK};
 use crate::evidence::runs::screen::track::channel::TrackChannel;
 use crate::finding::{Fitted, Rival};
@@ -56,7 +56,7 @@ impl Campaign<'_> {
         model: &ResidualModel,
         stated: &Installation,
     ) -> Option<Information> {
-        if !self.used[3] || !stated.parts.iter().any(Part::is_tilt) {
+        if !self.used[3] || !stated.errors.iter().any(InstallationError::is_tilt) {
             return None;
         }
         let bare = ResidualModel {
@@ -121,7 +121,9 @@ impl Campaign<'_> {
         let sd = stated.unwrap_or(self.rules().slope_sd_rad);
         // A tilt that was estimated from the channel itself would conceal its signal.
         let residual_model = &ResidualModel {
-            installation: residual_model.installation.without(Part::is_tilt),
+            installation: residual_model
+                .installation
+                .with_zeroed(InstallationError::is_tilt),
             ..residual_model.clone()
         };
         let mut channel = TrackChannel::new(residual_model, &self.training, self.rules())?;
@@ -335,7 +337,7 @@ impl Campaign<'_> {
             model_error: model.model_error,
             ..fit.residual_model
         };
-        Some(self.misfit(&model, &fit.whitener) + model.installation.cost())
+        Some(self.misfit(&model, &fit.whitener) + model.installation.penalty_relative_to_zero())
     }
 
     /// Gain of a candidate of this size in the forces, relative to the misfit `without` it, in
