@@ -1,4 +1,4 @@
-//! What every command shares at the terminal: its global options, progress, messages, and Ctrl-C.
+//! Global options, progress, messages and Ctrl-C, as all commands handle them.
 
 use std::io::{ErrorKind, IsTerminal, Read, Seek, SeekFrom, Write};
 use std::path::Path;
@@ -11,10 +11,10 @@ use kufe::jobs::field::pretty;
 use kufe::jobs::{Failure, Watch};
 use serde::Serialize;
 
-/// Most threads on a core: more only take memory.
-const THREADS_A_CORE: usize = 4;
-/// Why standard output takes no more.
-static LOST: OnceLock<std::io::Error> = OnceLock::new();
+/// Largest number of threads per core: more only take memory.
+const MAX_THREADS_PER_CORE: usize = 4;
+/// The error after which nothing more is written to standard output.
+static STDOUT_ERROR: OnceLock<std::io::Error> = OnceLock::new();
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// Options that every command takes.
@@ -23,7 +23,7 @@ pub struct Global {
     /// Print the result as JSON on standard output
     #[arg(long, global = true)]
     pub json: bool,
-    /// Number of threads (default: one a core)
+    /// Number of threads (default: one per core)
     #[arg(long, global = true, value_name = "N")]
     pub threads: Option<usize>,
     /// Print nothing but the result, warnings and errors
@@ -33,20 +33,20 @@ pub struct Global {
     /// changed since
     #[arg(long, global = true)]
     pub force: bool,
-    /// Print each step on standard error, a line a step
+    /// Print each step on standard error, one line per step
     #[arg(long, short, global = true, conflicts_with = "quiet")]
     pub verbose: bool,
 }
 
 impl Global {
-    /// Starts the threads: as many as `--threads` or `RAYON_NUM_THREADS` states, else one a core.
+    /// Starts the threads: as many as `--threads` or `RAYON_NUM_THREADS` states, else one per core.
     ///
     /// # Errors
     /// [`Failure::Usage`] where `--threads` is out of range, [`Failure::BadInput`] where the system
     /// does not permit that many.
     pub fn apply(&self) -> Result<(), Failure> {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        let most = (THREADS_A_CORE * cores).max(16);
+        let most = (MAX_THREADS_PER_CORE * cores).max(16);
         if let Some(threads) = self.threads.filter(|threads| !(1..=most).contains(threads)) {
             return Err(Failure::Usage(format!(
                 "--threads {threads}: expected 1 to {most} on this machine"
@@ -71,7 +71,7 @@ impl Global {
             ProgressBar::hidden()
         };
         let style = ProgressStyle::with_template("{spinner} {elapsed_precise} {msg}");
-        bar.set_style(style.expect("the template is one"));
+        bar.set_style(style.expect("valid template"));
         if is_shown {
             bar.enable_steady_tick(Duration::from_millis(100));
         }
@@ -93,9 +93,10 @@ impl Global {
 
     /// Does `work` with a progress line that is removed at its end.
     ///
-    /// Ctrl-C lets the points in hand finish and begins no others; a second one exits at once.
+    /// After Ctrl-C the job finishes the points or steps in progress and begins no others; a second
+    /// Ctrl-C exits at once.
     pub fn watched<T>(&self, work: impl FnOnce(&Watch) -> T) -> T {
-        // A process has one handler: that it is set already is no error.
+        // A process has one handler; an error means that it is set already.
         let _ = ctrlc::set_handler(|| {
             if INTERRUPTED.swap(true, Ordering::Relaxed) {
                 std::process::exit(5);
@@ -111,11 +112,10 @@ impl Global {
         done
     }
 
-    /// Prints what a command has done: as JSON with `--json`, else as text, with `--quiet` not at
-    /// all.
+    /// Prints the result of an action: as JSON with `--json`, nothing with `--quiet`, else as text.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] for a result that JSON cannot state.
+    /// [`Failure::BadInput`] for a result that cannot be written as JSON.
     pub fn print(
         &self,
         result: &impl Serialize,
@@ -142,7 +142,7 @@ impl Global {
     }
 }
 
-/// How far a command is, on standard error.
+/// Progress of a command on standard error.
 #[derive(Clone)]
 pub struct Progress {
     bar: ProgressBar,
@@ -151,7 +151,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Shows what is being done.
+    /// Shows the step in progress.
     pub fn set_message(&self, text: &str) {
         if self.lines {
             let seconds = self.begun.elapsed().as_secs_f64();
@@ -160,12 +160,12 @@ impl Progress {
         self.bar.set_message(text.to_owned());
     }
 
-    /// Prints a warning above the line.
+    /// Prints a warning above the progress line.
     pub fn warn(&self, text: &str) {
         self.bar.suspend(|| warn(text));
     }
 
-    /// Removes the line.
+    /// Removes the progress line.
     pub fn finish_and_clear(&self) {
         self.bar.finish_and_clear();
     }
@@ -173,50 +173,51 @@ impl Progress {
 
 /// Prints on standard output.
 ///
-/// Where that takes no more, the command continues its work and fails at its end, in
-/// [`check_stdout`].
+/// After a write error the command continues its work and fails at its end, in [`check_stdout`].
 pub fn say(text: &str) {
-    if LOST.get().is_some() {
+    if STDOUT_ERROR.get().is_some() {
         return;
     }
     let mut out = std::io::stdout().lock();
     let text = printable(text);
     if let Err(error) = out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        let _ = LOST.set(error);
+        let _ = STDOUT_ERROR.set(error);
     }
 }
 
 /// Prints a line on standard error, after the command's name.
 ///
-/// A text of several lines is indented, so that each line of its own begins with `kufe: `.
-/// What standard error does not take is lost, and no failure.
+/// The further lines of a text are indented, so that each message begins with `kufe: `. Write
+/// errors are ignored.
 pub fn note(text: &str) {
     let text = printable(text).trim_end().replace('\n', "\n  ");
     let _ = writeln!(std::io::stderr().lock(), "kufe: {text}");
 }
 
-/// Prints text on standard error as it is, but for control characters.
+/// Prints text on standard error with control characters escaped.
 pub fn error_text(text: &str) {
     let _ = write!(std::io::stderr().lock(), "{}", printable(text));
 }
 
-/// The error of a word that is no file and nearly one of a command's `subcommands`.
+/// The error for a misspelt subcommand, with a suggestion; `None` if `word` may be a file or is not
+/// similar to any of `subcommands`.
 pub fn misspelt(word: &str, subcommands: &[&str]) -> Option<String> {
     let path = Path::new(word);
     if subcommands.contains(&word) || path.extension().is_some() || path.exists() {
         return None;
     }
-    let like = subcommands.iter();
-    let like = like.map(|name| (strsim::jaro_winkler(word, name), name));
-    let (_, name) = like
-        .filter(|(likeness, _)| *likeness > 0.7)
+    let scored = subcommands
+        .iter()
+        .map(|name| (strsim::jaro_winkler(word, name), name));
+    let (_, name) = scored
+        .filter(|(similarity, _)| *similarity > 0.7)
         .max_by(|a, b| a.0.total_cmp(&b.0))?;
     Some(format!(
         "unrecognized subcommand '{word}'\n\n  tip: a similar subcommand exists: '{name}'"
     ))
 }
 
-/// Warns of a table whose last line has no end: the file may be cut within its last number.
+/// Warns of a table whose last line has no line end: the file may be cut within its last number.
 pub fn warn_if_cut(path: &Path) {
     let last_byte = || -> std::io::Result<u8> {
         let mut file = kufe_files::open_regular(path)?;
@@ -239,12 +240,12 @@ pub fn warn(text: &str) {
     note(&format!("warning: {text}"));
 }
 
-/// Whether standard output has taken all; a reader that has read enough is no failure.
+/// Checks that everything was written to standard output; a closed pipe is not an error.
 ///
 /// # Errors
-/// [`Failure::BadInput`] with the reason where something was lost.
+/// [`Failure::BadInput`] with the first write error.
 pub fn check_stdout() -> Result<(), Failure> {
-    match LOST.get() {
+    match STDOUT_ERROR.get() {
         Some(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::BadInput(format!(
             "standard output: cannot be written: {error}"
         ))),
@@ -252,8 +253,8 @@ pub fn check_stdout() -> Result<(), Failure> {
     }
 }
 
-/// The text with control characters escaped, which names in foreign files may have: they would
-/// change the terminal or the direction of writing. Line breaks and tabulators are unchanged.
+/// The text with control characters escaped: in names from foreign files they would change the
+/// terminal or the direction of writing. Line breaks and tabs are unchanged.
 fn printable(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in text.chars() {

@@ -50,7 +50,7 @@ pub fn friction<'py>(
     let conditions = DrivingConditions {
         v_mps,
         alpha_rad,
-        conditions: stated_conditions(stated).map_err(raised)?,
+        environment: stated_conditions(stated).map_err(raised)?,
     };
     let found = work(py, progress, move |watch, _| {
         let law = match &model {

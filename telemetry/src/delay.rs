@@ -1,4 +1,4 @@
-//! Delays of loggers against the clock of the runs, found from what their channels share.
+//! Delays of loggers against the clock of the runs, estimated from relations between channels.
 
 use std::collections::BTreeMap;
 
@@ -12,33 +12,34 @@ use crate::relation::{Kind, Pair, Place, Relation, Series, Sides, pairs};
 /// A logger's clock relative to that of the runs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct LoggerClock {
-    /// Whose it is: "the runs'", "shared", "stated" or "found".
+    /// Source of the delay: "the runs'", "shared", "stated" or "found" (estimated).
     #[serde(rename = "clock")]
     pub source: &'static str,
-    /// Its delay: an event is this much later in it than in the runs' clock [s].
+    /// Delay: time of an event in this clock less that in the runs' clock [s].
     pub delay_s: f64,
-    /// Standard error of that [s], where it was found.
+    /// Standard error of an estimated delay [s].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub delay_sd_s: Option<f64>,
-    /// Further part of a delay that was found, which its error does not include.
+    /// Further delays that an estimate includes and its standard error does not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub delay_includes: Option<&'static str>,
-    /// The relations that it was found from.
+    /// The relations that the delay was estimated from.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub relations: Vec<Relation>,
 }
 
-/// The clock of every logger of a run, and remarks: no delay for the lead, the stated one, or the
-/// one that is found.
+/// The clock of every logger of a run, and remarks. The delay is 0 for the lead, else stated or
+/// estimated.
 ///
-/// A clock is found from the channels that its logger shares with loggers whose clocks are known:
-/// the same column in both, and the motion of a rigid body, `dv/dt = a_x + g_x` with gravity's
-/// share by the rates, `a_y = r v - d(alpha v)/dt + x dr/dt`, `a_z = g - q v - x dq/dt` with x from
-/// the accelerometer's place. An unknown place (0.2 m over the speed) and unmeasured slip (0.03 s)
-/// are part of the stated error.
+/// A delay is estimated from relations to loggers whose clocks are known: the same column in both,
+/// and the motion of a rigid body: `dv/dt = a_x + g_x` with g_x from the integrated rates, `a_y = r
+/// v
+/// - d(alpha v)/dt + x dr/dt`, and `a_z = g - q v - x dq/dt` with x the position of the
+/// accelerometer. The stated error includes an unknown position (0.2 m divided by the speed) and
+/// unmeasured slip (0.03 s).
 ///
 /// # Errors
-/// [`Error::Clock`] where a logger has a clock of its own and its delay cannot be found.
+/// [`Error::Clock`] where a logger has its own clock and its delay cannot be estimated.
 pub(crate) fn align(
     mapping: &Mapping,
     planned: &PlannedRun,
@@ -83,7 +84,7 @@ pub(crate) fn align(
     for (name, clock) in &clocks {
         add(name, clock.delay_s, &mut known);
     }
-    // One that is related to no known logger may be related to one that is found meanwhile.
+    // A logger without a relation to a known one may be related to one that becomes known here.
     while !open.is_empty() {
         let mut reasons = Vec::new();
         let before = open.len();
@@ -118,27 +119,29 @@ pub(crate) fn align(
     Ok((clocks, remarks))
 }
 
-/// Corner of the low pass at most [Hz]: a sled's own motion is below, its shaking above.
-const CORNER_HZ: f64 = 10.0;
+/// Largest cutoff frequency of the low pass [Hz]: rigid motion of the sled is below, vibration
+/// above.
+const MAX_CUTOFF_HZ: f64 = 10.0;
 
-/// Samples compared [corners].
-const SAMPLES: f64 = 5.0;
+/// Ratio of the rate of compared samples to the cutoff frequency.
+const SAMPLES_PER_CUTOFF: f64 = 5.0;
 
-/// Corner of the low pass at most where the slope of the track is felt [Hz]: it is as long as
-/// curves are.
-const SLOPE_HZ: f64 = 2.0;
+/// Largest cutoff frequency for the longitudinal relation [Hz]: the slope of the track changes as
+/// slowly as its curves.
+const MAX_SLOPE_CUTOFF_HZ: f64 = 2.0;
 
-/// Least correlation that is a relation.
-const LEAST: f64 = 0.5;
+/// Smallest correlation of a valid relation.
+const MIN_CORRELATION: f64 = 0.5;
 
-/// Least correlation with several columns, of which some combination always fits in part.
-const LEAST_OF_SEVERAL: f64 = 0.85;
+/// Smallest multiple correlation with several columns, some combination of which always fits in
+/// part.
+const MIN_MULTIPLE_CORRELATION: f64 = 0.85;
 
-/// A series without the samples at an end stop of its sensor, which follow no motion.
+/// A series without saturated samples, which are at an end of the sensor's range.
 fn without_saturation(series: &Series) -> Series {
     let mut series = series.clone();
     let values = &mut series.values;
-    // Two ends.
+    // A sensor has two end stops.
     for _ in 0..2 {
         let Some(stop) = Saturation::of(values) else {
             break;
@@ -147,7 +150,7 @@ fn without_saturation(series: &Series) -> Series {
         while begin < values.len() {
             let rest = values[begin..].iter();
             let length = rest.take_while(|x| **x == stop.at).count();
-            if length >= SATURATED {
+            if length >= MIN_SATURATED {
                 let end = (begin + length + 1).min(values.len());
                 values[begin.saturating_sub(1)..end].fill(f64::NAN);
             }
@@ -157,14 +160,14 @@ fn without_saturation(series: &Series) -> Series {
     series
 }
 
-/// Samples at one end of the range that are saturation.
-const SATURATED: usize = 4;
+/// Smallest number of consecutive samples at an end of the range that count as saturated.
+const MIN_SATURATED: usize = 4;
 
-/// Finds the clock of a logger, with remarks: each relation's own delay within the best common fit,
-/// then their mean by their errors.
+/// Estimates the clock of a logger, with remarks: first a common delay of all relations, then the
+/// delay of each relation near it, then their mean, weighted by their errors.
 ///
 /// # Errors
-/// Why none is found, in words.
+/// The reason why there is no estimate.
 fn delay(
     late: &[&Series],
     known: &[Series],
@@ -175,26 +178,26 @@ fn delay(
     if pairs.is_empty() {
         return Err("no channels of it are related to those of the others".to_string());
     }
-    // Each relation's band is that of its slower side.
-    let corner = |pair: &Pair| {
+    // The band of a relation is limited by its slower side.
+    let cutoff = |pair: &Pair| {
         let rate = pair.rate_hz();
         let most = match pair.kind {
-            Kind::Longitudinal => SLOPE_HZ,
-            _ => CORNER_HZ,
+            Kind::Longitudinal => MAX_SLOPE_CUTOFF_HZ,
+            _ => MAX_CUTOFF_HZ,
         };
         rate.map_or(0.0, |rate| (0.4 * rate).min(most))
     };
-    let corners: Vec<f64> = pairs.iter().map(corner).collect();
-    let (guess, first) = guess(&pairs, &corners, within)?;
-    let mut found: Vec<Relation> = Vec::new();
+    let cutoffs: Vec<f64> = pairs.iter().map(cutoff).collect();
+    let (guess, first) = common_delay(&pairs, &cutoffs, within)?;
+    let mut relations: Vec<Relation> = Vec::new();
     let mut poor = Vec::new();
-    for (pair, corner) in pairs.iter().zip(&corners) {
-        let Some(refined) = sharpened(pair, guess, first, *corner) else {
+    for (pair, cutoff) in pairs.iter().zip(&cutoffs) {
+        let Some(refined) = refine_in_bands(pair, guess, first, *cutoff) else {
             continue;
         };
         let least = match pair.kind {
-            Kind::Longitudinal => LEAST_OF_SEVERAL,
-            _ => LEAST,
+            Kind::Longitudinal => MIN_MULTIPLE_CORRELATION,
+            _ => MIN_CORRELATION,
         };
         if refined.correlation < least {
             let (name, rho) = (&pair.name, refined.correlation);
@@ -202,7 +205,7 @@ fn delay(
                 "\"{name}\" correlates by {rho:.2}, expected {least} or more"
             ));
         } else {
-            found.push(Relation {
+            relations.push(Relation {
                 relation: pair.name.clone(),
                 delay_s: refined.delay_s,
                 delay_sd_s: refined.sd_s.hypot(pair.doubt_s).max(1e-9),
@@ -210,7 +213,7 @@ fn delay(
             });
         }
     }
-    if found.is_empty() {
+    if relations.is_empty() {
         let alike = format!("no relation fits best near {guess:+.2} s, where all together do");
         return Err(if poor.is_empty() {
             alike
@@ -218,15 +221,16 @@ fn delay(
             poor.join(", ")
         });
     }
-    let (clock, mut remarks) = mean(found);
-    // A column of the other sign fits at no delay.
-    let same = pairs.iter().zip(&corners);
-    for (pair, corner) in same.filter(|(pair, _)| pair.kind == Kind::Same) {
-        let sides = pair.sides(first.min(*corner));
-        let rho = sides.and_then(|sides| matched(&sides, clock.delay_s, SAMPLES * first));
+    let (clock, mut remarks) = weighted_mean(relations);
+    // A column with the opposite sign fits at no delay: it is reported.
+    let same = pairs.iter().zip(&cutoffs);
+    for (pair, cutoff) in same.filter(|(pair, _)| pair.kind == Kind::Same) {
+        let sides = pair.sides(first.min(*cutoff));
+        let rho =
+            sides.and_then(|sides| matched(&sides, clock.delay_s, SAMPLES_PER_CUTOFF * first));
         if let Some(rho) = rho
             .map(|both| both.correlation())
-            .filter(|rho| *rho < -OPPOSITE)
+            .filter(|rho| *rho < -MIN_OPPOSITE_CORRELATION)
         {
             remarks.push(format!(
                 "\"{}\" correlates by {rho:.2}: sign = -1 is missing in one of the two",
@@ -237,39 +241,54 @@ fn delay(
     Ok((clock, remarks))
 }
 
-/// Least correlation by which a column of both loggers has the other sign in one of them.
-const OPPOSITE: f64 = 0.9;
+/// Smallest negative correlation, in magnitude, at which a column has the opposite sign in one
+/// logger.
+const MIN_OPPOSITE_CORRELATION: f64 = 0.9;
 
-/// One relation's delay, the band of its sides doubled from that of the first search up to their
-/// own; of these the one with the least error: a wide band is sharper where the sides are clean, a
-/// narrow one where they are noisy.
-fn sharpened(pair: &Pair, guess: f64, first_hz: f64, corner_hz: f64) -> Option<DelayEstimate> {
-    let mut corner = first_hz.min(corner_hz);
+/// The delay of one relation. The cutoff frequency is doubled from that of the first search up to
+/// `cutoff_hz`, and the estimate with the smallest error is kept: a wide band is more accurate for
+/// clean signals, a narrow band for noisy ones.
+fn refine_in_bands(
+    pair: &Pair,
+    guess: f64,
+    first_hz: f64,
+    cutoff_hz: f64,
+) -> Option<DelayEstimate> {
+    let mut cutoff = first_hz.min(cutoff_hz);
     let mut best: Option<DelayEstimate> = None;
     loop {
         let from = best.map_or(guess, |best| best.delay_s);
-        let refined = refine(&pair.sides(corner)?, from, SAMPLES * corner, 1.0 / corner);
+        let refined = refine(
+            &pair.sides(cutoff)?,
+            from,
+            SAMPLES_PER_CUTOFF * cutoff,
+            1.0 / cutoff,
+        );
         let better = |refined: &DelayEstimate| best.is_none_or(|best| refined.sd_s < best.sd_s);
         best = refined.filter(better).or(best);
-        if best.is_none() || corner >= corner_hz {
+        if best.is_none() || cutoff >= cutoff_hz {
             return best;
         }
-        corner = (2.0 * corner).min(corner_hz);
+        cutoff = (2.0 * cutoff).min(cutoff_hz);
     }
 }
 
-/// A first delay by all relations together, and the corner of that search [Hz].
-fn guess(pairs: &[Pair], corners: &[f64], within: Option<f64>) -> Result<(f64, f64), String> {
-    let corner = corners.iter().copied().fold(0.0, f64::max);
-    let both = || pairs.iter().zip(corners);
-    let spans = both().filter_map(|(pair, corner)| Some(pair.sides(*corner)?.spans()));
+/// A first delay from all relations together [s], and the cutoff frequency of that search [Hz].
+fn common_delay(
+    pairs: &[Pair],
+    cutoffs: &[f64],
+    within: Option<f64>,
+) -> Result<(f64, f64), String> {
+    let cutoff = cutoffs.iter().copied().fold(0.0, f64::max);
+    let both = || pairs.iter().zip(cutoffs);
+    let spans = both().filter_map(|(pair, cutoff)| Some(pair.sides(*cutoff)?.spans()));
     let longest = spans.max_by(|a, b| length(a).total_cmp(&length(b)));
-    let Some(longest) = longest.filter(|_| corner > 0.0) else {
+    let Some(longest) = longest.filter(|_| cutoff > 0.0) else {
         return Err("its channels are too short".to_string());
     };
-    // Sides are compared first at a rate at which that takes not too long.
-    let rate = (0.5 * SAMPLES * corner).min(MOST / length(&longest).max(1e-3));
-    let sides = both().filter_map(|(pair, corner)| pair.sides(corner.min(0.4 * rate)));
+    // The rate of the first search is limited by its cost.
+    let rate = (0.5 * SAMPLES_PER_CUTOFF * cutoff).min(MAX_SAMPLES / length(&longest).max(1e-3));
+    let sides = both().filter_map(|(pair, cutoff)| pair.sides(cutoff.min(0.4 * rate)));
     let delay = search(&sides.collect::<Vec<Sides>>(), rate, within)?;
     Ok((delay, 0.4 * rate))
 }
@@ -279,63 +298,62 @@ fn length(spans: &[[f64; 2]; 2]) -> f64 {
     lengths.into_iter().fold(0.0, f64::max)
 }
 
-/// The mean weighted by errors, which include the doubt of each relation. Where relations disagree
-/// the error of the mean grows by their scatter over their errors (Birge 1932).
-fn mean(relations: Vec<Relation>) -> (LoggerClock, Vec<String>) {
+/// The mean of the relations' delays, weighted by inverse variance. Where relations disagree, the
+/// error of the mean is multiplied by the ratio of their scatter to their errors (Birge 1932).
+fn weighted_mean(relations: Vec<Relation>) -> (LoggerClock, Vec<String>) {
     let weight = |one: &Relation| one.delay_sd_s.powi(-2);
     let sum: f64 = relations.iter().map(weight).sum();
     let weighted = relations.iter().map(|one| one.delay_s * weight(one));
     let delay_s = weighted.sum::<f64>() / sum;
     let sd_s = sum.sqrt().recip();
-    let off = |one: &Relation| one.delay_s - delay_s;
-    let far = |one: &&Relation| off(one).abs() > 4.0 * f64::hypot(one.delay_sd_s, sd_s);
-    let apart = relations.iter().filter(far);
-    let apart = apart.map(|one| format!("\"{}\" {:+.4} s", one.relation, one.delay_s));
-    let apart: Vec<String> = apart.collect();
-    let (mut grown, mut remarks) = (1.0, Vec::new());
-    if !apart.is_empty() {
-        let square = |one: &Relation| (off(one) / one.delay_sd_s).powi(2);
+    let deviation = |one: &Relation| one.delay_s - delay_s;
+    let far = |one: &&Relation| deviation(one).abs() > 4.0 * f64::hypot(one.delay_sd_s, sd_s);
+    let outliers = relations.iter().filter(far);
+    let outliers = outliers.map(|one| format!("\"{}\" {:+.4} s", one.relation, one.delay_s));
+    let outliers: Vec<String> = outliers.collect();
+    let (mut birge_ratio, mut remarks) = (1.0, Vec::new());
+    if !outliers.is_empty() {
+        let square = |one: &Relation| (deviation(one) / one.delay_sd_s).powi(2);
         let squares: f64 = relations.iter().map(square).sum();
-        grown = (squares / (relations.len() as f64 - 1.0)).sqrt();
-        let apart = apart.join(", ");
+        birge_ratio = (squares / (relations.len() as f64 - 1.0)).sqrt();
+        let outliers = outliers.join(", ");
         remarks.push(format!(
-            "its delay of {delay_s:+.4} s is not that of {apart}"
+            "its delay of {delay_s:+.4} s is not that of {outliers}"
         ));
     }
     let clock = LoggerClock {
         source: "found",
         delay_s,
-        delay_sd_s: Some(sd_s * grown),
+        delay_sd_s: Some(sd_s * birge_ratio),
         delay_includes: Some("the lag of the sensors that it was found from"),
         relations,
     };
     (clock, remarks)
 }
 
-/// Most samples of a side in the first search: its cost grows with their square.
-const MOST: f64 = 1200.0;
+/// Largest number of samples of a side in the first search; its cost is quadratic in this number.
+const MAX_SAMPLES: f64 = 1200.0;
 
-/// Fewest pairs of samples that a delay is judged by.
-const LEAST_PAIRS: usize = 60;
+/// Smallest number of pairs of samples at a delay.
+const MIN_PAIRS: usize = 60;
 
-/// Least share of the shorter side that both have in common.
-const LEAST_SHARE: f64 = 0.3;
+/// Smallest ratio of the overlap of both sides to the shorter side.
+const MIN_OVERLAP: f64 = 0.3;
 
-/// A second best fit of more than this share of the best makes the delay ambiguous.
-const AMBIGUOUS: f64 = 0.8;
+/// Ratio of the second best score to the best above which the delay is ambiguous.
+const MAX_SECOND_SCORE: f64 = 0.8;
 
-/// The delay at which all sides together fit best: the largest sum of `-n ln(1 - rho^2)` over
-/// relations with a positive correlation rho of n samples. Channels with the right sign correlate
-/// positively.
+/// The delay with the largest score: the sum of `-n ln(1 - rho^2)` over relations with a positive
+/// correlation rho of n samples. Channels with the right sign correlate positively.
 ///
-/// `within` bounds the delay [s]. The delay is right within a step of the search.
+/// `within` bounds the delay [s]. The result is accurate to one step of the search.
 ///
 /// # Errors
-/// Why none is found, in words.
+/// The reason why there is no estimate.
 fn search(sides: &[Sides], rate_hz: f64, within: Option<f64>) -> Result<f64, String> {
     let nothing = "its channels do not move as those of the others do, at any delay (one of the other sign needs sign = -1)";
     let step = 1.0 / rate_hz;
-    // Delays by which any two sides overlap.
+    // Range of delays for which any two sides overlap.
     let mut range = [f64::INFINITY, f64::NEG_INFINITY];
     for side in sides {
         let [mut late, mut known] = side.spans();
@@ -364,13 +382,13 @@ fn search(sides: &[Sides], rate_hz: f64, within: Option<f64>) -> Result<f64, Str
     let by_score = |a: &usize, b: &usize| scores[*a].total_cmp(&scores[*b]);
     let best = (0..scores.len()).max_by(by_score);
     let best = best.filter(|best| scores[*best] > 0.0).ok_or(nothing)?;
-    // The best fit's own hill: down to half of it, or to where it rises again.
+    // The peak around the best score, down to half of it.
     let below = |lag: &usize| scores[*lag] < 0.5 * scores[best];
     let from = (0..best).rev().find(below).unwrap_or(0);
     let to = (best..scores.len()).find(below).unwrap_or(scores.len());
     let others = (0..from).chain(to..scores.len());
     match others.max_by(by_score) {
-        Some(second) if scores[second] > AMBIGUOUS * scores[best] => {
+        Some(second) if scores[second] > MAX_SECOND_SCORE * scores[best] => {
             let (first, second) = (delay(best), delay(second));
             Err(format!("{first:.2} s and {second:.2} s fit alike"))
         }
@@ -378,19 +396,19 @@ fn search(sides: &[Sides], rate_hz: f64, within: Option<f64>) -> Result<f64, Str
     }
 }
 
-/// Both sides at uniform times of their own clocks; NaN where there is none.
+/// Both sides sampled at uniform times of their own clocks; NaN in gaps.
 struct Sampled {
     lhs: Vec<Vec<f64>>,
     rhs: Vec<f64>,
-    /// From the first time of the right side to the first of the left one [s].
-    apart: f64,
+    /// First time of the left side less that of the right side [s].
+    offset: f64,
     step: f64,
 }
 
 impl Sampled {
     fn of(side: &Sides, step: f64) -> Sampled {
         let [lhs, rhs] = side.spans();
-        let apart = lhs[0] - rhs[0];
+        let offset = lhs[0] - rhs[0];
         let times = |span: [f64; 2]| {
             let count = ((span[1] - span[0]) / step) as usize + 1;
             (0..count).map(move |i| span[0] + i as f64 * step)
@@ -402,21 +420,20 @@ impl Sampled {
                 column.push(values.as_ref().map_or(f64::NAN, |values| values[k][0]));
             }
         }
-        // The speed of the other clock varies slowly; it is brought into place when the delay is
-        // refined.
-        let value = |t| side.rhs(t, apart).map_or(f64::NAN, |[x, _]| x);
+        // A speed in the other clock varies slowly: here its delay is ignored, `refine` uses it.
+        let value = |t| side.rhs(t, offset).map_or(f64::NAN, |[x, _]| x);
         Sampled {
             lhs: columns,
             rhs: times(rhs).map(value).collect(),
-            apart,
+            offset,
             step,
         }
     }
 
-    /// Pairs and correlation with the right side brought ahead by so much [s].
+    /// Number of pairs and correlation with the right side shifted by `ahead` [s].
     fn fit(&self, ahead: f64) -> Option<(f64, f64)> {
         // Sample j of the right side belongs to sample j + shift of the other.
-        let shift = ((ahead - self.apart) / self.step).round() as i64;
+        let shift = ((ahead - self.offset) / self.step).round() as i64;
         let from = (-shift).max(0);
         let to = (self.lhs[0].len() as i64 - shift).min(self.rhs.len() as i64);
         let at = |j: &i64| (j + shift) as usize;
@@ -424,7 +441,7 @@ impl Sampled {
         let shared: Vec<i64> = (from..to).filter(both).collect();
         let shorter = self.lhs[0].len().min(self.rhs.len()) as f64;
         let n = shared.len() as f64;
-        if n < LEAST_PAIRS as f64 || n < LEAST_SHARE * shorter {
+        if n < MIN_PAIRS as f64 || n < MIN_OVERLAP * shorter {
             return None;
         }
         let column = |column: &Vec<f64>| [shared.iter().map(|j| column[at(j)]).collect(), vec![]];
@@ -438,14 +455,14 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Both sides with their derivatives at the same times, less their means; the columns of the left
-/// one are orthonormal.
+/// Both sides with their derivatives at common times, less their means. The columns of the left
+/// side are orthonormal.
 struct Matched {
     lhs: Vec<[Vec<f64>; 2]>,
     rhs: [Vec<f64>; 2],
 }
 
-/// Share of a column that is rounding.
+/// Ratio of the remaining norm of a column to its norm below which it is rounding.
 const ROUNDING: f64 = 1e-6;
 
 impl Matched {
@@ -455,7 +472,7 @@ impl Matched {
             let mean = x.iter().sum::<f64>() / x.len() as f64;
             x.iter_mut().for_each(|x| *x -= mean);
         }
-        // Gram and Schmidt.
+        // Gram-Schmidt orthogonalisation.
         for (k, size) in sizes.into_iter().enumerate() {
             let (before, rest) = lhs.split_at_mut(k);
             let own = &mut rest[0];
@@ -477,8 +494,8 @@ impl Matched {
         Matched { lhs, rhs }
     }
 
-    /// The combination of the left side that is closest to `y`, and its derivative.
-    fn closest(&self, y: &[f64]) -> [Vec<f64>; 2] {
+    /// Projection of `y` onto the columns of the left side, and its derivative.
+    fn project(&self, y: &[f64]) -> [Vec<f64>; 2] {
         let mut sum = [vec![0.0; y.len()], vec![0.0; y.len()]];
         for column in &self.lhs {
             let share = dot(&column[0], y);
@@ -491,7 +508,7 @@ impl Matched {
         sum
     }
 
-    /// Correlation of the right side with that combination; with one column it has a sign.
+    /// Correlation of the right side with its projection; signed with a single column.
     fn correlation(&self) -> f64 {
         let rhs = &self.rhs[0];
         let shares = self.lhs.iter().map(|[x, _]| dot(x, rhs));
@@ -504,13 +521,13 @@ impl Matched {
     }
 }
 
-/// Most steps of Gauss and Newton; they double their digits near the end.
-const STEPS: usize = 30;
+/// Largest number of Newton steps, which converge quadratically.
+const MAX_STEPS: usize = 30;
 
-/// Over which time residuals are taken to remember [s].
-const MEMORY_S: f64 = 2.0;
+/// Time over which residuals are assumed to be correlated [s].
+const CORRELATION_TIME_S: f64 = 2.0;
 
-/// A delay by one relation.
+/// The estimated delay of one relation.
 #[derive(Clone, Copy)]
 struct DelayEstimate {
     delay_s: f64,
@@ -518,18 +535,18 @@ struct DelayEstimate {
     correlation: f64,
 }
 
-/// Fits `lhs(t) = a + b rhs(t - ahead)` over a, b and the delay from a first guess.
+/// Fits `lhs(t) = a + b rhs(t - ahead)` over a, b and the delay from an initial guess.
 ///
-/// Standard error by the residuals' own covariance (Newey and West 1987, Bartlett's weights over 2
-/// s), since they are no white noise. `None` where the fit departs from the guess by more than
-/// `reach_s` or too few samples overlap.
+/// The standard error accounts for the autocorrelation of the residuals (Newey and West 1987,
+/// Bartlett weights over 2 s). `None` where the fit departs from the guess by more than `reach_s`,
+/// or too few samples overlap.
 fn refine(sides: &Sides, guess_s: f64, rate_hz: f64, reach_s: f64) -> Option<DelayEstimate> {
     let mut delay = guess_s;
     let mut last = None;
-    for _ in 0..STEPS {
-        let next = linear(sides, delay, rate_hz)?;
+    for _ in 0..MAX_STEPS {
+        let next = newton_step(sides, delay, rate_hz)?;
         let step = next.delay_s - delay;
-        // Far from the best fit a step of Newton's is too long.
+        // Far from the best fit a Newton step is too long.
         delay += step.clamp(-0.25 * reach_s, 0.25 * reach_s);
         if (delay - guess_s).abs() > reach_s {
             return None;
@@ -545,17 +562,18 @@ fn refine(sides: &Sides, guess_s: f64, rate_hz: f64, reach_s: f64) -> Option<Del
     last
 }
 
-/// One step of Newton's method. With `a` the combination of `lhs` closest to `rhs`, their product
-/// is largest at the delay, so that of `a` with the derivative of `rhs` sums to zero. Its change
-/// with the delay is, by parts, the product of both derivatives, less that of the combination:
-/// independent noise of the sides adds nothing to that.
-fn linear(sides: &Sides, delay: f64, rate_hz: f64) -> Option<DelayEstimate> {
+/// One Newton step. Let `a` be the projection of `rhs` onto the columns of `lhs`. The product of
+/// `a` and `rhs` is largest at the delay, where the product of `a` and the derivative of `rhs` is
+/// 0. The derivative of the latter with respect to the delay is, by integration by parts, the
+/// product of the derivatives of `a` and `rhs`, less the squared norm of the projected derivative
+/// of `rhs`. Independent noise of the two sides does not contribute to it.
+fn newton_step(sides: &Sides, delay: f64, rate_hz: f64) -> Option<DelayEstimate> {
     let sums = matched(sides, delay, rate_hz)?;
     let [rhs, slope] = &sums.rhs;
-    let [near, near_slope] = sums.closest(rhs);
-    let [followed, _] = sums.closest(slope);
+    let [near, near_slope] = sums.project(rhs);
+    let [projected_slope, _] = sums.project(slope);
     let correlation = sums.correlation();
-    let change = dot(&near_slope, slope) - dot(&followed, &followed);
+    let change = dot(&near_slope, slope) - dot(&projected_slope, &projected_slope);
     if !(correlation > 0.0 && change > 0.0) {
         return None;
     }
@@ -563,10 +581,10 @@ fn linear(sides: &Sides, delay: f64, rate_hz: f64) -> Option<DelayEstimate> {
     let residual: Vec<f64> = near.iter().zip(rhs).map(|(a, rhs)| a - b * rhs).collect();
     let slopes = slope
         .iter()
-        .zip(&followed)
-        .map(|(d, followed)| d - followed);
+        .zip(&projected_slope)
+        .map(|(d, projected)| d - projected);
     let scores: Vec<f64> = slopes.zip(&residual).map(|(d, e)| d * e).collect();
-    let memory = (MEMORY_S * rate_hz) as usize;
+    let memory = (CORRELATION_TIME_S * rate_hz) as usize;
     let mut variance = 0.0;
     for lag in 0..=memory.min(scores.len() - 1) {
         let bartlett = 1.0 - lag as f64 / (memory + 1) as f64;

@@ -1,4 +1,4 @@
-//! What can be wrong with a mapping or with the files that it names.
+//! Errors of a mapping and of the files that it names.
 
 use kufe_sled::MOST_NUMBERS;
 
@@ -10,10 +10,10 @@ pub enum Error {
     File {
         /// The file.
         file: String,
-        /// The system's or the reader's answer.
+        /// Message of the system or the reader.
         reason: String,
     },
-    /// A value of the mapping is not what it must be.
+    /// A value of the mapping is invalid.
     #[error("{file}: {key}: found {found}, expected {expected}")]
     Key {
         /// The mapping.
@@ -32,10 +32,10 @@ pub enum Error {
         file: String,
         /// The name requested.
         channel: String,
-        /// The names that are there.
+        /// The names in the recording.
         found: String,
     },
-    /// A cell of a text file holds no number.
+    /// A cell of a text file is not a number.
     #[error("{file}: row {row}, channel {channel:?}: found {found:?}, expected {expected}")]
     Cell {
         /// The recording.
@@ -56,19 +56,19 @@ pub enum Error {
         file: String,
         /// The channel.
         channel: String,
-        /// What is wrong, with its place.
+        /// The invalid value, with its place.
         found: String,
-        /// What should be there.
+        /// The expected value.
         expected: String,
     },
-    /// The clocks of two loggers cannot be brought together.
+    /// The clocks of two loggers cannot be related.
     #[error("run {run}: the clock of logger {logger:?}: {reason}")]
     Clock {
         /// The run.
         run: String,
         /// The logger.
         logger: String,
-        /// Why, and what may be stated instead.
+        /// The reason, and what the mapping may state instead.
         reason: String,
     },
 }
@@ -84,7 +84,7 @@ impl Error {
         }
     }
 
-    /// The refusal of recordings with more than [`MOST_NUMBERS`].
+    /// The error of recordings with more than [`MOST_NUMBERS`] numbers.
     pub(crate) fn too_many(file: &str) -> Self {
         let reason = format!(
             "the recordings of this run hold more than {MOST_NUMBERS} numbers in the channels that are read, expected \

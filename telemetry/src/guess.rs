@@ -1,4 +1,5 @@
-//! Columns that the channels of a sample may be, and how sure that is: a mapping to edit.
+//! A mapping to edit, guessed from sample recordings: the column of each channel, and how certain
+//! the guess is.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -11,18 +12,18 @@ use crate::plan::index_help;
 use crate::text::continue_days;
 use crate::unit::{column_unit, conversion, has_dimension, name_unit, unit_words};
 
-/// One file of a run, with its path as the mapping is to name it.
+/// One file of a run, with its path pattern in the mapping.
 struct Logger {
     name: String,
     pattern: String,
     sample: Sample,
 }
 
-/// A commented `mapping.toml` for recordings like these: files of one run, one a logger, with their
-/// paths from the mapping.
+/// A commented `mapping.toml` for recordings like `files`: the files of one run, one per logger,
+/// with their paths relative to the mapping.
 ///
-/// Every line states how sure it is and why. An open question is a comment that begins with `# ?`,
-/// above the line that answers it, to be completed and freed of its `#`.
+/// Every line states how certain it is and why. An open question is a comment that begins with
+/// `# ?`; the line below is the answer, to be completed and uncommented.
 pub fn guess_mapping(files: &[(PathBuf, Log)]) -> String {
     let (names, run) = split_names(files);
     let logger = |((path, log), (name, last)): (&(PathBuf, Log), (String, String))| {
@@ -95,7 +96,7 @@ pub fn guess_mapping(files: &[(PathBuf, Log)]) -> String {
     text
 }
 
-/// The logger with the best channel for a column, the first of equal ones.
+/// The logger with the best channel for a column; the first of equally good ones.
 fn best<'a>(loggers: &'a [Logger], column: &str) -> Option<&'a Logger> {
     let guess = |logger: &'a Logger| Some((logger, logger.sample.columns.get(column)?));
     let candidates = loggers.iter().rev().filter_map(guess);
@@ -103,12 +104,12 @@ fn best<'a>(loggers: &'a [Logger], column: &str) -> Option<&'a Logger> {
     best.map(|(logger, _)| logger)
 }
 
-/// Text as TOML writes it.
+/// A string in TOML notation.
 fn quoted(text: &str) -> String {
     toml::Value::from(text).to_string()
 }
 
-/// A logger's table, without the columns that it also records.
+/// A logger's table, without `also`.
 fn head(logger: &Logger, run: &str) -> String {
     let mut text = format!(
         "\n[logger.{}]\nfiles = {}      # the * is the run's name, here {run:?}\n",
@@ -131,7 +132,7 @@ fn head(logger: &Logger, run: &str) -> String {
     text
 }
 
-/// One column's line, or the question about it.
+/// The line of one column, or the question about it.
 fn line(column: &str, guess: &Guess, logger: Option<&String>) -> String {
     let mut keys = Vec::new();
     keys.extend(logger.map(|logger| format!("logger = {logger:?}")));
@@ -147,8 +148,8 @@ fn line(column: &str, guess: &Guess, logger: Option<&String>) -> String {
     format!("# ? {column}: is {from:?} in {units}? {why}\n# {column} = {{ {keys} }}\n")
 }
 
-/// A name for each file's logger with the pattern of its last part, and the run's name: the part
-/// that all files' names share.
+/// The logger name and the file name pattern of each file, and the run's name: the part that all
+/// file names have in common.
 fn split_names(files: &[(PathBuf, Log)]) -> (Vec<(String, String)>, String) {
     let part = |path: &Path, of: fn(&Path) -> Option<&std::ffi::OsStr>| {
         of(path).map_or(String::new(), |s| s.to_string_lossy().to_string())
@@ -163,7 +164,7 @@ fn split_names(files: &[(PathBuf, Log)]) -> (Vec<(String, String)>, String) {
         let only = ("box".to_string(), format!("*{}", ending(0)));
         return (vec![only], stems[0].clone());
     }
-    // One run's files in a folder for each logger.
+    // Files of equal names in one folder per logger.
     if stems.iter().all(|stem| *stem == stems[0]) {
         let names = files.iter().enumerate().map(|(i, (path, _))| {
             let folder = part(path.parent().unwrap_or(Path::new("")), Path::file_name);
@@ -196,7 +197,7 @@ fn split_names(files: &[(PathBuf, Log)]) -> (Vec<(String, String)>, String) {
     (distinct(names.collect()), run.clone())
 }
 
-/// A name for the table of the i-th logger, by a part of its file's path.
+/// A name for the table of the i-th logger, from a part of its file's path.
 fn logger_name(text: &str, i: usize) -> String {
     let plain = |c: &char| c.is_ascii_alphanumeric() || *c == '_';
     let name: String = text.chars().filter(plain).collect();
@@ -206,7 +207,7 @@ fn logger_name(text: &str, i: usize) -> String {
     }
 }
 
-/// Appends the place of a logger to a name that one before it has.
+/// Appends the number of a logger to a name that a previous logger has.
 fn distinct(mut names: Vec<(String, String)>) -> Vec<(String, String)> {
     for i in 1..names.len() {
         let (before, own) = names.split_at_mut(i);
@@ -220,27 +221,27 @@ fn distinct(mut names: Vec<(String, String)>) -> Vec<(String, String)> {
 /// A channel that may be a column.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Guess {
+    /// Name of the channel.
     pub from: String,
-    /// The unit to write; none where the file states it.
+    /// The unit to write; `None` if the file states it.
     pub unit: Option<&'static str>,
-    /// Whether the values have the other sign.
+    /// Whether the values have the opposite sign.
     pub negative: bool,
-    /// Length of the words of the name that speak for it; longer is surer.
+    /// Number of characters of the name that match the column; larger is more certain.
     pub weight: usize,
-    /// Samples with a value.
+    /// Number of finite samples.
     pub samples: usize,
-    /// Change of the slope from sample to sample as a share of the slope: small where a filter
-    /// smoothed the values.
+    /// Ratio of second to first differences (see [`roughness`]): small for filtered values.
     pub roughness: f64,
-    /// How sure, and why.
+    /// Certainty and reason, as written in the mapping.
     pub why: String,
-    /// Units that it may be, where nothing decides.
+    /// Possible units, if neither file nor values decide.
     pub open: Option<&'static [&'static str]>,
 }
 
 impl Guess {
-    /// Better is kufe's own name, then the faster channel, then the one that no filter smoothed,
-    /// then the surer name.
+    /// Prefers kufe's own column names, then higher rates, then unfiltered channels, then names
+    /// that are more certain.
     fn compare(&self, other: &Guess) -> Ordering {
         let by = |a: f64, b: f64, ratio: f64| match (a > ratio * b, b > ratio * a) {
             (true, _) => Ordering::Greater,
@@ -251,9 +252,9 @@ impl Guess {
             let name = guess.from.to_lowercase();
             SMOOTHED.split(',').any(|word| name.contains(word))
         };
-        let own = |guess: &Guess| guess.weight >= OWN;
-        own(self)
-            .cmp(&own(other))
+        let is_exact = |guess: &Guess| guess.weight >= EXACT_NAME;
+        is_exact(self)
+            .cmp(&is_exact(other))
             .then(by(self.samples as f64, other.samples as f64, 1.5))
             .then(smoothed(other).cmp(&smoothed(self)))
             .then(by(self.roughness, other.roughness, 2.0))
@@ -264,27 +265,28 @@ impl Guess {
 /// Words in names of filtered or computed channels.
 const SMOOTHED: &str = "filt,smooth,avg,average,mean,lowpass,calc";
 
-/// Weight of a name of kufe's own.
-const OWN: usize = 1000;
+/// Weight of a name that is a column of kufe.
+const EXACT_NAME: usize = 1000;
 
-/// Columns that a file's channels may be.
+/// Guesses for the channels of a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Sample {
-    /// The time channel, its unit where the file does not state it, and why.
+    /// The time channel, its unit if the file does not state it, and the reason.
     pub time: Option<(String, Option<&'static str>, String)>,
-    /// A channel with the name of a time that is none, with the reason.
+    /// Why a channel with the name of a time is not a time.
     pub no_time: Option<String>,
-    /// Whether the file has times of its own.
+    /// Whether the format states the times of channels.
     pub clocked: bool,
-    /// Whether its box is upside down, or has axes forward, right and down.
+    /// Whether the sensor box is upside down (axes forward, right, down).
     pub upside_down: bool,
+    /// The guess for each column.
     pub columns: BTreeMap<&'static str, Guess>,
-    /// Channels that are no column.
+    /// Channels that match no column.
     pub others: Vec<String>,
 }
 
 impl Sample {
-    /// Guesses by names, then by what the file states, then by values.
+    /// Guesses by names, then by units in the file, then by values.
     fn of(log: &Log) -> Sample {
         let mut found = Sample {
             clocked: !log.clocks.is_empty(),
@@ -306,7 +308,7 @@ impl Sample {
                 times.push((rank, channel, unit, why));
                 continue;
             }
-            // The unit that the file states may be one of another quantity.
+            // A channel whose stated unit is of another quantity does not match.
             let converts = |named: &Named| {
                 let unit = channel.unit.as_deref().filter(|unit| has_dimension(unit));
                 unit.is_none_or(|unit| conversion(unit, column_unit(named.column)).is_ok())
@@ -324,7 +326,7 @@ impl Sample {
             };
             found.others.extend(worse.map(|worse| worse.from));
         }
-        // Where the file relates channels to clocks, a time of one group is none of the others.
+        // If the format states clocks, a time channel of one group does not apply to other groups.
         let time = times.into_iter().min_by_key(|time| time.0);
         if let Some((_, channel, unit, why)) = time.filter(|_| !found.clocked) {
             found.time = Some((channel.name.clone(), unit, why));
@@ -337,8 +339,8 @@ impl Sample {
         found
     }
 
-    /// The axes of one accelerometer belong together: with `z_acc` go `x_acc` and `y_acc`, whatever
-    /// else is called longitudinal or lateral, which may have the vehicle's axes.
+    /// Takes the three axes of one accelerometer together: `x_acc` and `y_acc` with `z_acc`. Other
+    /// channels called longitudinal or lateral may be in the vehicle's axes.
     fn one_box(&mut self, log: &Log) {
         let Some(up) = self.columns.get("az_mps2").map(|guess| guess.from.clone()) else {
             return;
@@ -365,8 +367,9 @@ impl Sample {
         }
     }
 
-    /// A vertical axis that points down is that of the whole box where the pitch rate shows it: a sled
-    /// that pitches up is pressed down in any box, but not where one axis has the other sign.
+    /// Decides whether a vertical axis that points down belongs to a box that is upside down or has
+    /// the opposite sign alone. In the former, vertical acceleration and pitch rate are both
+    /// negated, so that their correlation remains negative: a sled that pitches up is pressed down.
     fn turn_over(&mut self, log: &Log) {
         let guess = |axis: Sensor| self.columns.get(axis.name());
         let values = |axis: Sensor| {
@@ -386,8 +389,8 @@ impl Sample {
     }
 }
 
-/// The axes of one accelerometer, and of one gyroscope, have one unit: that of the first whose
-/// values decide.
+/// Assigns the same unit to the axes of one accelerometer or gyroscope: that of the first axis
+/// whose values determine it.
 fn share_unit(columns: &mut BTreeMap<&'static str, Guess>, axes: [&'static str; 3]) {
     let decided = axes.iter().find_map(|axis| {
         let guess = columns.get(axis).filter(|guess| guess.open.is_none())?;
@@ -403,7 +406,7 @@ fn share_unit(columns: &mut BTreeMap<&'static str, Guess>, axes: [&'static str; 
     }
 }
 
-/// The unit that the file states, where it converts to another.
+/// The unit that the file states, if it converts to `target`.
 fn stated_unit<'a>(channel: &'a Channel, target: &str) -> Option<&'a str> {
     let unit = channel.unit.as_deref();
     unit.filter(|unit| conversion(unit, target).is_ok())
@@ -411,7 +414,7 @@ fn stated_unit<'a>(channel: &'a Channel, target: &str) -> Option<&'a str> {
 
 fn guess(channel: &Channel, Named { column, weight }: Named) -> Guess {
     let name = match weight {
-        OWN => "sure: the name is kufe's own",
+        EXACT_NAME => "sure: the name is kufe's own",
         _ => "likely: by its name",
     };
     let found = unit_by_values(column, &channel.values);
@@ -444,7 +447,7 @@ fn finite(values: &[f64]) -> Vec<f64> {
     values.iter().copied().filter(|x| x.is_finite()).collect()
 }
 
-/// Sum of the slope's changes from sample to sample, as a share of the sum of the slopes.
+/// Ratio of the sum of absolute second differences to that of absolute first differences.
 fn roughness(values: &[f64]) -> f64 {
     let finite = finite(values);
     let slopes = finite.windows(2).map(|w| (w[1] - w[0]).abs()).sum::<f64>();
@@ -452,13 +455,13 @@ fn roughness(values: &[f64]) -> f64 {
     changes.sum::<f64>() / slopes.max(f64::MIN_POSITIVE)
 }
 
-/// The unit of values, or those that it may be, and why.
+/// The unit of values, or possible units, with the reason.
 pub(crate) struct UnitGuess {
     pub units: &'static [&'static str],
     pub why: String,
 }
 
-/// Middle and largest magnitude of the finite values; `None` where there are none.
+/// Median and largest magnitude of the finite values; `None` without finite values.
 pub(crate) fn extent(values: &[f64]) -> Option<[f64; 2]> {
     let finite = finite(values);
     let median = median(finite.iter().copied())?;
@@ -469,8 +472,8 @@ pub(crate) fn extent(values: &[f64]) -> Option<[f64; 2]> {
 const RATES: &[&str] = &["roll_rate_radps", "pitch_rate_radps", "yaw_rate_radps"];
 const ANGLES: &[&str] = &["alpha_rad", "delta_rad", "gamma_rad"];
 
-/// Columns, the largest magnitude above which their values have a unit, or those that it may be, and
-/// why: no sled or car exceeds 70 m/s or turns by 12 rad/s.
+/// Columns, a bound on the largest magnitude, the possible units of values above this bound, and
+/// the reason: no sled or car exceeds 70 m/s or 12 rad/s. The first row that applies counts.
 const BY_LARGEST: [(&[&str], f64, &[&str], &str); 9] = [
     (&["ax_mps2", "ay_mps2"], 8.0, &["m/s^2"], ""),
     (&["ax_mps2", "ay_mps2"], -1.0, &["g", "m/s^2"], ""),
@@ -483,7 +486,8 @@ const BY_LARGEST: [(&[&str], f64, &[&str], &str); 9] = [
     (ANGLES, -1.0, &["rad", "deg"], ""),
 ];
 
-/// The unit of a column's values by their size; a body at rest has a specific force of 9.81 m/s2.
+/// The unit of a column's values from their magnitude; a body at rest has a specific force of
+/// 9.81 m/s2.
 pub(crate) fn unit_by_values(column: &str, values: &[f64]) -> Option<UnitGuess> {
     let [median, largest] = extent(values)?;
     if column == "az_mps2" {
@@ -502,10 +506,10 @@ pub(crate) fn unit_by_values(column: &str, values: &[f64]) -> Option<UnitGuess> 
     Some(UnitGuess { units, why })
 }
 
-/// The unit of a time by its usual step, if it is a time: it never falls but at midnight.
+/// The unit of a time channel from its median step. A time never decreases, except at midnight.
 ///
 /// # Errors
-/// Why it is none, in words.
+/// The reason why the channel is not a time.
 pub(crate) fn time_unit(values: &[f64]) -> Result<UnitGuess, String> {
     let mut finite = finite(values);
     continue_days(&mut finite, true);
@@ -521,7 +525,7 @@ pub(crate) fn time_unit(values: &[f64]) -> Result<UnitGuess, String> {
         _ if step.fract() == 0.0 && step < 1000.0 => (&["ms"], 1e3),
         _ => (&["s", "ms", "us"], 0.0),
     };
-    // Differences of long times have roundings.
+    // Differences of large times have rounding errors.
     let mut why = format!("usual step {}", (1e6 * step).round() / 1e6);
     if per_second > 0.0 {
         why += &format!(": {:.0} Hz", per_second / step);
@@ -529,8 +533,8 @@ pub(crate) fn time_unit(values: &[f64]) -> Result<UnitGuess, String> {
     Ok(UnitGuess { units, why })
 }
 
-/// Columns, the words in names of their channels, and words that exclude a channel; words are
-/// separated by commas, and longer ones are surer.
+/// Columns, words in names of their channels, and words that exclude a channel. Words are separated
+/// by commas; longer words are more certain.
 const NAMES: &str = include_str!("../assets/names.csv");
 
 fn names() -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
@@ -541,15 +545,15 @@ fn names() -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
     })
 }
 
-/// Words in names of times, surer ones first.
+/// Words in names of time channels, the most certain first.
 const TIMES: &str =
     "utc time,gps time,unix time,utc,t s,time,zeit,timestamp,timestamps,t,elapsed,uhrzeit";
 
-/// A guess by a name.
+/// A guess from a name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Named {
     pub column: &'static str,
-    /// Length of the words that speak for it, longer is surer; [`OWN`] for the column's own name.
+    /// Number of matching characters; [`EXACT_NAME`] for the column's own name.
     pub weight: usize,
 }
 
@@ -558,7 +562,7 @@ fn field(name: &str) -> &str {
     name.rsplit('.').next().unwrap_or(name)
 }
 
-/// The column that a name speaks for.
+/// The column that a name matches best.
 pub(crate) fn by_name(name: &str) -> Option<Named> {
     let without_unit = |name: &str| {
         let plain = plain(name);
@@ -568,18 +572,18 @@ pub(crate) fn by_name(name: &str) -> Option<Named> {
     };
     let field = field(name);
     if let Some((column, ..)) = names().find(|(column, ..)| *column == field) {
-        let weight = OWN;
+        let weight = EXACT_NAME;
         return Some(Named { column, weight });
     }
     let [plain, field] = [name, field].map(without_unit);
     let holds = |words: &&str| {
-        // One or two letters must be the whole name; longer words may be part of a German one.
+        // One or two letters must be the whole name; long words may be part of a German compound.
         words.len() > 2 && format!(" {plain}").contains(&format!(" {words}"))
             || plain == **words
             || field == **words
             || words.len() > 5 && plain.contains(*words)
     };
-    // Geschwindigkeit contains a wind and means none.
+    // Excluded words must begin a word: Geschwindigkeit (speed) contains "wind".
     let begins = |word: &str| !word.is_empty() && format!(" {plain}").contains(&format!(" {word}"));
     let fits = names().filter_map(|(column, words, against)| {
         let weight = words.split(',').filter(holds).map(str::len).max()?;
@@ -588,7 +592,7 @@ pub(crate) fn by_name(name: &str) -> Option<Named> {
     fits.max_by_key(|named| named.weight)
 }
 
-/// Whether a name is that of a time; earlier in the list is surer.
+/// Rank of a name in the list of time names, 0 being the most certain; `None` for other names.
 pub(crate) fn time_rank(name: &str) -> Option<usize> {
     let names = [name, field(name)].map(plain);
     let begins = |word: &str| {
@@ -599,7 +603,7 @@ pub(crate) fn time_rank(name: &str) -> Option<usize> {
     rank.filter(|_| !names[0].contains("lap"))
 }
 
-/// A name in small letters, without accents, its words apart by single spaces.
+/// A name in lower case, without accents, its words separated by single spaces.
 fn plain(name: &str) -> String {
     let mut plain = String::new();
     let mut before = ' ';
@@ -610,7 +614,7 @@ fn plain(name: &str) -> String {
             'ü' | 'Ü' => 'u',
             _ => c.to_ascii_lowercase(),
         };
-        // LateralAcc is two words, and so is gyro_z.
+        // LateralAcc and gyro_z are two words each.
         if c.is_uppercase() && before.is_lowercase() || !small.is_ascii_alphanumeric() {
             plain.push(' ');
         }

@@ -1,5 +1,4 @@
-//! One run: its recordings read, converted, brought to one clock and one rate, with a note of the
-//! steps.
+//! Import of one run: reading, conversion, common clock and rate, with a note of the steps.
 
 use std::collections::BTreeMap;
 
@@ -24,15 +23,15 @@ pub struct Importer {
     sha256: String,
 }
 
-/// Most that is cut off the end of a run for a slow channel [s].
-const CUT_S: f64 = 0.25;
+/// Largest time that is cut off the end of a run for a slow channel [s].
+const MAX_CUT_S: f64 = 0.25;
 
-/// A run, and how it was made.
+/// An imported run, and the note of its import.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Imported {
-    /// The run; its entry has the conditions as far as the mapping states them.
+    /// The run; its entry has the conditions that the mapping states.
     pub run: Run,
-    /// The steps.
+    /// The steps of the import.
     pub note: Note,
 }
 
@@ -41,12 +40,12 @@ struct ImportedChannel<'a> {
     series: Series,
     source: &'a ChannelSource,
     recipe: Recipe,
-    /// Whether the run has it as a column, rather than its logger's clock only.
+    /// Whether it is written as a column; otherwise it is only used for its logger's clock.
     written: bool,
 }
 
 impl Importer {
-    /// For a mapping with its text and the name of its file.
+    /// An importer for the text of a mapping; `file` is its name in messages.
     ///
     /// # Errors
     /// Those of [`Mapping::parse`].
@@ -63,14 +62,14 @@ impl Importer {
         &self.mapping
     }
 
-    /// Imports one run: reads its recordings, converts, brings them to the clock of the mapping's
-    /// lead and to its rate.
+    /// Imports one run: reads and converts its recordings, and resamples them in the clock of the
+    /// lead at the mapping's rate.
     ///
-    /// The run spans the time that every logger recorded.
+    /// The run spans the time that all loggers recorded.
     ///
     /// # Errors
-    /// Those of the readers; [`Error::Channel`], [`Error::Clock`] where clocks cannot be brought
-    /// together or the loggers share no time.
+    /// Those of the readers; [`Error::Channel`]; [`Error::Clock`] where a clock cannot be related
+    /// to the lead, or the loggers do not overlap in time.
     pub fn run(&self, planned: &PlannedRun) -> Result<Imported, Error> {
         let mut remarks = Vec::new();
         let mut files: BTreeMap<&str, (String, String)> = BTreeMap::new();
@@ -112,7 +111,7 @@ impl Importer {
                 })?;
             }
         }
-        // After the rotation, which needs all three axes at the same times.
+        // After the rotation, which needs all three axes at common times.
         for read in &mut read {
             drop_repetitions(&mut read.series);
         }
@@ -161,7 +160,7 @@ impl Importer {
             t0_s: 0.0,
             dt_s: 1.0 / base.rate_hz,
             columns,
-            // Found when it is read.
+            // Gaps are detected when the run is read.
             gaps: Gaps::none(base.count),
             saturated: BTreeMap::new(),
             remarks: Vec::new(),
@@ -177,8 +176,9 @@ impl Importer {
         channels.filter(move |(_, source)| self.mapping.logger_of(source) == logger)
     }
 
-    /// A logger's recording, with the channels that the mapping names, of at most so many numbers.
-    fn log(&self, logger: &str, path: &std::path::Path, most: u64) -> Result<Log, Error> {
+    /// A logger's recording with the channels that the mapping names, of at most `max_numbers`
+    /// values.
+    fn log(&self, logger: &str, path: &std::path::Path, max_numbers: u64) -> Result<Log, Error> {
         let files = &self.mapping.logger[logger];
         let mut wanted: Vec<&str> = files.time.as_deref().into_iter().collect();
         let own = self.channels_of(logger).map(|(_, source)| source);
@@ -190,10 +190,11 @@ impl Importer {
             delimiter: files.delimiter.map(|c| c as u8),
             decimal_comma: files.decimal.map(|c| c == ','),
         };
-        read_log(path, options, Some(&wanted), most)
+        read_log(path, options, Some(&wanted), max_numbers)
     }
 
-    /// A channel in its column's unit, by its logger's clock less its own delay, and remarks.
+    /// A channel in its column's unit, with times in its logger's clock less the delay of the
+    /// channel, and remarks.
     fn series(
         &self,
         column: &str,
@@ -218,7 +219,7 @@ impl Importer {
             let expected = format!("at most {LARGEST_VALUE:e} {}", column_unit(column));
             return Err(Error::channel(file, &source.from, found, expected));
         }
-        // At 0 a sensor rests.
+        // A constant 0 is a sensor at rest, not saturation.
         let stop = Saturation::of(&channel.values).filter(|stop| stop.at != 0.0);
         let stop = stop.filter(|_| COLUMNS.contains(&column));
         let saturated = stop.map(|stop| {
@@ -239,29 +240,29 @@ impl Importer {
         Ok((recipe, series, remarks))
     }
 
-    /// The rows of the run: from the last logger's first sample to the first logger's last one.
+    /// The uniform times of the run: the intersection of the time spans of all loggers.
     fn base(&self, planned: &PlannedRun, read: &[ImportedChannel]) -> Result<Base, Error> {
         let mut spans: BTreeMap<&str, [f64; 2]> = BTreeMap::new();
-        let late = |read: &ImportedChannel| read.source.delay_s.unwrap_or(0.0);
+        let delay = |read: &ImportedChannel| read.source.delay_s.unwrap_or(0.0);
         for read in read {
-            // A channel that is late does not move the logger's first sample.
-            let late = late(read);
-            let none = [f64::INFINITY, f64::NEG_INFINITY];
-            let span = spans.entry(&read.series.logger).or_insert(none);
+            // The delay of a channel does not change the span of its logger.
+            let delay = delay(read);
+            let empty = [f64::INFINITY, f64::NEG_INFINITY];
+            let span = spans.entry(&read.series.logger).or_insert(empty);
             for t in read.series.time.iter().filter(|t| t.is_finite()) {
-                *span = [span[0].min(*t + late), span[1].max(*t + late)];
+                *span = [span[0].min(*t + delay), span[1].max(*t + delay)];
             }
         }
         let rate = self.mapping.rate_hz;
-        // A channel slower than the run ends before its logger, by less than its own step: there
-        // the run ends too, and has no gap at its end.
+        // A channel slower than the run may end before its logger by less than one of its steps:
+        // the run then ends with the channel, to avoid a gap at the end.
         for read in read {
-            let times: Vec<f64> = read.series.samples().map(|t| t + late(read)).collect();
+            let times: Vec<f64> = read.series.samples().map(|t| t + delay(read)).collect();
             let (Some(first), Some(last)) = (times.first(), times.last()) else {
                 continue;
             };
             let step = (last - first) / (times.len() - 1).max(1) as f64;
-            let short = 0.0..step.min(CUT_S);
+            let short = 0.0..step.min(MAX_CUT_S);
             let span = spans.get_mut(read.series.logger.as_str());
             if let Some([_, end]) = span.filter(|[_, end]| short.contains(&(end - last)))
                 && step * rate > 1.5
@@ -273,8 +274,8 @@ impl Importer {
         let shared =
             |[start, end]: [f64; 2], span: &[f64; 2]| [start.max(span[0]), end.min(span[1])];
         let [start, end] = spans.values().fold(all, shared);
-        // Rows are at samples of the lead, so that they need no interpolation where rates are
-        // multiples.
+        // Rows coincide with samples of the lead, which avoids interpolation if its rate is a
+        // multiple.
         let lead = spans.get(self.mapping.lead()).map_or(start, |span| span[0]);
         // Times since 1970 are rounded to 2.4e-7 s.
         let slack = 1e-6 + rate * f64::EPSILON * start.abs().max(end.abs());
@@ -302,7 +303,7 @@ impl Importer {
     }
 }
 
-/// A channel on the run's base of times, and how that was done.
+/// A channel resampled to the run's base, with its note.
 fn resampled(
     channel: ImportedChannel,
     base: &Base,
@@ -319,7 +320,7 @@ fn resampled(
     let few = "fewer than two samples".to_string();
     let found = found.ok_or_else(|| Error::channel(file, &source.from, few, "samples".into()))?;
     let seconds = |row: usize| (row as f64 / base.rate_hz * 1e9).round() / 1e9;
-    let gaps = found.gaps.iter().take(LISTED_GAPS);
+    let gaps = found.gaps.iter().take(MAX_LISTED_GAPS);
     let note = ChannelNote {
         logger: series.logger,
         from: source.from.clone(),
@@ -342,11 +343,10 @@ fn resampled(
     Ok((found.values, note))
 }
 
-/// Turns the vectors of a sensor box into the sled's axes: `R_z(yaw) R_y(pitch) R_x(roll)` times
-/// each.
+/// Rotates the vectors of a sensor box into the sled's axes: `R_z(yaw) R_y(pitch) R_x(roll) v`.
 ///
 /// # Errors
-/// What is found instead of all three axes at the same times, and what is expected.
+/// What was found instead of three axes at common times, and what was expected.
 fn rotate(
     mut series: Vec<&mut Series>,
     [roll, pitch, yaw]: [f64; 3],
@@ -396,8 +396,8 @@ fn rotate(
     Ok(())
 }
 
-/// Leaves one sample of each value that a logger repeats until a slower sensor sends the next: the
-/// repetitions would make the channel late by half that sensor's step.
+/// Keeps one sample of each value that a logger repeats until a slower sensor sends the next value:
+/// the repetitions would delay the channel by half of the sensor's step.
 fn drop_repetitions(series: &mut Series) {
     let Series { time, values, .. } = series;
     let Some(rows) = rows_held(std::iter::once(values.as_slice())) else {
@@ -407,7 +407,7 @@ fn drop_repetitions(series: &mut Series) {
     while begin < values.len() {
         let value = values[begin];
         let length = values[begin..].iter().take_while(|x| **x == value).count();
-        // Two equal values of the sensor are two samples.
+        // A longer repetition is several equal samples of the sensor.
         let samples = (length as f64 / rows as f64).round().max(1.0) as usize;
         for i in (0..length).filter(|i| i % rows != 0 || i / rows >= samples) {
             (time[begin + i], values[begin + i]) = (f64::NAN, f64::NAN);
@@ -416,12 +416,12 @@ fn drop_repetitions(series: &mut Series) {
     }
 }
 
-/// How a channel becomes a column.
+/// Conversion of a channel into a column.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Recipe {
     /// The channel's unit.
     pub unit: String,
-    /// Where it is stated: "mapping" or "file".
+    /// Source of the unit: "mapping" or "file".
     pub unit_from: &'static str,
     /// `column = factor * value + offset`.
     pub factor: f64,
@@ -468,19 +468,19 @@ pub(crate) fn recipe(
         unit,
         unit_from,
         factor,
-        // Not -0, which an offset of no unit would give.
+        // Adding 0 avoids an offset of -0.
         offset: 0.0 + sign * unit_of.offset - factor * zero,
     })
 }
 
-/// Largest share of samples that may repeat the time before them: a row written twice now and then,
-/// not a clock too coarse.
-const REPEATED: f64 = 0.1;
+/// Largest fraction of samples that may repeat the previous time: some loggers write a row twice
+/// now and then, but a larger fraction means a coarse clock.
+const MAX_REPEATED: f64 = 0.1;
 
-/// Times of a channel's samples [s], NaN where a sample cannot be placed, and a remark.
+/// Times of a channel's samples [s], NaN for unusable samples, and a remark.
 ///
-/// The channel's own time channel, or the logger's, or the clock that the file has for it, or the
-/// stated rate. Of samples at one time the first counts: some loggers write a row twice.
+/// The source is, in this order, the channel's time channel, that of the logger, the clock that the
+/// file states, or the stated rate. Of several samples at one time the first is used.
 ///
 /// # Errors
 /// [`Error::NoChannel`]; [`Error::File`] where there is no time; [`Error::Channel`] where its unit is
@@ -542,7 +542,7 @@ pub(crate) fn times(
             last = *t;
         }
     }
-    if repeated as f64 > REPEATED * time.len() as f64 {
+    if repeated as f64 > MAX_REPEATED * time.len() as f64 {
         let count = time.len();
         let found = format!("{repeated} of {count} samples at the time of the one before");
         let expected = format!("a time that distinguishes samples, or logger.{logger}.rate_hz");
@@ -554,19 +554,19 @@ pub(crate) fn times(
     Ok((time, remark))
 }
 
-/// Most gaps of a channel that a note lists; further ones are counted.
-pub(crate) const LISTED_GAPS: usize = 200;
+/// Largest number of gaps of a channel that a note lists; further gaps are only counted.
+pub(crate) const MAX_LISTED_GAPS: usize = 200;
 
-/// How a run was made.
+/// The note of a run's import.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Note {
-    /// The run.
+    /// Name of the run.
     pub run: String,
     /// The mapping's file.
     pub mapping: String,
     /// SHA-256 of the mapping.
     pub mapping_sha256: String,
-    /// Version of kufe that made it.
+    /// Version of kufe that imported it.
     pub version: &'static str,
     /// Rate of the run [Hz].
     pub rate_hz: f64,
@@ -574,80 +574,80 @@ pub struct Note {
     pub rows: usize,
     /// Time of the runs' clock at `t_s` = 0 [s].
     pub start_s: f64,
-    /// The logger whose clock that is.
+    /// The logger whose clock is that of the runs.
     pub clock: String,
     /// The recordings.
     pub loggers: BTreeMap<String, LoggerNote>,
     /// The columns.
     pub channels: BTreeMap<String, ChannelNote>,
-    /// Mass of the sled with its crew [kg], where it is stated.
+    /// Mass of the sled with its crew [kg], if it is stated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mass_kg: Option<f64>,
-    /// What was odd.
+    /// Anomalies of the recordings.
     pub remarks: Vec<String>,
 }
 
-/// What was done with a logger's file.
+/// File, clock and rotation of a logger.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LoggerNote {
     /// The file.
     pub file: String,
-    /// Its SHA-256.
+    /// SHA-256 of the file.
     pub sha256: String,
-    /// Its clock.
+    /// Clock of the logger.
     #[serde(flatten)]
     pub clock: LoggerClock,
-    /// Roll, pitch and yaw of the sensor box that its axes were turned by [rad].
+    /// Roll, pitch and yaw of the sensor box by which its axes were rotated [rad].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotation: Option<[f64; 3]>,
 }
 
-/// What was done with a channel.
+/// Conversion and resampling of a channel.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChannelNote {
     /// The logger.
     pub logger: String,
-    /// The channel's name there.
+    /// The channel's name in the file.
     pub from: String,
-    /// How it becomes a column.
+    /// Conversion of the channel into a column.
     #[serde(flatten)]
     pub recipe: Recipe,
-    /// 1 or -1; `factor` has it.
+    /// Stated sign, 1 or -1, which `factor` includes.
     pub sign: f64,
-    /// By how much the channel is late against its logger's clock, as stated [s].
+    /// Stated delay of the channel relative to its logger's clock [s].
     pub delay_s: f64,
-    /// The sensor's place from the centre of gravity [m], where it is stated.
+    /// Position of the sensor from the centre of gravity [m], if it is stated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub place_m: Option<[f64; 3]>,
-    /// Its own rate [Hz].
+    /// Sample rate of the channel [Hz].
     pub rate_hz: f64,
-    /// Samples with a value.
+    /// Number of samples with a value.
     pub samples: usize,
-    /// Samples that its rate gives from the first to the last of its logger's times.
+    /// Number of samples that follows from the rate and the time span of the channel.
     pub expected_samples: usize,
-    /// Largest deviation of its times from uniform ones [steps].
+    /// Largest deviation of the sample times from uniform times [steps].
     pub jitter_steps: f64,
-    /// Corner of the low pass before it was thinned out [Hz]; none where it is no faster than the
-    /// run.
+    /// Cutoff frequency of the anti-aliasing filter [Hz]; `None` if the channel is not faster than
+    /// the run.
     pub filter_hz: Option<f64>,
-    /// Whether rows lie between its samples.
+    /// Whether values are interpolated between samples.
     pub interpolated: bool,
-    /// Rows without a value.
+    /// Number of rows without a value.
     pub missing_rows: usize,
-    /// How many gaps they make.
+    /// Number of gaps.
     pub gap_count: usize,
-    /// The first of them: from and to [s].
+    /// Start and end of the first gaps [s].
     pub gaps_s: Vec<[f64; 2]>,
 }
 
-/// The lines of `[sled]` in `model.toml` for the places of a mapping's sensors; none where it
-/// states none.
+/// The lines of `[sled]` in `model.toml` with the positions of a mapping's sensors; `None` if it
+/// states no positions.
 ///
-/// The three axes of the accelerometer are one sensor; of the slip sensor the model has the place
-/// along the sled.
+/// The three axes of the accelerometer are one sensor. Of the slip sensor the model has only the
+/// position along the sled.
 ///
 /// # Errors
-/// [`Error::Key`] where the axes of the accelerometer are stated in different places.
+/// [`Error::Key`] where the axes of the accelerometer have different positions.
 pub fn model_fragment(mapping: &Mapping, file: &str) -> Result<Option<String>, Error> {
     let place = |column: &str| mapping.channels.get(column)?.place_m;
     let axes = ["ax_mps2", "ay_mps2", "az_mps2"];
@@ -666,7 +666,7 @@ pub fn model_fragment(mapping: &Mapping, file: &str) -> Result<Option<String>, E
     if accelerometer.is_none() && slip.is_none() {
         return Ok(None);
     }
-    let mut text = "# Places of the sensors by the mapping, from the centre of gravity [m]; lines of model.toml.\n[sled]\n".to_string();
+    let mut text = "# Positions of the sensors in the mapping, from the centre of gravity [m]; lines of model.toml.\n[sled]\n".to_string();
     if let Some((_, [x, y, z])) = accelerometer {
         text += &format!("accel_x_m = {x:?}\naccel_y_m = {y:?}\naccel_z_m = {z:?}\n");
     }

@@ -1,13 +1,13 @@
-//! Recordings of other programs, brought into the form of runs.
+//! Import of recordings of other programs as runs.
 //!
 //! | item | purpose |
 //! |---|---|
 //! | [`Mapping`], [`plan`] | `mapping.toml`, and the runs with the files that it names |
 //! | [`read_log`], [`read_text`] | a recording: text below any head, Parquet, MATLAB |
 //! | [`conversion`], [`column_unit`] | units as loggers write them, in those of kufe's columns |
-//! | [`resample()`] | series at any times on one base of times; nothing is invented across gaps |
-//! | [`Importer`] | one run: read, converted, brought to one clock and one rate, with the [`Note`] of what was done |
-//! | [`guess_mapping`] | a commented mapping from samples, with its questions |
+//! | [`resample()`] | a series at uniform times, without values in gaps |
+//! | [`Importer`] | import of one run with a common clock and rate, and the [`Note`] of its steps |
+//! | [`guess_mapping`] | a commented mapping guessed from samples, with open questions |
 //!
 //! ```
 //! use kufe_telemetry::Mapping;

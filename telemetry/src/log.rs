@@ -1,56 +1,56 @@
-//! What a recording holds.
+//! The content of a recording: channels and clocks.
 
 use std::collections::BTreeMap;
 
 use crate::error::Error;
 
-/// Most names that an error lists.
-const LISTED: usize = 60;
+/// Largest number of names that an error lists.
+const MAX_LISTED: usize = 60;
 
 /// A named series of a recording.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Channel {
-    /// Its name, without the unit that may follow it in brackets.
+    /// Name, without a unit in brackets after it.
     pub name: String,
     /// The unit that the file states.
     pub unit: Option<String>,
-    /// Which of [`Log::clocks`] it was sampled by, where the file states it.
+    /// Index of its clock in [`Log::clocks`], if the file states one.
     pub clock: Option<usize>,
-    /// Its values in that unit; NaN where there is none. Empty where it was not read.
+    /// Values in that unit; NaN for missing values. Empty for a channel that was not read.
     pub values: Vec<f64>,
 }
 
-/// One recording: channels, and the clocks that the file itself relates them to.
+/// One recording: channels, and the clocks that the file relates them to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Log {
-    /// Every channel of numbers in the file's order.
+    /// Numeric channels in the order of the file.
     pub channels: Vec<Channel>,
-    /// Times that the format relates channels to [s].
+    /// Sample times of each clock [s].
     pub clocks: Vec<Vec<f64>>,
-    /// What was odd.
+    /// Anomalies of the file.
     pub remarks: Vec<String>,
-    /// Line of the first row, in a text file.
+    /// Line number of the first row of a text file.
     pub first_row: u64,
 }
 
-/// Whether two names differ in capitals and in spaces at their ends alone.
+/// Whether two names are equal except for capitals and for spaces at their ends.
 pub(crate) fn alike(a: &str, b: &str) -> bool {
     a.trim().to_lowercase() == b.trim().to_lowercase()
 }
 
 impl Log {
-    /// How many numbers it holds, those of its clocks included.
+    /// Number of values, including those of clocks.
     pub fn numbers(&self) -> u64 {
         let channels = self.channels.iter().map(|channel| &channel.values);
         let lengths = channels.chain(&self.clocks).map(|list| list.len() as u64);
         lengths.sum()
     }
 
-    /// Place of the channel of this name; capitals and spaces at its ends do not count where only
-    /// one channel fits.
+    /// Index of the channel of this name. Capitals and spaces at its ends are ignored if only one
+    /// channel matches then.
     ///
     /// # Errors
-    /// [`Error::NoChannel`] with the names that are there.
+    /// [`Error::NoChannel`] with the names in the recording.
     pub fn find(&self, name: &str, file: &str) -> Result<usize, Error> {
         let names = || self.channels.iter().map(|channel| channel.name.as_str());
         if let Some(place) = names().position(|known| known == name) {
@@ -61,8 +61,8 @@ impl Log {
         if let (Some(place), None) = (fitting.next(), fitting.next()) {
             return Ok(place);
         }
-        let mut found: Vec<&str> = names().take(LISTED).collect();
-        if self.channels.len() > LISTED {
+        let mut found: Vec<&str> = names().take(MAX_LISTED).collect();
+        if self.channels.len() > MAX_LISTED {
             found.push("...");
         }
         Err(Error::NoChannel {
@@ -72,7 +72,7 @@ impl Log {
         })
     }
 
-    /// Places of the channels `wanted` by name, or of all.
+    /// Indices of the channels with the names `wanted`, or of all.
     ///
     /// # Errors
     /// As [`Log::find`].
@@ -83,7 +83,7 @@ impl Log {
         }
     }
 
-    /// Puts a label after every name that several channels have: `speed (100: gps)`.
+    /// Appends a label to every name that several channels have, as `speed (100: gps)`.
     pub(crate) fn distinguish(&mut self, label: impl Fn(usize) -> String) {
         let mut places: BTreeMap<String, Vec<usize>> = BTreeMap::new();
         for (place, channel) in self.channels.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! `mapping.toml`, key by key, and the checks that do not need its files.
+//! The document `mapping.toml`, and the checks that do not need its files.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use serde::Deserialize;
 use crate::error::Error;
 use crate::unit::{column_unit, conversion};
 
-/// A mapping: where runs are recorded, and how their channels become columns.
+/// A mapping: the files of recorded runs, and the conversion of their channels to columns.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "mapping.toml")]
@@ -19,21 +19,21 @@ pub struct Mapping {
     #[serde(default = "default_rate")]
     #[schemars(range(min = 1.0, max = 10000.0))]
     pub rate_hz: f64,
-    /// How the runs are written: "csv" or "parquet".
+    /// File format of the imported runs: "csv" or "parquet".
     #[serde(default)]
     pub format: RunFormat,
-    /// The logger whose clock the runs keep; needed where there are several.
+    /// The logger whose clock is that of the runs; required with several loggers.
     pub clock: Option<String>,
     /// The loggers by name.
     #[serde(default)]
     pub logger: BTreeMap<String, LoggerFiles>,
-    /// The columns of the runs, and what each is made of; a column's unit is what its name ends in.
+    /// The columns of the runs with their sources; the ending of a column's name is its unit.
     #[serde(default)]
     pub channels: BTreeMap<String, ChannelSource>,
-    /// What `runs.csv` says of every run.
+    /// Values of `runs.csv` for every run.
     #[serde(default)]
     pub index: IndexValues,
-    /// Runs of their own: other files, other lines of `runs.csv`, delays stated by hand.
+    /// Runs with other files, other values of `runs.csv` or stated delays.
     #[serde(default)]
     pub run: Vec<PlannedRun>,
 }
@@ -46,78 +46,77 @@ fn default_rate() -> f64 {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LoggerFiles {
-    /// Its files, relative to the mapping: a path in whose last part one `*` is the run's name.
+    /// Path of its files relative to the mapping; one `*` in the last part is the run's name.
     pub files: Option<String>,
-    /// The channel that holds its time; an MDF 4 file has its own.
+    /// Time channel; not needed for MDF 4 files, which state their times.
     pub time: Option<String>,
-    /// The time channel's unit, where the file does not say it.
+    /// Unit of the time channel, if the file does not state it.
     pub time_unit: Option<String>,
-    /// Rate of its samples [Hz], where it records no time.
+    /// Sample rate [Hz], if it records no time.
     #[schemars(range(min = 0.01, max = 1000000.0))]
     pub rate_hz: Option<f64>,
-    /// "own": its clock's delay is found from its relations to other loggers; "shared": its clock
-    /// is the runs'.
+    /// "own": the delay of its clock is estimated from relations to other loggers; "shared": its
+    /// clock is that of the runs.
     #[serde(default)]
     pub clock: ClockWord,
-    /// Delay of its clock, stated instead of found: an event is this much later in it than in the
-    /// runs' clock [s].
+    /// Stated delay of its clock: time of an event in this clock less that in the runs' clock [s].
     pub delay_s: Option<f64>,
-    /// Roll, pitch and yaw of the sensor box in the sled's axes [rad]: turns the accelerometer's
-    /// and the gyroscope's axes together, about x first, then y, then z.
+    /// Roll, pitch and yaw of the sensor box in the sled's axes [rad]: rotates the axes of
+    /// accelerometer and gyroscope about x, then y, then z.
     pub rotation: Option<[f64; 3]>,
-    /// Largest delay that is searched [s].
+    /// Largest delay of the search [s].
     #[schemars(range(min = 0.0, max = 100000.0))]
     pub largest_delay_s: Option<f64>,
-    /// Between two cells of a text file, where it cannot be found out: ",", ";" or a tab.
+    /// Delimiter of cells of a text file, if it cannot be detected: ",", ";" or a tab.
     pub delimiter: Option<char>,
-    /// Before decimals in a text file, where it cannot be found out: "." or ",".
+    /// Decimal separator of a text file, if it cannot be detected: "." or ",".
     pub decimal: Option<char>,
-    /// Columns that it records in addition to another logger: they serve to find its delay and are
-    /// not written.
+    /// Columns that another logger records too: they are used to estimate the delay and are not
+    /// written.
     #[serde(default)]
     pub also: BTreeMap<String, ChannelSource>,
 }
 
-/// Whose clock a logger has.
+/// The clock of a logger.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum ClockWord {
-    /// One of its own.
+    /// A clock of its own, with a delay.
     #[default]
     Own,
-    /// That of the runs.
+    /// The clock of the runs.
     Shared,
 }
 
-/// What a column is made of: `sign * unit(scale * (value - zero))`.
+/// Source of a column: `sign * unit(scale * (value - zero))`.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ChannelSource {
     /// The channel's name in the file.
     pub from: String,
-    /// The logger; needed where there are several.
+    /// The logger; required with several loggers.
     pub logger: Option<String>,
-    /// The channel's unit, where the file does not say it: g, km/h, deg/s, ...
+    /// The channel's unit, if the file does not state it: g, km/h, deg/s, ...
     pub unit: Option<String>,
-    /// -1 where the sensor counts the other way round.
+    /// -1 for a sensor with the opposite sign.
     pub sign: Option<f64>,
-    /// What one count is in the unit.
+    /// Size of one count in the unit.
     pub scale: Option<f64>,
-    /// What the sensor reads at zero, in its own counts.
+    /// Reading at zero, in counts.
     pub zero: Option<f64>,
-    /// By how much the channel is late against its logger's clock [s].
+    /// Delay of the channel relative to its logger's clock [s].
     pub delay_s: Option<f64>,
-    /// The channel that holds its time, where it is not the logger's.
+    /// Time channel, if it is not that of the logger.
     pub time: Option<String>,
-    /// The sensor's place from the centre of gravity, x forward, y left, z up [m].
+    /// Position of the sensor from the centre of gravity, x forward, y left, z up [m].
     pub place_m: Option<[f64; 3]>,
 }
 
-/// What `runs.csv` says of a run.
+/// Values of `runs.csv` for a run.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct IndexValues {
-    /// A CSV with a column `run` and any of the others; a cell of it takes precedence.
+    /// CSV file with a column `run` and any of the other columns; its cells take precedence.
     pub table: Option<PathBuf>,
     /// Name of the track.
     pub track: Option<String>,
@@ -129,7 +128,7 @@ pub struct IndexValues {
     pub session: Option<String>,
     /// Ice temperature [degrees Celsius].
     pub ice_c: Option<f64>,
-    /// Ice temperatures [degrees Celsius] by their place along the track [m]:
+    /// Ice temperatures [degrees Celsius] by distance along the track [m]:
     /// `{ 350 = -8.2, 1100 = -9.0 }`.
     #[serde(default)]
     pub ice_c_at: BTreeMap<String, f64>,
@@ -139,28 +138,28 @@ pub struct IndexValues {
     pub air_pa: Option<f64>,
     /// Relative humidity [%].
     pub humidity_pct: Option<f64>,
-    /// Distance run on this finish of the runners before the run [m].
+    /// Distance run with the present surface finish of the runners before the run [m].
     pub distance_m: Option<f64>,
-    /// Mass of the sled with its crew [kg], where it is not the model's.
+    /// Mass of the sled with its crew [kg], if it differs from the model.
     pub mass_kg: Option<f64>,
-    /// The cells of the table's columns `x_NAME` that are not empty.
+    /// Non-empty cells of the table's columns `x_NAME`.
     #[serde(skip)]
     pub covariates: BTreeMap<String, String>,
 }
 
-/// One run to import; in the mapping one that differs from the others.
+/// A run to import; in the mapping only runs that differ from the others are stated.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlannedRun {
-    /// The run's name, that of its files too.
+    /// Name of the run and of its files.
     pub name: String,
-    /// Its recordings by logger, where no pattern finds them.
+    /// Files by logger, where no pattern matches them.
     #[serde(default)]
     pub files: BTreeMap<String, PathBuf>,
-    /// Delays of loggers in this run, stated instead of found [s].
+    /// Stated delays of loggers in this run [s].
     #[serde(default)]
     pub delay_s: BTreeMap<String, f64>,
-    /// What `runs.csv` says of it.
+    /// Values of `runs.csv` for the run.
     #[serde(default)]
     pub index: IndexValues,
 }
@@ -171,12 +170,12 @@ impl Mapping {
         self.or_only(&channel.logger)
     }
 
-    /// The logger whose clock the runs keep.
+    /// The logger whose clock is that of the runs.
     pub fn lead(&self) -> &str {
         self.or_only(&self.clock)
     }
 
-    /// A logger by its name; where none is named, the only one.
+    /// `name`, or the name of the first logger.
     fn or_only<'a>(&'a self, name: &'a Option<String>) -> &'a str {
         let name = name.as_ref().or_else(|| self.logger.keys().next());
         name.map_or("", String::as_str)
@@ -185,7 +184,7 @@ impl Mapping {
     /// Reads a mapping and checks everything that does not need its files.
     ///
     /// # Errors
-    /// [`Error::File`] with the line where it is no TOML or a key is unknown; [`Error::Key`].
+    /// [`Error::File`] with the line of invalid TOML or an unknown key; [`Error::Key`].
     pub fn parse(text: &str, file: &str) -> Result<Mapping, Error> {
         let mapping: Mapping = toml::from_str(text).map_err(|error| {
             let reason = kufe_files::broken_at(text, error.span(), error.message());
@@ -196,13 +195,13 @@ impl Mapping {
     }
 }
 
-/// Largest number that a key of a mapping takes, far above any sensor's.
-const LARGEST: f64 = 1e12;
+/// Largest value of a scale or zero, far above any sensor's.
+const MAX_VALUE: f64 = 1e12;
 
-/// Largest delay that is stated [s].
-const LARGEST_DELAY_S: f64 = 1e9;
+/// Largest stated delay [s].
+const MAX_DELAY_S: f64 = 1e9;
 
-/// Form of a name.
+/// Valid names, for messages.
 const PLAIN: &str = "letters, digits, '-', '_' and '.', not beginning with a point";
 
 /// Checks names, ranges and units.
@@ -245,11 +244,11 @@ fn check(mapping: &Mapping, file: &str) -> Result<(), Error> {
     Ok(())
 }
 
-/// Checks of one mapping, with the file that errors name.
+/// Checks of one mapping, with the file name for errors.
 struct Check<'a> {
     mapping: &'a Mapping,
     file: &'a str,
-    /// The loggers, as an error lists them.
+    /// The names of the loggers, for errors.
     one_of: String,
 }
 
@@ -282,7 +281,7 @@ impl Check<'_> {
         self.require(plain_name(name).is_some(), key.into(), name, PLAIN)
     }
 
-    /// A logger of this name must exist, where one is named.
+    /// Checks that a named logger exists.
     fn logger(&self, key: String, name: Option<&String>) -> Result<(), Error> {
         let unknown = name.filter(|name| !self.mapping.logger.contains_key(*name));
         let found = unknown.map_or("", String::as_str);
@@ -302,7 +301,7 @@ impl Check<'_> {
         self.name("logger", name)?;
         self.within(key("rate_hz"), logger.rate_hz, 0.01, 1e6)?;
         let delay_s = logger.delay_s;
-        self.within(key("delay_s"), delay_s, -LARGEST_DELAY_S, LARGEST_DELAY_S)?;
+        self.within(key("delay_s"), delay_s, -MAX_DELAY_S, MAX_DELAY_S)?;
         self.within(key("largest_delay_s"), logger.largest_delay_s, 0.0, 1e5)?;
         for angle in logger.rotation.into_iter().flatten() {
             let most = std::f64::consts::TAU;
@@ -339,11 +338,11 @@ impl Check<'_> {
         let sign = channel.sign.unwrap_or(1.0);
         self.require(sign.abs() == 1.0, key("sign"), sign, "1 or -1")?;
         let places = channel.place_m.into_iter().flatten();
-        let places = places.map(|x| ("place_m", x / 100.0 * LARGEST));
+        let places = places.map(|x| ("place_m", x / 100.0 * MAX_VALUE));
         let scale = ("scale", channel.scale.unwrap_or(1.0));
         let zero = ("zero", channel.zero.unwrap_or(0.0));
         for (name, value) in [scale, zero].into_iter().chain(places) {
-            let known = value.abs() <= LARGEST && !(name == "scale" && value == 0.0);
+            let known = value.abs() <= MAX_VALUE && !(name == "scale" && value == 0.0);
             self.require(known, key(name), value, "a number of a sensor")?;
         }
         self.unit(key("unit"), channel.unit.as_ref(), column_unit(column))?;
@@ -375,18 +374,18 @@ impl Check<'_> {
         }
         for (logger, delay) in &run.delay_s {
             let key = format!("run {}: delay_s.{logger}", run.name);
-            self.within(key, Some(*delay), -LARGEST_DELAY_S, LARGEST_DELAY_S)?;
+            self.within(key, Some(*delay), -MAX_DELAY_S, MAX_DELAY_S)?;
         }
         Ok(())
     }
 }
 
-/// A place along the track [m] as it is written in a name.
+/// Reads a distance along the track [m] from a name.
 pub(crate) fn place_of(text: &str) -> Option<f64> {
     text.parse().ok().filter(|s_m: &f64| s_m.abs() < 1e6)
 }
 
-/// A name that may be a file's.
+/// The name, if it is a valid file name.
 pub(crate) fn plain_name(name: &str) -> Option<&str> {
     let mut letters = name.chars();
     let plain = letters.all(|c| c.is_alphanumeric() || "-_. ".contains(c));

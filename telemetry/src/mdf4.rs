@@ -1,4 +1,4 @@
-//! Channels of numbers in MDF 4 logs, decoded a block at a time.
+//! Numeric channels of MDF 4 logs, decoded block by block.
 
 use std::collections::BTreeMap;
 use std::io::{Read, Seek};
@@ -12,20 +12,20 @@ use kufe_sled::MOST_NUMBERS;
 use crate::error::Error;
 use crate::log::{Channel, Log};
 
-/// Longest block that is unpacked [bytes]: writers make blocks of 4 MB.
-const LONGEST_BLOCK: u64 = 1 << 27;
+/// Largest size of an unpacked block [bytes]: writers make blocks of 4 MB.
+const MAX_BLOCK_BYTES: u64 = 1 << 27;
 
-/// Samples of a group that are decoded at a time.
+/// Number of samples of a group that are decoded at a time.
 const WINDOW: usize = 1 << 16;
 
-/// Reads an MDF 4 log; of the channels only those `wanted` by name, or all that hold numbers.
+/// Reads the channels of an MDF 4 log with the names `wanted`, or all numeric channels.
 ///
-/// Values are physical: the file's own conversion is done. Samples that the file marks invalid are
-/// NaN.
+/// Values are physical: the conversion that the file states is applied. Samples that the file marks
+/// as invalid are NaN.
 ///
 /// # Errors
-/// [`Error::File`] where it is no MDF 4, a channel that is wanted cannot be decoded, or they hold
-/// more than [`MOST_NUMBERS`].
+/// [`Error::File`] where the file is not MDF 4, a wanted channel cannot be decoded, or the channels
+/// have more than [`MOST_NUMBERS`] values.
 pub fn read_mdf4(
     reader: impl Read + Seek + Send + 'static,
     wanted: Option<&[&str]>,
@@ -33,7 +33,7 @@ pub fn read_mdf4(
 ) -> Result<Log, Error> {
     let failure = |error: Mf4Error| Error::file(file, error);
     let options = OpenOptions {
-        max_decompressed: LONGEST_BLOCK,
+        max_decompressed: MAX_BLOCK_BYTES,
         ..OpenOptions::default()
     };
     let source = Arc::new(read_seek_source(reader).map_err(failure)?);
@@ -69,7 +69,7 @@ pub fn read_mdf4(
         let mut values = match values(&mdf, &of_group.collect::<Vec<_>>(), file) {
             Ok(values) => values,
             Err(error) if wanted.is_some() => return Err(error),
-            // Groups of other things than numbers are skipped.
+            // Groups without numbers are skipped.
             Err(_) => continue,
         };
         let times = clock.and_then(|_| values.pop().flatten());
@@ -96,10 +96,10 @@ pub fn read_mdf4(
     log.with_channels(file, "no group has one")
 }
 
-/// Values of channels of one group; nothing for a channel that holds no numbers.
+/// Values of channels of one group; `None` for a channel that is not numeric.
 ///
 /// # Errors
-/// [`Error::File`] where the group cannot be decoded, or they are more than [`MOST_NUMBERS`].
+/// [`Error::File`] where the group cannot be decoded, or has more than [`MOST_NUMBERS`] values.
 fn values(
     mdf: &Mf4File,
     channels: &[&MdfChannel],

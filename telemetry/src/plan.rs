@@ -1,4 +1,4 @@
-//! The runs of a mapping: their files, and their lines of `runs.csv`.
+//! The runs of a mapping: their files, and their rows of `runs.csv`.
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -14,34 +14,35 @@ use serde::Serialize;
 use crate::error::Error;
 use crate::mapping::{IndexValues, Mapping, PlannedRun, place_of, plain_name};
 
-/// Longest table of runs [bytes].
-const LONGEST_TABLE: u64 = 1 << 24;
+/// Largest size of an index table [bytes].
+const MAX_TABLE_BYTES: u64 = 1 << 24;
 
 /// A run that is not imported.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ExcludedRun {
-    /// Its name.
+    /// Name of the run.
     pub run: String,
-    /// Why.
+    /// Reason why it is not imported.
     pub reason: String,
 }
 
 /// The runs of a mapping.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plan {
-    /// Runs of which every logger has a file, by name.
+    /// Runs with a file of every logger, sorted by name.
     pub runs: Vec<PlannedRun>,
-    /// The others.
+    /// Runs without a file of some logger.
     pub excluded: Vec<ExcludedRun>,
 }
 
-/// The runs of a mapping in `folder`, by name.
+/// The runs of a mapping in `folder`, sorted by name.
 ///
-/// A run is what the `*` of a logger's pattern matches, or a table `[[run]]`.
+/// The text that the `*` of a logger's pattern matches is the name of a run; tables `[[run]]` state
+/// further runs.
 ///
 /// # Errors
-/// [`Error::Key`] for a pattern that finds nothing, a name that no run can have, or where no run
-/// has all of its files; [`Error::File`] for an index table that cannot be read.
+/// [`Error::Key`] for a pattern without matches, an invalid name of a run, or where no run has all
+/// of its files; [`Error::File`] for an index table that cannot be read.
 pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Plan, Error> {
     let wrong = |key: String, found: String, expected: String| Error::Key {
         file: file.to_string(),
@@ -76,7 +77,7 @@ pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Plan, Error>
         Some(path) => {
             let path = folder.join(path);
             let file = path.display().to_string();
-            let bytes = kufe_files::read_regular(&path, LONGEST_TABLE);
+            let bytes = kufe_files::read_regular(&path, MAX_TABLE_BYTES);
             read_table(&bytes.map_err(|error| Error::file(&file, error))?, &file)?
         }
     };
@@ -118,7 +119,7 @@ pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Plan, Error>
         let row = table.iter().find(|(run, _)| *run == name);
         let row = row.map_or(IndexValues::default(), |(_, values)| values.clone());
         plan.runs.push(PlannedRun {
-            index: mapping.index.below(&row).below(&own.index),
+            index: mapping.index.overridden_by(&row).overridden_by(&own.index),
             name,
             files,
             ..own
@@ -130,11 +131,11 @@ pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Plan, Error>
     }
 }
 
-/// Files that a pattern names, with what its `*` matches, or with the file's own name where it has
-/// none; by name.
+/// Files that match a pattern, with the text that its `*` matches, sorted. For a pattern without
+/// `*` the text is the stem of the file name.
 ///
 /// # Errors
-/// What was expected.
+/// The expected pattern or files.
 fn matching(folder: &Path, pattern: &str) -> Result<Vec<(String, PathBuf)>, String> {
     let whole = folder.join(pattern);
     let text = |part: Option<&OsStr>| part.unwrap_or_default().to_string_lossy().to_string();
@@ -167,7 +168,7 @@ fn matching(folder: &Path, pattern: &str) -> Result<Vec<(String, PathBuf)>, Stri
 }
 
 impl IndexValues {
-    /// Numbers in the order of [`CONDITIONS`].
+    /// Numeric values in the order of [`CONDITIONS`].
     pub(crate) fn numbers(&mut self) -> [&mut Option<f64>; 6] {
         [
             &mut self.ice_c,
@@ -179,7 +180,7 @@ impl IndexValues {
         ]
     }
 
-    /// Texts by their column's name.
+    /// Text values with the names of their columns.
     fn texts(&mut self) -> [(&'static str, &mut Option<String>); 4] {
         [
             ("track", &mut self.track),
@@ -192,7 +193,7 @@ impl IndexValues {
     /// Sets the value of a cell.
     ///
     /// # Errors
-    /// What is expected there.
+    /// The expected value.
     fn set(&mut self, name: &str, cell: &str) -> Result<(), String> {
         let text = self.texts().iter().position(|(known, _)| *known == name);
         if let Some(at) = text {
@@ -220,23 +221,23 @@ impl IndexValues {
         Ok(())
     }
 
-    /// The values of `before`, and those of `self` where it states none.
-    pub(crate) fn below(&self, before: &IndexValues) -> IndexValues {
-        let (mut own, mut both) = (self.clone(), before.clone());
-        for (value, own) in both.numbers().into_iter().zip(own.numbers()) {
-            *value = value.or(*own);
+    /// The values of `overriding`, with those of `self` as defaults.
+    pub(crate) fn overridden_by(&self, overriding: &IndexValues) -> IndexValues {
+        let (mut defaults, mut merged) = (self.clone(), overriding.clone());
+        for (value, default) in merged.numbers().into_iter().zip(defaults.numbers()) {
+            *value = value.or(*default);
         }
-        for ((_, text), (_, own)) in both.texts().into_iter().zip(own.texts()) {
-            *text = text.take().or(own.take());
+        for ((_, text), (_, default)) in merged.texts().into_iter().zip(defaults.texts()) {
+            *text = text.take().or(default.take());
         }
-        if both.ice_c_at.is_empty() {
-            both.ice_c_at = own.ice_c_at;
+        if merged.ice_c_at.is_empty() {
+            merged.ice_c_at = defaults.ice_c_at;
         }
-        own.covariates.append(&mut both.covariates);
-        both.covariates = own.covariates;
+        defaults.covariates.append(&mut merged.covariates);
+        merged.covariates = defaults.covariates;
         IndexValues {
             table: None,
-            ..both
+            ..merged
         }
     }
 }
@@ -267,7 +268,7 @@ impl PlannedRun {
     }
 }
 
-/// Rows of an index table by their run, each with its line.
+/// Rows of an index table: the name of each run with its values.
 ///
 /// # Errors
 /// [`Error::Cell`] and [`Error::File`] with row and column.
@@ -332,10 +333,10 @@ pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexV
     Ok(rows)
 }
 
-/// Questions about the lines of `runs.csv`, for a mapping that is guessed.
+/// Questions about the values of `runs.csv`, for a guessed mapping.
 pub(crate) fn index_help() -> String {
     let mut text = String::from(
-        "\n[index]\n# What runs.csv says of the runs; a CSV with a column run may say it run by run.\n# table = \"index.csv\"\n",
+        "\n[index]\n# Values of runs.csv for all runs; a CSV with a column run may state them run by run.\n# table = \"index.csv\"\n",
     );
     for (name, what) in [
         ("track", "\"\""),
@@ -351,8 +352,8 @@ pub(crate) fn index_help() -> String {
     text + "# humidity_pct, distance_m, mass_kg and ice_c_at = { 350 = -8.2 } are possible here too\n"
 }
 
-/// The text of `runs.csv`: its usual columns, empty where a run does not state them, and those of
-/// the others that a run states.
+/// The text of `runs.csv`: its usual columns, with empty cells for missing values, and further
+/// columns that any run states.
 ///
 /// # Errors
 /// [`Error::File`] of the writer.

@@ -1,4 +1,4 @@
-//! Recordings of any format: text, Parquet, MATLAB and MDF 4.
+//! Reading of recordings: text, Parquet, MATLAB and MDF 4.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -14,24 +14,24 @@ use crate::mdf4::read_mdf4;
 use crate::text::{TextOptions, read_text};
 use crate::unit::name_unit;
 
-/// Numbers in a chunk of an HDF5 file at most, 32 MB of them: each is unpacked whole.
-const LONGEST_CHUNK: u64 = 4_000_000;
+/// Largest number of values in a chunk of an HDF5 file (32 MB): each chunk is unpacked whole.
+const MAX_CHUNK: u64 = 4_000_000;
 
-/// Structs within structs that are read.
-const DEPTH: usize = 6;
+/// Largest depth of nested structs.
+const MAX_DEPTH: usize = 6;
 
-/// How a MATLAB file begins that is HDF5.
+/// First bytes of a MATLAB file in HDF5 format.
 const MATLAB_73: &[u8] = b"MATLAB 7.3";
 
 /// Reads a recording: Parquet (`.parquet`), MATLAB (`.mat`), MDF 4 (`.mf4`, `.mdf`) or, with any
 /// other ending, text.
 ///
-/// Only the channels `wanted` by name are read, where some are, and at most `most` numbers: of text
-/// the first rows, where none are wanted. Files are read piece by piece,
-/// except MATLAB files of at most [`LONGEST_MATLAB`] bytes.
+/// With `wanted`, only channels of these names are read. `most` is the largest number of values; of
+/// a text without `wanted` the first rows are read. Files are read piece by piece, except MATLAB
+/// files of at most [`LONGEST_MATLAB`] bytes.
 ///
 /// # Errors
-/// Those of the format's reader; [`Error::File`] where the file cannot be read or holds more numbers.
+/// Those of the format's reader; [`Error::File`] where the file cannot be read or has more values.
 pub fn read_log(
     path: &Path,
     options: TextOptions,
@@ -80,7 +80,7 @@ pub fn read_recording(path: &Path, options: TextOptions) -> Result<Log, Error> {
     read_log(path, options, None, MOST_NUMBERS)
 }
 
-/// An error of the readers that runs share.
+/// Converts an error of the readers of `kufe_sled`.
 fn of_sled(file: &str) -> impl Fn(kufe_sled::Error) -> Error {
     move |error| match error {
         kufe_sled::Error::File { file, reason } => Error::File { file, reason },
@@ -110,17 +110,17 @@ fn of_vectors(vectors: impl IntoIterator<Item = (String, Vec<f64>)>, remarks: Ve
     log
 }
 
-/// Numbers of an array of this shape, as many as can be counted; 1 without one.
+/// Number of elements of an array of this shape, saturating; 1 for an empty shape.
 fn numbers_of(shape: &[u64]) -> u64 {
     shape.iter().fold(1, |n: u64, k| n.saturating_mul(*k))
 }
 
-/// Reads a MATLAB v7.3 file, which is HDF5: vectors, and vectors in structs as `struct.field`; only
-/// those `wanted` by name, or all of numbers.
+/// Reads a MATLAB v7.3 file, which is HDF5: the vectors with the names `wanted`, or all numeric
+/// vectors. A vector in a struct is named `struct.field`.
 ///
 /// # Errors
-/// [`Error::File`] where it is no HDF5, a vector that is wanted cannot be read, or they hold more
-/// than [`MOST_NUMBERS`].
+/// [`Error::File`] where the file is not HDF5, a wanted vector cannot be read, or the vectors have
+/// more than [`MOST_NUMBERS`] values.
 pub fn read_matlab73(
     mut reader: impl Read + Seek + Send + Sync + 'static,
     wanted: Option<&[&str]>,
@@ -140,16 +140,16 @@ pub fn read_matlab73(
     };
     let hdf = hdf.map_err(failure)?;
     let mut found = Variables::default();
-    found.collect(&hdf.root(), "", DEPTH).map_err(failure)?;
+    found.collect(&hdf.root(), "", MAX_DEPTH).map_err(failure)?;
     let names = found.vectors.iter();
     let names = names.map(|(name, _)| (name.clone(), Vec::new()));
     let mut log = of_vectors(names, found.remarks);
     for place in log.places(wanted, file)? {
         let (_, data) = &found.vectors[place];
         let chunk = data.chunk_shape().map_err(failure)?.unwrap_or_default();
-        if numbers_of(&chunk) > LONGEST_CHUNK {
+        if numbers_of(&chunk) > MAX_CHUNK {
             let name = &log.channels[place].name;
-            let expected = format!("expected at most {LONGEST_CHUNK}");
+            let expected = format!("expected at most {MAX_CHUNK}");
             let reason = format!("channel {name}: chunks of {chunk:?} numbers, {expected}");
             return Err(Error::file(file, reason));
         }
@@ -162,7 +162,7 @@ pub fn read_matlab73(
     log.with_channels(file, "no variable is a vector of more than one number")
 }
 
-/// Vectors of an HDF5 file by their names, and what its other variables are.
+/// Vectors of an HDF5 file with their names, and remarks on its other variables.
 #[derive(Default)]
 struct Variables {
     vectors: Vec<(String, Dataset)>,
@@ -213,7 +213,7 @@ impl Variables {
             }
         }
         for name in group.groups()? {
-            // #refs# and #subsystem# are MATLAB's own.
+            // #refs# and #subsystem# are internal to MATLAB.
             if depth > 0 && !name.starts_with('#') {
                 self.collect(&group.group(&name)?, &format!("{before}{name}."), depth - 1)?;
             }

@@ -1,5 +1,5 @@
 //! Relations between the channels of two loggers: pairs of expressions, one in each clock, that are
-//! equal except for a scale and a constant.
+//! equal up to a scale and a constant.
 
 use std::borrow::Cow;
 
@@ -23,7 +23,7 @@ pub struct Series {
 }
 
 impl Series {
-    /// Times of the samples that have a value [s].
+    /// Times of the samples with a finite value [s].
     pub fn samples(&self) -> impl Iterator<Item = f64> {
         let both = self.time.iter().zip(&self.values);
         let both = both.filter(|(t, x)| t.is_finite() && x.is_finite());
@@ -31,36 +31,39 @@ impl Series {
     }
 }
 
-/// A delay by one relation between channels.
+/// The delay estimated from one relation between channels.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Relation {
-    /// The relation.
+    /// Name of the relation.
     pub relation: String,
-    /// The delay [s].
+    /// Estimated delay [s].
     pub delay_s: f64,
-    /// Its standard error [s].
+    /// Standard error of the delay [s].
     pub delay_sd_s: f64,
-    /// Correlation at that delay.
+    /// Correlation of both sides at this delay.
     pub correlation: f64,
 }
 
-/// Fewest samples of a stretch that serve.
-const LEAST: usize = 16;
+/// Smallest number of samples of a stretch that is used.
+const MIN_SAMPLES: usize = 16;
 
-/// A low-passed series as a cubic spline in each stretch without a gap.
+/// A low-pass filtered series as a cubic spline in each stretch without a gap.
 pub(crate) struct Signal {
     parts: Vec<(f64, f64, Spline)>,
-    /// The series' own rate [Hz].
+    /// Sample rate of the series [Hz].
     pub rate_hz: f64,
 }
 
 impl Signal {
-    /// A series through a zero-phase low pass; `None` where no stretch is long enough.
-    pub fn of(series: &Series, corner_hz: f64) -> Option<Signal> {
+    /// Filters a series by a zero-phase low pass; `None` where no stretch is long enough.
+    pub fn of(series: &Series, cutoff_hz: f64) -> Option<Signal> {
         let cut = stretches(&series.time, &series.values)?;
-        let long = cut.parts.iter().filter(|part| part.values.len() >= LEAST);
+        let long = cut
+            .parts
+            .iter()
+            .filter(|part| part.values.len() >= MIN_SAMPLES);
         let spline = |part: &Stretch| {
-            let smooth = low_pass(&part.values, 1.0 / part.step_s, corner_hz);
+            let smooth = low_pass(&part.values, 1.0 / part.step_s, cutoff_hz);
             let at = |i: usize| part.start_s + i as f64 * part.step_s;
             let knots: Vec<f64> = (0..smooth.len()).map(at).collect();
             (part.start_s, part.end_s(), Spline::natural(&knots, &smooth))
@@ -85,21 +88,21 @@ impl Signal {
     }
 }
 
-/// Deviation of a sensor from its stated place [m]; it shifts a lateral acceleration by place over
-/// speed.
-const PLACE: f64 = 0.2;
+/// Standard deviation of an unknown sensor position along the sled [m]. It shifts a lateral
+/// acceleration by the ratio of position to speed [s].
+const POSITION_SD: f64 = 0.2;
 
-/// By how much slip that nothing measures shifts a lateral acceleration: slip angle over yaw rate
-/// [s].
-const SLIP: f64 = 0.03;
+/// Standard deviation of the time shift of a lateral acceleration by unmeasured slip: the ratio of
+/// slip angle to yaw rate [s].
+const SLIP_SD: f64 = 0.03;
 
-/// What is compared.
+/// Kind of a relation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Kind {
-    /// A column with itself.
+    /// The same column in both loggers.
     Same,
-    /// `dv/dt` with `a_x` and the components of [`forward_axis`], which gravity has a constant
-    /// share of.
+    /// `dv/dt` with `a_x` and the components of [`forward_axis`], of which gravity along the sled
+    /// is a linear combination with constant coefficients.
     Longitudinal,
     /// `a_y` with `r v - d(alpha v)/dt + x dr/dt`.
     Lateral,
@@ -107,7 +110,7 @@ pub(crate) enum Kind {
     Vertical,
 }
 
-/// Forces across the sled: their names, and the columns of both sides.
+/// Lateral and vertical relations: kind, name, and the columns of both sides.
 const ACROSS: [(Kind, &str, [&str; 2]); 2] = [
     (
         Kind::Lateral,
@@ -127,18 +130,18 @@ pub(crate) struct Pair<'a> {
     pub name: String,
     lhs: Vec<Cow<'a, Series>>,
     main: &'a Series,
-    /// Speed, where the relation has it, and whether it is in the clock of `lhs`.
+    /// Speed, if the relation needs it, and whether it is in the clock of `lhs`.
     speed: Option<(&'a Series, bool)>,
     slip: Option<&'a Series>,
-    /// Accelerometer ahead of the place of the right side [m].
+    /// Distance of the accelerometer ahead of the sensor of the right side [m].
     ahead_m: f64,
-    /// Whether `lhs` is in the clock whose delay is sought.
+    /// Whether `lhs` is in the clock with the unknown delay.
     pub lhs_late: bool,
-    /// Uncertainty of the delay that this relation cannot resolve [s].
+    /// Standard deviation of the delay due to unknown position and slip [s].
     pub doubt_s: f64,
 }
 
-/// A pair's sides at a corner of the low pass.
+/// Both sides of a pair, low-pass filtered.
 pub(crate) struct Sides<'a> {
     pair: &'a Pair<'a>,
     lhs: Vec<Signal>,
@@ -147,11 +150,11 @@ pub(crate) struct Sides<'a> {
     slip: Option<Signal>,
 }
 
-/// A place of a column along the sled, where it is stated.
+/// Position of a column's sensor along the sled [m], if it is stated.
 pub(crate) type Place<'a> = dyn Fn(&str) -> Option<f64> + 'a;
 
-/// The pairs between one logger and those whose clocks are known, whose series are in the clock of
-/// the runs.
+/// The relations between the series of one logger, `late`, and those of loggers with known clocks,
+/// `known`, which are in the clock of the runs.
 pub(crate) fn pairs<'a>(
     late: &'a [&'a Series],
     known: &'a [Series],
@@ -195,15 +198,15 @@ pub(crate) fn pairs<'a>(
             };
             let is_lateral = kind == Kind::Lateral;
             let slip = side("alpha_rad", false).filter(|_| is_lateral);
-            // The slip sensor's velocity is that of its own place.
+            // The slip sensor measures the velocity at its own position.
             let at = slip.map_or(Some(0.0), |_| place("alpha_rad"));
             let ahead = place(acceleration).zip(at).map(|(sensor, at)| sensor - at);
             let unknown_place = match ahead {
                 Some(_) => 0.0,
-                None => PLACE / mean(speed.0).abs().max(1.0),
+                None => POSITION_SD / mean(speed.0).abs().max(1.0),
             };
             let unknown_slip = if slip.is_none() && is_lateral {
-                SLIP
+                SLIP_SD
             } else {
                 0.0
             };
@@ -222,9 +225,9 @@ pub(crate) fn pairs<'a>(
 /// Rates about the axes of the sled.
 const RATES: [&str; 3] = ["roll_rate_radps", "pitch_rate_radps", "yaw_rate_radps"];
 
-/// Components of the sled's forward axis along three axes that do not turn, from its rates: `dR/dt
-/// = R w`. Gravity along the sled is a constant combination of them. `None` where the rates share
-/// no time.
+/// Components of the sled's forward axis in a non-rotating frame, integrated from the angular
+/// rates: `dR/dt = R w`. Gravity along the sled is a linear combination of them with constant
+/// coefficients. `None` where the rates do not overlap in time.
 fn forward_axis(rates: [&Series; 3]) -> Option<[Series; 3]> {
     let [roll, pitch, yaw] = rates.map(|rate| Signal::of(rate, f64::INFINITY));
     let rates = [roll?, pitch?, yaw?];
@@ -242,7 +245,7 @@ fn forward_axis(rates: [&Series; 3]) -> Option<[Series; 3]> {
             series.time.push(t);
             series.values.push(*component);
         }
-        // In a gap the last rates continue.
+        // In a gap the last rates are held.
         if let [Some(p), Some(q), Some(r)] = rates.each_ref().map(|rate| rate.at(t + 0.5 * step)) {
             rate = Vector3::new(p[0], q[0], r[0]);
         }
@@ -278,21 +281,22 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// Both sides through a low pass; `None` where a series is too short.
-    pub fn sides(&self, corner_hz: f64) -> Option<Sides<'_>> {
-        let of = |series: &Series| Signal::of(series, corner_hz);
-        // A speed that is too short is not that of a relation without one.
-        let speed = self.speed.map(|(series, _)| of(series));
+    /// Both sides, low-pass filtered; `None` where a series is too short.
+    pub fn sides(&self, cutoff_hz: f64) -> Option<Sides<'_>> {
+        let filtered = |series: &Series| Signal::of(series, cutoff_hz);
+        let lhs = self.lhs.iter().map(|lhs| filtered(lhs));
+        // A relation whose speed is too short has no sides.
+        let speed = self.speed.map(|(series, _)| filtered(series));
         Some(Sides {
             pair: self,
-            lhs: self.lhs.iter().map(|lhs| of(lhs)).collect::<Option<_>>()?,
-            main: of(self.main)?,
+            lhs: lhs.collect::<Option<_>>()?,
+            main: filtered(self.main)?,
             speed: speed.map_or(Some(None), |speed| speed.map(Some))?,
-            slip: self.slip.and_then(of),
+            slip: self.slip.and_then(filtered),
         })
     }
 
-    /// The rate of the slower side [Hz].
+    /// Sample rate of the slower side [Hz].
     pub fn rate_hz(&self) -> Option<f64> {
         let rate = |series: &Series| Signal::of(series, f64::INFINITY).map(|signal| signal.rate_hz);
         Some(rate(&self.lhs[0])?.min(rate(self.main)?))
@@ -300,20 +304,20 @@ impl<'a> Pair<'a> {
 }
 
 impl Sides<'_> {
-    /// How many columns `lhs` has.
+    /// Number of columns of `lhs`.
     pub fn columns(&self) -> usize {
         self.lhs.len()
     }
 
-    /// Columns of `lhs` and their derivatives at a time of its own clock.
+    /// Columns of `lhs` and their derivatives at a time `t` of its clock.
     pub fn lhs(&self, t: f64) -> Option<Vec<[f64; 2]>> {
         let columns = self.lhs.iter().map(|column| column.at(t));
         let both = columns.map(|column| column.map(|[value, slope, _]| [value, slope]));
         both.collect()
     }
 
-    /// `rhs` and its derivative at a time of its own clock; `ahead` leads from there to the clock
-    /// of `lhs`.
+    /// `rhs` and its derivative at a time `t` of its clock; `t + ahead` is the time of the clock of
+    /// `lhs`.
     pub fn rhs(&self, t: f64, ahead: f64) -> Option<[f64; 2]> {
         let [w, dw, ddw] = self.main.at(t)?;
         let with_lhs = self.pair.speed.is_some_and(|(_, with_lhs)| with_lhs);
@@ -331,12 +335,12 @@ impl Sides<'_> {
                     Some(slip) => slip.at(t)?,
                     None => [0.0; 3],
                 };
-                // v_y = -alpha v; of its second derivative the speed's changes are small against
-                // slip's.
-                let sideways = -(dslip * v + slip * dv);
-                let further = -(ddslip * v + 2.0 * dslip * dv);
-                let slope = dw * v + w * dv + further + x * ddw;
-                [w * v + sideways + x * dw, slope]
+                // v_y = -alpha v; its second derivative without the term of d2v/dt2, which is
+                // small.
+                let dv_y = -(dslip * v + slip * dv);
+                let ddv_y = -(ddslip * v + 2.0 * dslip * dv);
+                let slope = dw * v + w * dv + ddv_y + x * ddw;
+                [w * v + dv_y + x * dw, slope]
             }
         })
     }
@@ -346,7 +350,8 @@ impl Sides<'_> {
         [self.lhs[0].span(), self.main.span()]
     }
 
-    /// From the clock of `rhs` to that of `lhs`, by the delay of the logger whose delay is sought.
+    /// Time to add to the clock of `rhs` to obtain that of `lhs`, for a delay of the late logger
+    /// [s].
     pub fn ahead(&self, delay: f64) -> f64 {
         if self.pair.lhs_late { delay } else { -delay }
     }

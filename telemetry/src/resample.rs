@@ -1,15 +1,15 @@
-//! Samples at any times brought to one base of times, with nothing invented across gaps.
+//! Resampling of series to uniform times, without values in gaps.
 
 use kufe_sled::{Spline, low_pass};
 
-/// Corner of the low pass before samples are thinned out [rates of the base]: half the Nyquist
-/// frequency less what the filter's slope needs.
-const CORNER: f64 = 0.4;
+/// Ratio of the cutoff frequency of the anti-aliasing filter to the new rate: below the Nyquist
+/// ratio 0.5 by a margin for the filter's slope.
+const CUTOFF_RATIO: f64 = 0.4;
 
-/// Fewest samples of a stretch that the low pass takes.
-const LEAST_FILTERED: usize = 16;
+/// Smallest number of samples of a stretch that is filtered.
+const MIN_FILTERED: usize = 16;
 
-/// Distance from a sample at which its value is taken as it is [steps].
+/// Distance from a sample within which its value is used without interpolation [steps].
 const AT_SAMPLE: f64 = 1e-3;
 
 /// Uniform times.
@@ -33,35 +33,35 @@ impl Base {
 /// Rows of a base in which a series has no value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
-    /// First of the rows.
+    /// First row of the gap.
     pub row: usize,
-    /// How many.
+    /// Number of rows.
     pub rows: usize,
 }
 
 /// A series on a base.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resampled {
-    /// Its values; NaN where it has none.
+    /// Values at the times of the base; NaN in gaps.
     pub values: Vec<f64>,
-    /// Its own rate [Hz].
+    /// Sample rate of the series [Hz].
     pub rate_hz: f64,
-    /// Corner of the low pass that it went through [Hz].
+    /// Cutoff frequency of the anti-aliasing filter [Hz]; `None` without filtering.
     pub filter_hz: Option<f64>,
-    /// Whether values lie between samples.
+    /// Whether values are interpolated between samples.
     pub interpolated: bool,
-    /// Largest deviation of its times from uniform ones [steps].
+    /// Largest deviation of the sample times from uniform times [steps].
     pub jitter: f64,
-    /// Where it has no values.
+    /// Rows without values.
     pub gaps: Vec<Gap>,
 }
 
-/// Brings a series to a base of times.
+/// Resamples a series to a base of uniform times.
 ///
-/// Where it was sampled faster than the base, a Butterworth low pass of order 4, run forwards and
-/// backwards, with its corner at 0.4 of the base's rate goes before; between samples the natural
-/// cubic spline is evaluated. Neither reaches across a gap: rows within one are NaN, and so are
-/// stretches too short for the filter (16 samples).
+/// A series with a higher rate than the base is first filtered by a zero-phase Butterworth low-pass
+/// filter (order 4, forwards and backwards) with a cutoff of 0.4 times the base's rate. Values
+/// between samples are those of the natural cubic spline. Neither crosses a gap: rows within gaps
+/// are NaN, and so are stretches that are too short for the filter (16 samples).
 ///
 /// `time` [s] increases strictly. `None` with fewer than two finite samples.
 ///
@@ -76,23 +76,23 @@ pub struct Resampled {
 /// ```
 pub fn resample(time: &[f64], values: &[f64], base: &Base) -> Option<Resampled> {
     let cut = stretches(time, values)?;
-    // Rates from rounded times: 100.05 Hz is 100 Hz.
-    let thinned = 1.0 / cut.step_s > base.rate_hz * (1.0 + 1e-3);
-    let corner = CORNER * base.rate_hz;
+    // Rates follow from rounded times: 100.05 Hz counts as 100 Hz.
+    let decimated = 1.0 / cut.step_s > base.rate_hz * (1.0 + 1e-3);
+    let cutoff = CUTOFF_RATIO * base.rate_hz;
     let mut found = Resampled {
         values: vec![f64::NAN; base.count],
         rate_hz: 1.0 / cut.step_s,
-        filter_hz: thinned.then_some(corner),
+        filter_hz: decimated.then_some(cutoff),
         interpolated: false,
         jitter: cut.jitter,
         gaps: Vec::new(),
     };
     for part in &cut.parts {
-        if thinned && part.values.len() < LEAST_FILTERED {
+        if decimated && part.values.len() < MIN_FILTERED {
             continue;
         }
-        let smooth = thinned.then(|| Stretch {
-            values: low_pass(&part.values, 1.0 / part.step_s, corner),
+        let smooth = decimated.then(|| Stretch {
+            values: low_pass(&part.values, 1.0 / part.step_s, cutoff),
             ..*part
         });
         found.interpolated |= place(smooth.as_ref().unwrap_or(part), base, &mut found.values);
@@ -109,7 +109,8 @@ pub fn resample(time: &[f64], values: &[f64], base: &Base) -> Option<Resampled> 
     Some(found)
 }
 
-/// Writes a stretch's values into the rows that it spans; whether any lies between samples.
+/// Writes the values of a stretch into the rows that it spans. Returns whether any row lies between
+/// samples.
 fn place(part: &Stretch, base: &Base, values: &mut [f64]) -> bool {
     let slack = AT_SAMPLE * part.step_s;
     let row = |t: f64| (t - base.start_s) * base.rate_hz;
@@ -138,21 +139,21 @@ fn place(part: &Stretch, base: &Base, values: &mut [f64]) -> bool {
     true
 }
 
-/// Longer steps than this are gaps [longest usual steps]: one lost sample makes two, jitter by a
-/// quarter at both ends one and a half.
-const GAP: f64 = 1.6;
+/// Ratio of a step to the longest usual step above which it is a gap. One lost sample makes 2,
+/// jitter by a quarter of a step at both ends makes 1.5.
+const MIN_GAP: f64 = 1.6;
 
-/// Share of the steps that differ by less than half from the usual one where one rate was sampled.
-/// Of two merged rates about half do.
-const EVEN: f64 = 0.75;
+/// Smallest fraction of steps within 50 % of the mean step if the series has a single rate. For two
+/// merged rates the fraction is about half.
+const MIN_EVEN: f64 = 0.75;
 
-/// Share of the steps of merged rates that are no longer than the longest usual one.
-const NOT_LONG: f64 = 0.95;
+/// Quantile of the steps of merged rates that is the longest usual step.
+const LONG_QUANTILE: f64 = 0.95;
 
-/// Steps of more than this many medians are not used for the usual step.
+/// Ratio of a step to the median above which it is not used for the mean step.
 const OUTLIER: f64 = 2.5;
 
-/// Deviation of a time from the uniform one that is not worth an interpolation [steps].
+/// Largest deviation of a sample time from the uniform time without interpolation [steps].
 const UNIFORM: f64 = 0.01;
 
 /// Samples without a gap at uniform times.
@@ -173,22 +174,22 @@ impl Stretch {
     }
 }
 
-/// Stretches of a series, and by how much its times deviate from uniform ones.
+/// Stretches of a series, and the deviation of its times from uniform times.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Stretches {
-    /// The stretches in time, each of two samples at least.
+    /// The stretches in the order of time, each of at least two samples.
     pub parts: Vec<Stretch>,
-    /// Usual time between samples [s].
+    /// Mean time between samples, without gaps [s].
     pub step_s: f64,
     /// Largest deviation from uniform times within a stretch [steps].
     pub jitter: f64,
 }
 
-/// Cuts a series where samples are missing and brings each part to uniform times.
+/// Splits a series at missing samples, and resamples each part to uniform times.
 ///
-/// `time` increases strictly; values that are not finite are missing. A cubic spline through the
-/// samples gives those of a stretch whose times are irregular; where the times are uniform within
-/// what they are rounded to, they are taken as that. `None` with fewer than two samples.
+/// `time` increases strictly; values that are not finite are missing. Parts with irregular times
+/// are interpolated by a cubic spline. Times that are uniform within their rounding are treated as
+/// uniform. `None` with fewer than two samples.
 pub(crate) fn stretches(time: &[f64], values: &[f64]) -> Option<Stretches> {
     let both = time.iter().copied().zip(values.iter().copied());
     let present = both.filter(|(t, x)| t.is_finite() && x.is_finite());
@@ -197,7 +198,7 @@ pub(crate) fn stretches(time: &[f64], values: &[f64]) -> Option<Stretches> {
     let resolution = resolution(&present);
     let mut parts = Vec::new();
     let mut jitter: f64 = 0.0;
-    let is_gap = |pair: &[(f64, f64)]| pair[1].0 - pair[0].0 > GAP * longest;
+    let is_gap = |pair: &[(f64, f64)]| pair[1].0 - pair[0].0 > MIN_GAP * longest;
     let cuts = (1..present.len()).filter(|&i| is_gap(&present[i - 1..=i]));
     let ends: Vec<usize> = cuts.chain([present.len()]).collect();
     let mut begin = 0;
@@ -234,10 +235,10 @@ pub(crate) fn stretches(time: &[f64], values: &[f64]) -> Option<Stretches> {
     })
 }
 
-/// The usual step and the longest usual one.
+/// The usual step and the longest usual step [s].
 ///
-/// The first is the mean of all steps but gaps, whatever they are rounded to. The second is the same
-/// where one rate was sampled, else a high quantile.
+/// The usual step is the mean of all steps except gaps, which averages out rounding. The longest
+/// usual step equals it for a single rate; for merged rates it is a high quantile.
 fn usual_steps(present: &[(f64, f64)]) -> Option<(f64, f64)> {
     let steps = present.windows(2).map(|pair| pair[1].0 - pair[0].0);
     let mut steps: Vec<f64> = steps.collect();
@@ -245,12 +246,12 @@ fn usual_steps(present: &[(f64, f64)]) -> Option<(f64, f64)> {
     let below = |limit: f64| steps.partition_point(|step| *step < limit);
     let regular = below(OUTLIER * *steps.get(steps.len() / 2)?);
     let mean = steps[..regular].iter().sum::<f64>() / regular as f64;
-    let even = (below(1.5 * mean) - below(0.5 * mean)) as f64 >= EVEN * steps.len() as f64;
-    let quantile = steps[(NOT_LONG * (steps.len() - 1) as f64) as usize];
+    let even = (below(1.5 * mean) - below(0.5 * mean)) as f64 >= MIN_EVEN * steps.len() as f64;
+    let quantile = steps[(LONG_QUANTILE * (steps.len() - 1) as f64) as usize];
     Some((mean, if even { mean } else { quantile }))
 }
 
-/// The decimal that all times are multiples of [s]; 0 where there is none.
+/// The largest power of ten (1 s to 1 µs) of which all times are multiples [s]; 0 without one.
 fn resolution(present: &[(f64, f64)]) -> f64 {
     let multiple = |scaled: f64| {
         // Conversions of milliseconds leave rounding in the last digits.

@@ -1,4 +1,4 @@
-//! Units as loggers write them, in those of kufe's columns.
+//! Conversion of units as loggers write them to the units of kufe's columns.
 
 /// Exponents of metre, kilogram, second and radian.
 type Dimension = [i32; 4];
@@ -21,8 +21,8 @@ const POWER: Dimension = [2, 1, -3, 0];
 const GRAVITY: f64 = 9.806_65;
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
-/// Spellings, size in SI units, dimension. Capitals count where two units differ by them only (mPa,
-/// MPa).
+/// Spellings, size in SI units, dimension. Capitals are significant only where they distinguish two
+/// units (mPa, MPa).
 ///
 /// Sizes by the SI brochure, ISO 80000 and the international yard and pound.
 const UNITS: &[(&str, f64, Dimension)] = &[
@@ -76,14 +76,14 @@ const UNITS: &[(&str, f64, Dimension)] = &[
     ("% percent prozent pct", 1e-2, NONE),
 ];
 
-/// Units of temperature: size of a degree, and what its zero is [degrees Celsius].
+/// Units of temperature: spellings, size of a degree, and its zero in degrees Celsius.
 const TEMPERATURES: [(&str, f64, f64); 3] = [
     ("°c c degc celsius", 1.0, 0.0),
     ("°f f degf fahrenheit", 5.0 / 9.0, -160.0 / 9.0),
     ("k kelvin", 1.0, -273.15),
 ];
 
-/// Other words in rows of units and converts to nothing.
+/// Other words in rows of units, without a conversion.
 const OTHERS: &str = "- # v mv a ma ohm db l ml bit bits count counts raw ratio lambda unitless none enum no no. flag \
     date text string bool boolean hex sats";
 
@@ -117,7 +117,8 @@ pub fn column_unit(column: &str) -> &'static str {
     suffix.map_or("1", |(_, unit)| unit)
 }
 
-/// The unit in which another program's name ends: `acc_x_gs`, `yaw_rate_deg_per_s`, `speed_kmh`.
+/// The unit at the end of another program's channel name: `acc_x_gs`, `yaw_rate_deg_per_s`,
+/// `speed_kmh`.
 pub(crate) fn name_unit(name: &str) -> Option<String> {
     let words: Vec<&str> = name.trim().split(['_', ' ']).collect();
     let words: Vec<&str> = words.into_iter().filter(|word| !word.is_empty()).collect();
@@ -197,14 +198,14 @@ pub fn conversion(unit: &str, target: &str) -> Result<Conversion, String> {
     Ok(Conversion { factor, offset })
 }
 
-/// Whether this is a unit of whatever quantity.
+/// Whether a text is a unit or another word of rows of units.
 pub(crate) fn is_unit(text: &str) -> bool {
     let unit = bare(text);
     let mut others = OTHERS.split_whitespace();
     unit.is_empty() || others.any(|word| unit.eq_ignore_ascii_case(word)) || has_dimension(unit)
 }
 
-/// Whether this is a unit of a physical quantity.
+/// Whether a text is a unit of a physical quantity.
 pub(crate) fn has_dimension(unit: &str) -> bool {
     let unit = bare(unit);
     temperature(unit).is_some() || product(unit).is_some()

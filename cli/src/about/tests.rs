@@ -1,4 +1,4 @@
-//! What options are called: a thing has one name in all commands.
+//! Names of options: an option has one name and one help text in all commands.
 
 use std::any::TypeId;
 use std::collections::{BTreeMap, BTreeSet};
@@ -7,7 +7,7 @@ use clap::{Arg, Command, CommandFactory};
 
 use crate::Cli;
 
-/// What the name of an option ends in, by the unit that its help states: as keys of files do.
+/// Ending of an option's name for each unit that its help states, as in keys of files.
 const ENDS: [(&str, &str); 11] = [
     ("m", "m"),
     ("N", "n"),
@@ -25,12 +25,12 @@ const ENDS: [(&str, &str); 11] = [
 /// Numbers without a unit.
 const PURE: [&str; 3] = ["confidence", "p-max", "skill"];
 
-/// What each command says in words of its own: what it writes, and which runs it takes or makes.
+/// Options whose help may differ between commands: outputs, and the runs that are read or made.
 const OWN: [&str; 9] = [
     "driver", "mat", "out", "run", "runs", "seed", "session", "strict", "track",
 ];
 
-/// The options of all commands that are not every command's, each with the words of its command.
+/// All long options with the path of the command that declares them; global ones at the root.
 fn options() -> Vec<(String, Arg)> {
     fn below(command: &Command, path: &str, found: &mut Vec<(String, Arg)>) {
         let own = command

@@ -176,7 +176,7 @@ fn map(found: &Optimum) -> (Panel, ColourBar) {
     let bands = |share: f64| viridis((BANDS * share).floor().min(BANDS - 1.0) / (BANDS - 1.0));
     let bar = ColourBar::new(MU, [1e3 * least, 1e3 * most], bands);
     let cells = Cells::new([CELLS; 2], |i, j| Some(bar.colour(1e3 * value(i, j))));
-    let alike = least * (1.0 + found.indistinct);
+    let alike = least * (1.0 + found.relative_resolution);
     let bound = contour([CELLS + 1; 2], value, alike).into_iter();
     let bound = bound.map(|ends| ends.map(|(i, j)| (at(0, i), at(1, j))));
     let [best, others] = [PALETTE[1], Colour::new(255, 105, 190)];
@@ -187,7 +187,7 @@ fn map(found: &Optimum) -> (Panel, ColourBar) {
     let least = Layer::dots(8.0, [(x, y)], best);
     let layers = vec![
         Layer::map(window, cells),
-        bound.named("bound of what is not distinguishable from the best"),
+        bound.named("limit of the runners indistinguishable from the best"),
         Layer::dots(4.0, solved, others).named("other runners solved"),
         least.named("best runner, solved"),
     ];

@@ -10,7 +10,7 @@ use crate::output::{OutputDir, case_inputs};
 use crate::terminal::Global;
 use crate::text::document_text;
 
-/// Options of a law over the pressure, and of no groove.
+/// Options that apply only to the pressure-dependent friction law.
 const BY_LAW: [&str; 5] = ["alpha_rad", "model", "air_c", "air_pa", "humidity_pct"];
 
 /// Arguments of `kufe friction CASE`.
@@ -36,12 +36,12 @@ pub struct Args {
         allow_hyphen_values = true
     )]
     pub ice_c: Vec<f64>,
-    /// Friction of the groove that the runner ploughs and of the melt film in it, over all speeds
-    /// and temperatures of the ice, instead of a law over the pressure
+    /// Friction of the groove that the runner ploughs and of the melt film in it, for all speeds
+    /// and temperatures of the ice, instead of the pressure-dependent law
     #[arg(long, conflicts_with_all = BY_LAW)]
     pub groove: bool,
-    /// With --groove, one speed and one case: the runner with the least friction, by one or two
-    /// numbers of its shape within bounds, as rocker_radius_m=15:60,section_radius_m=0.004:0.008
+    /// With --groove, one speed and one case: find the shape with the least friction over one or
+    /// two parameters within bounds, as rocker_radius_m=15:60,section_radius_m=0.004:0.008
     #[arg(long, value_name = "KEY=LOW:HIGH", value_delimiter = ',')]
     pub optimise: Vec<String>,
     /// With --groove: folder for friction.csv, friction.json and friction.png
@@ -100,7 +100,7 @@ impl Args {
         Err(Failure::Usage(missing.join("\n")))
     }
 
-    /// The output folder, where one is requested, before anything is solved.
+    /// The output folder, if one is requested; it is checked before anything is solved.
     ///
     /// # Errors
     /// As [`OutputDir::begin`].
@@ -134,7 +134,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let conditions = DrivingConditions {
         v_mps: speed,
         alpha_rad: args.alpha_rad,
-        conditions: stated_conditions([
+        environment: stated_conditions([
             args.ice_c.first().copied(),
             args.air_c,
             args.air_pa,
@@ -151,7 +151,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let result = global.watched(|watch| law.solve(&loaded, &conditions, watch))?;
     let mut text = document_text(&result)?;
     if result.capped {
-        text += "the pressure is outside those of the fit of the law: this is its largest mu\n";
+        text += "mu is capped: the pressure is outside the range that the law was fitted to\n";
     }
     global.answer(&result, || text)
 }

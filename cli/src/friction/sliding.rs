@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use kufe::jobs::Failure;
 use kufe::jobs::case_file::LoadedCase;
-use kufe::jobs::slide::{fastest, friction_table};
+use kufe::jobs::slide::{friction_table, lowest_friction};
 use kufe::plot::{Axis, Figure, Layer, PALETTE, Panel, Point, extent};
 use kufe::results::{CaseRecord, FastestRunners, FrictionRow, FrictionTable, write_csv};
 use kufe_contact::Options;
@@ -109,7 +109,7 @@ fn fastest_runners(runners: &[Vec<FrictionRow>]) -> Vec<FastestRunners> {
     let count = runners.first().map_or(0, Vec::len);
     let at = |k: usize| {
         let points: Vec<&FrictionRow> = runners.iter().map(|points| &points[k]).collect();
-        let fastest = fastest(&points).into_iter();
+        let fastest = lowest_friction(&points).into_iter();
         FastestRunners {
             v_mps: points[0].v_mps,
             ice_c: points[0].ice_c,

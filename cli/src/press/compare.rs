@@ -7,7 +7,8 @@ use kufe::jobs::field::{ComparedMaps, read_map};
 use kufe::plot::{measured, quantity, shown_unit};
 use kufe::report::{Picture, read_json, results_page};
 use kufe::results::{
-    ComparedQuantity, Comparison, ContactResult, Datum, PeakPressure, Quantity, compared_quantities,
+    ComparedQuantity, Comparison, ContactResult, Datum, PeakPressure, ResultQuantity,
+    compared_quantities,
 };
 use kufe_contact::PressureMap;
 

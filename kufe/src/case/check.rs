@@ -1,11 +1,11 @@
-//! What the values of a case must fulfil: each its range, and together what is stated here.
+//! Validation of a case: the range of each value, and conditions between values.
 
 use crate::case::document::Case;
 use crate::case::range::{Checked, LARGEST_RADIUS, check_ranges, combination, require};
 use crate::case::{Hardness, Shape, Thickness, TiltWord};
 
 impl Case {
-    /// Checks every value against its range, and that the values fit together.
+    /// Checks every value against its range, and the conditions between values.
     ///
     /// # Errors
     /// [`CaseError`](crate::case::CaseError) naming the first key that is wrong.
@@ -35,7 +35,7 @@ impl Case {
     }
 }
 
-/// Keys of the runner that exclude or need each other: `key: what is expected`.
+/// First violated condition between keys of the runner, as `key: expectation`.
 fn runner_contradiction(case: &Case) -> Option<&'static str> {
     let runner = &case.runner;
     let (hull, shape) = (runner.hull.is_some(), runner.shape.is_some());
@@ -60,8 +60,8 @@ fn runner_contradiction(case: &Case) -> Option<&'static str> {
     }
 }
 
-/// Refuses the keys that describe the file of a hull, for a shape and for a mesh; a mesh may state
-/// its scale and its noise.
+/// Refuses keys that describe the file of a hull if the runner is a shape or a mesh. A mesh may
+/// have `scale` and `noise_m`.
 fn check_keys_of_hulls(case: &Case) -> Checked {
     let runner = &case.runner;
     let mesh = runner.mesh.is_some();

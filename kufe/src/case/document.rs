@@ -1,4 +1,4 @@
-//! One contact problem as a file states it.
+//! The document `case.toml`: one contact problem.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -12,10 +12,10 @@ use crate::case::{
     TrackTable,
 };
 
-/// File of an output folder that holds the groove of a runner that slid.
+/// File of an output folder with the groove of a sliding runner.
 pub const GROOVE_FILE: &str = "groove.exr";
 
-/// One contact problem as a file states it.
+/// The document `case.toml`: one contact problem.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "case.toml")]
@@ -29,13 +29,13 @@ pub struct Case {
     pub track: TrackTable,
     /// The load.
     pub load: LoadTable,
-    /// Steady sliding on ice that yields; at rest where the table is absent.
+    /// Steady sliding on yielding ice; the runner is at rest where the table is absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sliding: Option<SlidingTable>,
     /// The requested accuracy; one per cent of the peak pressure where the table is absent.
     #[serde(default)]
     pub accuracy: AccuracyTable,
-    /// How the equations are solved; without a stored stiffness where the table is absent.
+    /// Options of the solver; matrix-free where the table is absent.
     #[serde(default, skip_serializing_if = "SolverTable::is_default")]
     pub solver: SolverTable,
     /// Effects that are switched on, by name ([`crate::case::effects`]); an absent one is off.
@@ -56,8 +56,7 @@ impl Case {
         Ok(case)
     }
 
-    /// The accuracy and the form of the stiffness that the case requests; all else as
-    /// [`Options::default`].
+    /// [`Options::default`] with the accuracy and the form of the stiffness that the case requests.
     pub fn options(&self) -> Options {
         self.options_on(Options::default())
     }
@@ -71,8 +70,8 @@ impl Case {
         }
     }
 
-    /// The files that the case names, as it names them, with their keys: hull, mesh, section, ice
-    /// surface, the groove of an earlier runner.
+    /// Keys and paths of the files that the case names: hull, mesh, section, ice surface, and the
+    /// groove of a preceding runner.
     pub fn files(&self) -> Vec<(&'static str, PathBuf)> {
         let section = self.runner.section.as_ref();
         let profile = section.and_then(|s| s.profile.clone());
@@ -90,7 +89,7 @@ impl Case {
         .collect()
     }
 
-    /// The case as TOML; [`Case::parse`] of it gives the case back.
+    /// The case as TOML, which [`Case::parse`] reads back.
     ///
     /// # Errors
     /// [`CaseError::Unwritable`] where the hull's path is not valid Unicode.

@@ -1,4 +1,4 @@
-//! What can be wrong with a case file.
+//! Errors of a case file.
 
 use toml::de::{DeTable, DeValue};
 
@@ -7,7 +7,7 @@ use crate::case::range::Range;
 /// Errors of a case file.
 #[derive(Debug, thiserror::Error)]
 pub enum CaseError {
-    /// The text is no TOML, a key is unknown or missing, or a value is of the wrong kind.
+    /// The text is not valid TOML, a key is unknown or missing, or a value has the wrong type.
     #[error("{0}")]
     Syntax(String),
     /// A value is outside its range.
@@ -19,7 +19,7 @@ pub enum CaseError {
         key: &'static str,
         /// The value found.
         value: String,
-        /// What it must be.
+        /// The expected value.
         expected: String,
     },
     /// Two keys exclude each other, or one needs the other.
@@ -32,7 +32,7 @@ pub enum CaseError {
         /// What was expected.
         expected: &'static str,
     },
-    /// An `[effects.NAME]` table is not what it must be.
+    /// An `[effects.NAME]` table is invalid.
     #[error("[effects.{name}]: found {found}, expected {expected}")]
     Effect {
         /// The effect.
@@ -45,24 +45,24 @@ pub enum CaseError {
     /// The shape's dimensions do not fit together.
     #[error("runner.shape: {0}")]
     Shape(#[from] kufe_mesh::MeshError),
-    /// A file that the case names cannot be read, or makes no runner or no ice.
+    /// A file that the case names cannot be read, or is not a valid runner or ice surface.
     #[error("{key}: {source}")]
     File {
         /// Dotted key of the file.
         key: &'static str,
-        /// What is wrong with it.
+        /// Error of the file.
         source: kufe_mesh::MeshError,
     },
-    /// The runner's mesh cannot be read, or makes no runner.
+    /// The runner's mesh cannot be read, or is not a valid runner.
     #[error("runner.mesh: {reason}")]
     Mesh {
-        /// The reader's own words, with the file.
+        /// Message of the reader, with the file.
         reason: String,
     },
     /// The case cannot be written as TOML.
     #[error("the case cannot be written as TOML: {reason}")]
     Unwritable {
-        /// The writer's own words.
+        /// Message of the writer.
         reason: String,
     },
 }
@@ -76,12 +76,12 @@ fn place(line: usize) -> String {
 }
 
 impl CaseError {
-    /// That the file of this key is at fault.
+    /// Converts an error of the file of a key.
     pub(super) fn in_file(key: &'static str) -> impl Fn(kufe_mesh::MeshError) -> CaseError {
         move |source| CaseError::File { key, source }
     }
 
-    /// A reader's error as one line with its place.
+    /// Converts an error of the TOML reader into one line with its place.
     pub(super) fn from_toml(text: &str, error: &toml::de::Error) -> CaseError {
         let span = error.span().unwrap_or(0..0);
         let root = DeTable::parse(text).ok();
@@ -102,7 +102,7 @@ impl CaseError {
     }
 }
 
-/// The first text within `span` in the place of a number that has a range.
+/// The error for the first string within `span` where a number with a range is expected.
 fn text_for_number(
     table: &DeTable,
     within: &str,

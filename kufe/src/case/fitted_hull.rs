@@ -1,4 +1,4 @@
-//! A hull's smooth underside, and the noise of its vertices.
+//! The smooth underside fitted to a hull, and the noise of its vertices.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -11,27 +11,27 @@ use kufe_mesh::{
 
 use crate::case::{FileAxis, RunnerTable};
 
-/// The fitted underside of a hull, or of a mesh, and what that is like.
+/// The fitted underside of a hull or a mesh, with its noise and its report.
 #[derive(Clone)]
 pub struct FittedHull {
     /// The smooth surface that is pressed on the ice.
     pub underside: Arc<FittedUnderside>,
     /// Size, holes and warnings.
     pub report: HullReport,
-    /// Standard deviation of its vertices that the fit was made with, estimated where none is
-    /// stated, and what would not be found [m].
+    /// Standard deviation of the vertices' noise, stated or estimated, which the fit assumes, and
+    /// the largest noise that the estimate would not detect [m].
     pub noise: Noise,
     /// Length of its triangles along the runner where they are long strips [m].
     pub strips: Option<f64>,
     /// Wall time of reading the file and of fitting the surface [s].
     pub seconds: [f64; 2],
-    /// Its triangles, where there is noise, or some would not show.
+    /// The triangles of the hull, if it has noise or may have undetected noise.
     pub scan: Option<Arc<Hull>>,
 }
 
 impl FittedHull {
-    /// The underside that was fitted to a hull with this noise, whose triangles are strips of this
-    /// length.
+    /// A fitted underside; `strips` is the length of the hull's triangles if they are long strips
+    /// [m].
     pub(crate) fn new(
         underside: FittedUnderside,
         hull: Hull,
@@ -51,7 +51,7 @@ impl FittedHull {
 }
 
 /// Fits the underside of the runner's hull: of `hull` in runner axes, or else of the file at
-/// `path`; with what fills it where the runner deforms.
+/// `path`. For an elastic runner also returns the solid that fills the hull.
 pub(crate) fn fit_hull(
     runner: &RunnerTable,
     path: &Path,
@@ -75,8 +75,8 @@ pub(crate) fn fit_hull(
     let read = Instant::now();
     let unlike = unlike_runner(&hull, ScanFrame::of(&hull)?.as_ref());
     let strips = strips_of_hull(&hull);
-    let odd = strips.map(strips_warning).or(unlike);
-    report.warnings.extend(odd);
+    let warning = strips.map(strips_warning).or(unlike);
+    report.warnings.extend(warning);
     let noise = runner.noise(&mut report, || noise_of_hull(&hull));
     let mut underside = FittedUnderside::new(&hull, noise.found)?;
     let outliers = underside.quality().outliers_warning();
@@ -105,8 +105,8 @@ pub(crate) fn fit_hull(
 }
 
 impl RunnerTable {
-    /// The noise of the runner's vertices that is stated, or else what is `found`, which the report
-    /// then states.
+    /// The stated noise of the runner's vertices, or else the estimate of `found`, which is added
+    /// to the warnings of the report.
     pub(crate) fn noise(
         &self,
         report: &mut HullReport,

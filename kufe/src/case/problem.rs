@@ -1,4 +1,4 @@
-//! From a case file to the problem it states.
+//! Conversion of a case into a contact problem.
 
 use std::fmt::Display;
 use std::path::Path;
@@ -15,16 +15,16 @@ use crate::case::fitted_hull::{FittedHull, fit_hull};
 use crate::case::range::combination;
 use crate::case::{Case, CaseError, SectionTable, Shape};
 
-/// Most bytes of a file of hexahedra.
-const MOST_BYTES: u64 = 1 << 31;
-/// Steepest slope of the solid under a runner that is flat across, as a luge steel.
-const GENTLE: f64 = 0.15;
-/// A hull is flat across where that slope adds less than this part of its steel: a luge steel of
-/// the defaults gains 0.0009 of it, a bobsled runner 0.045.
-const LITTLE: f64 = 0.01;
+/// Largest size of a mesh file [bytes].
+const MAX_BYTES: u64 = 1 << 31;
+/// Largest slope of the solid under a runner that is flat across, such as a luge steel.
+const MAX_FLANK_SLOPE: f64 = 0.15;
+/// Volume fraction that a solid with this slope may add to a hull that counts as flat across. The
+/// default luge steel gains 0.0009, a bobsled runner 0.045.
+const MAX_GAIN: f64 = 0.01;
 
 impl Case {
-    /// The problem that the case states; a hull's path is taken from `base`, the case's folder.
+    /// The contact problem of the case; paths are relative to `base`, the case's folder.
     ///
     /// # Errors
     /// [`CaseError`] where the case is out of range or the hull cannot be obtained.
@@ -32,7 +32,7 @@ impl Case {
         Ok(self.stated(base, None)?.0)
     }
 
-    /// As [`problem`](Self::problem), with the hull, so that its warnings and its fit can be
+    /// As [`problem`](Self::problem), with the fitted hull, so that its warnings and its fit can be
     /// reported; `hull` as in [`runner`](Self::runner).
     ///
     /// # Errors
@@ -47,9 +47,9 @@ impl Case {
         Ok((problem, hull))
     }
 
-    /// The runner alone, and its hull where the case names one; a hull's path is taken from `base`.
+    /// The runner, and its fitted hull where the case names one; paths are relative to `base`.
     ///
-    /// `hull` [m] is the one that `runner.hull` names, where it is in memory: no file is read then.
+    /// `hull` [m] replaces the file that `runner.hull` names; no file is read then.
     ///
     /// # Errors
     /// As [`problem`](Self::problem).
@@ -81,7 +81,7 @@ impl Case {
                     let fitted = fit_hull(table, &base.join(path), hull);
                     let (hull, filled) = fitted.map_err(CaseError::in_file("runner.hull"))?;
                     let elastic = filled.map(|filled| {
-                        self.elastic_runner(filled.top, filled.gain(GENTLE) < LITTLE)
+                        self.elastic_runner(filled.top, filled.gain(MAX_FLANK_SLOPE) < MAX_GAIN)
                     });
                     (hull.underside.clone(), Some(hull), elastic.transpose()?)
                 }
@@ -92,8 +92,7 @@ impl Case {
         Ok((Runner { underside, elastic }, hull))
     }
 
-    /// The problem that the case states of a runner that is there already; other paths are taken
-    /// from `base`.
+    /// The contact problem of the case with a given runner; other paths are relative to `base`.
     ///
     /// # Errors
     /// As [`problem`](Self::problem).
@@ -114,15 +113,15 @@ impl Case {
         Ok(problem)
     }
 
-    /// A runner of hexahedra: the smooth surface through its underside's nodes, and its factorised
-    /// stiffness.
+    /// A runner given as a hexahedral mesh: the smooth surface fitted through the nodes of its
+    /// underside, and its factorised stiffness.
     ///
-    /// Its mount holds the nodes at its highest place, all of them or those over the fixed places.
+    /// The mount fixes the nodes at the top: all of them, or those over the held places.
     fn meshed(&self, path: &Path) -> Result<(FittedHull, ElasticRunner), CaseError> {
         let named = |reason: &dyn Display| CaseError::Mesh {
             reason: format!("{}: {reason}", path.display()),
         };
-        let bytes = read_regular(path, MOST_BYTES);
+        let bytes = read_regular(path, MAX_BYTES);
         let bytes = bytes.map_err(|error| named(&error))?;
         let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
         let mesh = match ending.as_deref() {
@@ -148,7 +147,7 @@ impl Case {
         let solid = RunnerSolid::new(mesh, modulus, ratio, fixed).map_err(|error| named(&error))?;
         let part = solid.underside();
         let mut report = check_hull(&part).map_err(|error| named(&error))?;
-        // An underside alone is open; its size is that of the whole mesh.
+        // The report is of the underside alone, which is open; the size is that of the whole mesh.
         report.warnings = size_warnings(extent);
         report.extent = extent;
         let noise = self.runner.noise(&mut report, || solid.noise());
@@ -161,8 +160,8 @@ impl Case {
         Ok((hull, elastic))
     }
 
-    /// The elasticity of a runner and what holds its flat top at this height; a runner that is flat
-    /// across gains steel over the radius of its edge alone.
+    /// Elasticity and mount of a runner whose flat top is at the height `top` [m]. The solid of a
+    /// runner that is flat across is filled over the radius of its edge alone.
     fn elastic_runner(&self, top: f64, flat_across: bool) -> Result<ElasticRunner, CaseError> {
         let mount = self.runner.mount.as_ref().map(|mount| mount.mount());
         if mount.is_some() && top.is_infinite() {
@@ -172,21 +171,21 @@ impl Case {
         let [modulus, ratio] = [self.runner.youngs_modulus_pa, self.runner.poissons_ratio];
         Ok(ElasticRunner {
             mount: mount.unwrap_or_default(),
-            flank: flat_across.then_some(GENTLE),
+            flank: flat_across.then_some(MAX_FLANK_SLOPE),
             ..ElasticRunner::fixed_at_top(modulus, ratio, top)
         })
     }
 }
 
-/// The shape's underside, with the measured or worn section where one is stated.
+/// The underside of a shape, with a measured or worn section where the case states one.
 fn shape_underside(
     shape: &Shape,
     section: &SectionTable,
     base: &Path,
 ) -> Result<Arc<dyn Underside>, CaseError> {
-    let of = |own: Section| {
+    let modified = |nominal: Section| {
         section
-            .of(own, base)
+            .of(nominal, base)
             .map_err(CaseError::in_file("runner.section"))
     };
     let rounded = |rocker_radius: f64, section, length, height| {
@@ -201,7 +200,7 @@ fn shape_underside(
             width_m,
             height_m,
         } => {
-            let section = of(Section::arc(section_radius_m, width_m)?)?;
+            let section = modified(Section::arc(section_radius_m, width_m)?)?;
             rounded(rocker_radius_m, section, length_m, height_m)?
         }
         Shape::Paraboloid {
@@ -216,7 +215,7 @@ fn shape_underside(
             width_m,
             height_m,
         } => {
-            let section = of(Section::edge(edge_radius_m, tilt_rad, width_m)?)?;
+            let section = modified(Section::edge(edge_radius_m, tilt_rad, width_m)?)?;
             rounded(rocker_radius_m, section, length_m, height_m)?
         }
     })

@@ -16,7 +16,7 @@ pub(crate) type Checked = Result<(), CaseError>;
 pub struct Range {
     /// The key, dotted.
     pub key: &'static str,
-    /// What its value is, with its unit.
+    /// Description of the value with its unit.
     pub what: &'static str,
     /// Smallest value.
     pub low: f64,
@@ -24,18 +24,18 @@ pub struct Range {
     pub high: f64,
 }
 
-/// Largest radius that is not infinite [m]: a runner or a track is as good as straight there.
+/// Largest finite radius [m]; a runner or a track of this radius is practically straight.
 pub const LARGEST_RADIUS: f64 = 1e6;
 
 const ANY_RADIUS: f64 = f64::INFINITY;
 
 impl Range {
-    /// The range of a key, where it has one.
+    /// The range of a key; `None` for a key without a range.
     pub(crate) fn find(key: &str) -> Option<&'static Range> {
         RANGES.iter().find(|range| range.key == key)
     }
 
-    /// What a value must be, for messages.
+    /// Description and range, for messages.
     pub(crate) fn expected(&self) -> String {
         format!("{} from {}", self.what, self.words())
     }
@@ -50,7 +50,7 @@ impl Range {
         }
     }
 
-    /// Whether a value is in it; what is no number is not.
+    /// Whether the range contains a value; false for NaN.
     pub fn holds(&self, value: f64) -> bool {
         let infinite = value == f64::INFINITY || value <= LARGEST_RADIUS;
         (self.low..=self.high).contains(&value) && (self.high.is_finite() || infinite)
@@ -77,7 +77,7 @@ impl Bounds {
             .for_each(|variant| self.bound(variant));
         let properties = object.get_mut("properties").and_then(Value::as_object_mut);
         for (name, property) in properties.into_iter().flatten() {
-            // A key of several forms has a schema of its own, with the bounds of its number.
+            // A key that takes a number or a word has a schema with bounds already.
             let property = property.as_object_mut().filter(|p| p.contains_key("type"));
             let range = Range::find(&format!("{}.{name}", self.0));
             let (Some(range), Some(property)) = (range, property) else {
@@ -95,8 +95,8 @@ macro_rules! ranges {
     ($($key:literal $what:literal $low:expr, $high:expr;)*) => {
         /// The ranges of a case's numbers.
         ///
-        /// `track.radius_m` has another: 1 m to [`LARGEST_RADIUS`] in size, or `inf`. The numbers
-        /// of a runner's shape must also fit together.
+        /// `track.radius_m` is not listed: its magnitude is 1 m to [`LARGEST_RADIUS`], or `inf`.
+        /// The numbers of a runner's shape must fulfil further conditions.
         pub const RANGES: &[Range] = &[
             $(Range { key: $key, what: $what, low: $low, high: $high }),*
         ];
@@ -155,7 +155,7 @@ ranges! {
     "accuracy.p_max" "a relative error" 1e-4, 0.5;
 }
 
-/// A number as people write it: no more digits than it needs.
+/// The shortest usual notation of a number.
 fn plain(value: f64) -> String {
     if value == 0.0 || !value.is_finite() || (1e-4..1e5).contains(&value.abs()) {
         return value.to_string();
@@ -171,7 +171,7 @@ pub(crate) fn check_ranges(case: &Case) -> Checked {
     check_under("", &written)
 }
 
-/// Checks the numbers of the value of a dotted key; those in lists have the list's key.
+/// Checks all numbers in the value of a dotted key; numbers in a list have the key of the list.
 fn check_under(key: &str, value: &toml::Value) -> Checked {
     match value {
         toml::Value::Float(number) => match Range::find(key) {

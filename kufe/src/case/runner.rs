@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::case::range::{Bounds, Range};
 
-/// The pressing body: a hull's file or a parametric shape.
+/// The runner: a hull, a parametric shape or a mesh.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(transform = Bounds("runner"))]
 #[serde(deny_unknown_fields)]
@@ -18,28 +18,30 @@ pub struct RunnerTable {
     pub hull: Option<PathBuf>,
     /// Metres per unit of the hull's file; 0.001 for millimetres.
     pub scale: Option<f64>,
-    /// The hull's upward axis: z, or y as glTF has it, where absent.
+    /// Axis of the hull's file that points up; z where absent, y for glTF.
     pub up: Option<FileAxis>,
-    /// The hull's forward axis; x where absent.
+    /// Axis of the hull's file that points forward; x where absent.
     pub forward: Option<FileAxis>,
-    /// Rotation about z, the last of the three, that carries a scanned hull into runner axes [rad].
+    /// Rotation of a scanned hull into runner axes about z, applied last [rad].
     pub yaw_rad: Option<f64>,
-    /// Rotation about y, the second [rad].
+    /// Rotation about y, applied second [rad].
     pub pitch_rad: Option<f64>,
-    /// Rotation about x, the first [rad].
+    /// Rotation about x, applied first [rad].
     pub roll_rad: Option<f64>,
-    /// Standard deviation of the vertices of a hull or a mesh; found where absent [m].
+    /// Standard deviation of the noise of a hull's vertices or a mesh's nodes; estimated where
+    /// absent [m].
     pub noise_m: Option<f64>,
     /// Parametric shape instead of a hull.
     pub shape: Option<Shape>,
     /// A measured section, and wear; for shapes with a section.
     pub section: Option<SectionTable>,
-    /// Hexahedra of an elastic runner instead (Gmsh's .msh or .vtu), relative to the case's folder.
+    /// Hexahedral mesh of an elastic runner instead of a hull (.msh of Gmsh, or .vtu), relative to
+    /// the case's folder.
     pub mesh: Option<PathBuf>,
-    /// Height from the lowest point of an elastic hull to its flat top; its highest place where
+    /// Height from the lowest point of an elastic hull to its flat top; to its highest point where
     /// absent [m].
     pub height_m: Option<f64>,
-    /// Whether the runner deforms.
+    /// Whether the runner is elastic; rigid where absent.
     #[serde(default)]
     pub elastic: bool,
     /// Young's modulus of the runner [Pa].
@@ -48,12 +50,12 @@ pub struct RunnerTable {
     /// Poisson's ratio of the runner.
     #[serde(default = "steel_poisson")]
     pub poissons_ratio: f64,
-    /// What holds an elastic runner; its whole top where absent.
+    /// Mount of an elastic runner; its whole top is clamped where absent.
     pub mount: Option<MountTable>,
 }
 
 impl Default for RunnerTable {
-    /// Every key absent: a rigid runner of steel, without a body.
+    /// Every key absent: a rigid steel runner without geometry.
     fn default() -> Self {
         toml::from_str("").expect("[runner] has no required key")
     }
@@ -154,7 +156,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Length; none of a paraboloid, which has no ends [m].
+    /// Length [m]; `None` for a paraboloid, which is unbounded.
     pub(crate) fn length_m(&self) -> Option<f64> {
         match *self {
             Shape::Bob { length_m, .. } | Shape::Luge { length_m, .. } => Some(length_m),
@@ -187,18 +189,19 @@ pub struct SectionTable {
     pub profile: Option<PathBuf>,
     /// The measured section's points (y, z) in the case itself [m].
     pub points_m: Option<Vec<[f64; 2]>>,
-    /// Depth that wear has taken off the lowest point [m].
+    /// Depth of wear at the lowest point [m].
     pub worn_m: Option<f64>,
-    /// Radius of the flat's edges over the section's own; 0.2 where absent.
+    /// Ratio of the radius of the worn flat's edges to that of the section; 0.2 where absent.
     pub worn_edge: Option<f64>,
 }
 
-/// Radius of the edges of a worn flat, over the section's own: wear rounds them too.
+/// Default ratio of the radius of a worn flat's edges to that of the section: wear rounds edges
+/// too.
 const WORN_EDGE: f64 = 0.2;
 
 impl SectionTable {
-    /// `own`, the shape's section, replaced by the measured one where there is one, and worn.
-    pub(crate) fn of(&self, own: Section, base: &Path) -> Result<Section, MeshError> {
+    /// The section with wear: the measured section, or without one `nominal`, that of the shape.
+    pub(crate) fn of(&self, nominal: Section, base: &Path) -> Result<Section, MeshError> {
         let section = match (&self.points_m, &self.profile) {
             (Some(points), _) => section_of(points)?,
             (None, Some(path)) => {
@@ -206,7 +209,7 @@ impl SectionTable {
                 let points = load_points(&path, ["y_m", "z_m"])?;
                 section_of(&points).map_err(|error| error.in_file(&path))?
             }
-            (None, None) => own,
+            (None, None) => nominal,
         };
         match self.worn_m {
             Some(depth) => section.worn(depth, self.worn_edge.unwrap_or(WORN_EDGE)),
@@ -215,7 +218,7 @@ impl SectionTable {
     }
 }
 
-/// A section through points whose width is in the range of a shape's.
+/// A section through points; its width must be in the range of `runner.shape.width_m`.
 fn section_of(points: &[[f64; 2]]) -> Result<Section, MeshError> {
     let section = Section::points(points)?;
     let width = points[points.len() - 1][0] - points[0][0];
@@ -229,15 +232,14 @@ fn section_of(points: &[[f64; 2]]) -> Result<Section, MeshError> {
     ))
 }
 
-/// What holds an elastic runner's top: some places along it, or nothing but the places that carry
-/// its load.
+/// Mount of an elastic runner's top: clamped places, or places that transmit fractions of the load.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MountTable {
     /// Places that are clamped over the runner's full width.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub held: Vec<HeldTable>,
-    /// Places that press the runner down with a share of the load each; nothing else holds it.
+    /// Places that press the runner down with a fraction of the load each and do not clamp it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub carries: Vec<CarriesTable>,
 }
@@ -253,7 +255,7 @@ pub struct HeldTable {
     pub length_m: f64,
 }
 
-/// A place along the runner that carries a share of the load.
+/// A place along the runner that transmits a fraction of the load.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(transform = Bounds("runner.mount.carries"))]
 #[serde(deny_unknown_fields)]
@@ -262,7 +264,7 @@ pub struct CarriesTable {
     pub x_m: f64,
     /// Its length [m].
     pub length_m: f64,
-    /// Part of the normal force.
+    /// Fraction of the normal force.
     pub share: f64,
 }
 

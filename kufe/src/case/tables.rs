@@ -16,22 +16,22 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use crate::case::CaseError;
 use crate::case::range::{Bounds, Range};
 
-/// The pressed body.
+/// The ice, which the runner is pressed on.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(transform = Bounds("ice"))]
 #[serde(deny_unknown_fields)]
 pub struct IceTable {
-    /// Temperature of the ice, which gives the elastic constants that are not stated [C].
+    /// Temperature of the ice, from which elastic constants that are not stated are computed [C].
     pub temperature_c: Option<f64>,
-    /// Young's modulus; from the temperature where absent [Pa].
+    /// Young's modulus; computed from the temperature where absent [Pa].
     pub youngs_modulus_pa: Option<f64>,
-    /// Poisson's ratio; that of polycrystalline ice where absent and a temperature is given.
+    /// Poisson's ratio; with a temperature, that of polycrystalline ice where absent.
     pub poissons_ratio: Option<f64>,
     /// Thickness on its bed, or a half-space.
     pub thickness_m: Thickness,
     /// An elastic layer under the ice; a rigid bed where absent.
     pub bed: Option<BedTable>,
-    /// Largest pressure the surface bears, where stated [Pa].
+    /// Hardness: largest pressure that the surface bears; elastic where absent [Pa].
     pub hardness_pa: Option<Hardness>,
     /// Waves on the ice.
     pub waviness: Option<WavinessTable>,
@@ -70,7 +70,7 @@ pub struct WavinessTable {
 }
 
 impl IceTable {
-    /// Ice without end, with this modulus [Pa] and Poisson's ratio.
+    /// An elastic half-space of ice with Young's modulus [Pa] and Poisson's ratio.
     pub fn half_space(youngs_modulus_pa: f64, poissons_ratio: f64) -> Self {
         IceTable {
             youngs_modulus_pa: Some(youngs_modulus_pa),
@@ -79,14 +79,14 @@ impl IceTable {
         }
     }
 
-    /// The material and what carries it; the table has been checked.
+    /// The material and its foundation; the table must have been checked.
     pub(crate) fn ice(&self) -> Ice {
-        let of_temperature =
+        let from_temperature =
             |function: fn(f64) -> f64| self.temperature_c.map_or(f64::NAN, function);
         Ice {
             youngs_modulus: self
                 .youngs_modulus_pa
-                .unwrap_or_else(|| of_temperature(ice_youngs_modulus)),
+                .unwrap_or_else(|| from_temperature(ice_youngs_modulus)),
             poissons_ratio: self.poissons_ratio.unwrap_or(ICE_POISSONS_RATIO),
             foundation: match (self.thickness_m, &self.bed) {
                 (Thickness::HalfSpace, _) => Foundation::HalfSpace,
@@ -101,13 +101,13 @@ impl IceTable {
                 },
             },
             hardness: self.hardness_pa.map(|hardness| match hardness {
-                Hardness::FromTemperature => of_temperature(ice_hardness),
+                Hardness::FromTemperature => from_temperature(ice_hardness),
                 Hardness::Stated(pressure) => pressure,
             }),
         }
     }
 
-    /// The ice's surface; a height map's path is taken from `base`.
+    /// The surface of uneven ice; the path of a height map is relative to `base`.
     pub(crate) fn surface(&self, base: &Path) -> Result<Option<Arc<dyn IceSurface>>, CaseError> {
         if let Some(path) = &self.surface {
             let map =
@@ -127,27 +127,27 @@ impl IceTable {
     }
 }
 
-/// The largest pressure that the ice bears.
+/// Hardness: the largest pressure that the ice bears.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Hardness {
-    /// Of the ice's temperature, written `"from-temperature"`.
+    /// Computed from the ice's temperature, written `"from-temperature"`.
     FromTemperature,
-    /// A stated one [Pa].
+    /// A stated pressure [Pa].
     Stated(f64),
 }
 
-/// How deep the ice is.
+/// Thickness of the ice.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Thickness {
-    /// Ice without end, written `"half-space"`.
+    /// A half-space of ice, written `"half-space"`.
     #[default]
     HalfSpace,
     /// A layer on its bed [m].
     Layer(f64),
 }
 
-/// Reads and writes `$name` as the word of its variant `$of_word` or the number of `$of_number`,
-/// with the range of `$key`.
+/// Implements reading and writing of `$name` as the word of its variant `$of_word` or the number of
+/// its variant `$of_number`, with the range of `$key`.
 macro_rules! word_or_number {
     ($name:ident, $of_word:ident = $word:literal, $of_number:ident = $number:literal, $key:literal, $description:literal) => {
         impl Serialize for $name {
@@ -190,17 +190,17 @@ word_or_number!(
     FromTemperature = "from-temperature",
     Stated = "a pressure in pascals",
     "ice.hardness_pa",
-    "Largest pressure that the ice bears [Pa], or that of its temperature."
+    "Hardness of the ice [Pa], or \"from-temperature\"."
 );
 word_or_number!(
     Thickness,
     HalfSpace = "half-space",
     Layer = "a thickness in metres",
     "ice.thickness_m",
-    "Thickness on its bed [m], or ice without end."
+    "Thickness of the ice on its bed [m], or \"half-space\"."
 );
 
-/// Reads a number, or `None` for the word; `what` the number is.
+/// Reads a number, or `None` for `word`; `what` describes the number in messages.
 fn number_or<'de, D: Deserializer<'de>>(
     deserializer: D,
     word: &str,
@@ -239,7 +239,7 @@ impl TrackTable {
     }
 }
 
-/// The load and what may tilt.
+/// The load, and the tilt of the runner.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(transform = Bounds("load"))]
 #[serde(deny_unknown_fields)]
@@ -252,7 +252,7 @@ pub struct LoadTable {
     /// Line of action across the runner [m].
     #[serde(default)]
     pub offset_y_m: f64,
-    /// Whether pitch and roll settle in equilibrium.
+    /// Whether pitch and roll are free (in equilibrium) or fixed.
     #[serde(default)]
     pub tilt: TiltWord,
     /// Pitch about y where fixed, positive lowers the nose; 0 where absent [rad].
@@ -279,7 +279,7 @@ impl LoadTable {
     }
 }
 
-/// Whether the runner may turn.
+/// Whether pitch and roll are free or fixed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum TiltWord {
@@ -297,21 +297,21 @@ pub enum TiltWord {
 pub struct SlidingTable {
     /// Speed [m/s].
     pub v_mps: f64,
-    /// Temperature of the ice, which gives its hardness where nothing else does, and what heat it
-    /// takes [C].
+    /// Temperature of the ice, which determines the heat flow into it and, where nothing else
+    /// states it, its hardness [C].
     pub ice_c: f64,
     /// Factor on the viscosity of the film's water; 1 where absent.
     pub viscosity_factor: Option<f64>,
-    /// Standard deviation of the heights of steel and ice together; 0, the film alone, where absent
-    /// [m].
+    /// Combined standard deviation of the surface heights of steel and ice; 0 (no boundary contact)
+    /// where absent [m].
     pub roughness_m: Option<f64>,
-    /// Shear stress where steel and ice touch through the film; 0 where absent [Pa].
+    /// Shear stress of boundary contact (steel on ice through the film); 0 where absent [Pa].
     pub boundary_shear_pa: Option<f64>,
-    /// Output folder of the runner that went before, whose groove this one meets, relative to the
+    /// Output folder of the preceding runner, in whose groove this one slides, relative to the
     /// case's folder.
     pub previous: Option<PathBuf>,
-    /// A measured hardness from which the law of creep says that of this temperature and of the
-    /// time under the runner.
+    /// A measured hardness, from which the law of creep computes the hardness at this temperature
+    /// and contact time.
     pub hardness: Option<HardnessTable>,
 }
 
@@ -329,20 +329,20 @@ pub struct HardnessTable {
 }
 
 impl SlidingTable {
-    /// The pressure at which the ice yields [Pa], at most that at which it melts.
+    /// The hardness of the ice [Pa], bounded by the melting pressure.
     ///
-    /// It is `stated`, or else the measured hardness, to which the law of creep adds nothing
-    /// without a contact time, or else that of the ice's temperature.
+    /// It is `stated`, or else the measured hardness (the law of creep needs a contact time and is
+    /// not applied here), or else computed from the ice's temperature.
     pub fn hardness(&self, stated: Option<f64>) -> f64 {
         let anchor = self.hardness.map(|anchor| anchor.pressure_pa);
-        let own = stated
+        let hardness = stated
             .or(anchor)
             .unwrap_or_else(|| ice_hardness(self.ice_c));
-        own.min(ice_melting_pressure(self.ice_c))
+        hardness.min(ice_melting_pressure(self.ice_c))
     }
 }
 
-/// How accurate the answer must be.
+/// Requested accuracy of the solution.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(transform = Bounds("accuracy"))]
 #[serde(deny_unknown_fields)]
@@ -357,30 +357,30 @@ impl Default for AccuracyTable {
     }
 }
 
-/// How the equations are solved.
+/// Options of the solver.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SolverTable {
-    /// The form of the stiffness that is multiplied with.
+    /// Form of the stiffness matrix in products.
     #[serde(default)]
     pub stiffness: StiffnessWord,
 }
 
 impl SolverTable {
-    /// Whether the table has nothing but defaults.
+    /// Whether all values are the defaults.
     pub(crate) fn is_default(&self) -> bool {
         *self == SolverTable::default()
     }
 }
 
-/// The form of the stiffness.
+/// Form of the stiffness matrix.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum StiffnessWord {
     /// Applied cell by cell, without being stored.
     #[default]
     MatrixFree,
-    /// Assembled into a sparse matrix a body, in at most 4 GB.
+    /// Assembled into one sparse matrix per body, of at most 4 GB.
     Assembled,
 }
 

@@ -1,4 +1,4 @@
-//! Recorded runs brought to one distance along their track.
+//! Alignment of recorded runs to a common distance along their track.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -13,24 +13,24 @@ use crate::jobs::runs::{gaps_of, load_model, on_gaps, run_inputs};
 use crate::jobs::watch::Watch;
 use crate::results::{AlignedTrack, Alignment, TrackErrors};
 
-/// Which runs are aligned, and how.
+/// Input files and options of an alignment.
 #[derive(Clone, Debug)]
 pub struct AlignOptions {
-    /// Index of the runs.
+    /// Index file of the runs.
     pub runs: PathBuf,
-    /// Sled: where its sensors are, and its tolerances.
+    /// Model file of the sled: positions of its sensors, and tolerances.
     pub model: PathBuf,
-    /// Estimate every track from its runs, also where there is a survey.
+    /// Estimate every track from its runs, even if a survey exists.
     pub estimate: bool,
     /// Refuse runs with gaps.
     pub strict: bool,
 }
 
-/// Runs with their places along the tracks.
+/// Runs with their distance along the tracks.
 pub struct AlignedRuns {
     /// The runs.
     pub runs: Vec<Run>,
-    /// The tracks by name: the survey, or what the runs measured; none where too few did.
+    /// Name and table of each track; `None` if no two runs overlap.
     pub tracks: Vec<(String, Option<TrackTable>)>,
     /// The document.
     pub document: Alignment,
@@ -38,9 +38,9 @@ pub struct AlignedRuns {
 
 /// The table of a track.
 pub enum TrackTable {
-    /// As surveyed.
+    /// Table of a survey.
     Survey(Track),
-    /// As the runs measured it.
+    /// Estimate from the runs.
     Estimate(TrackEstimate),
 }
 
@@ -99,13 +99,13 @@ impl AlignOptions {
         let tolerances = model.tolerances.unwrap_or_default();
         let (mut tracks, mut documents) = (Vec::new(), Vec::new());
         for (name, members) in members {
-            let of: Vec<&Prepared> = members.iter().map(|i| &prepared[*i]).collect();
+            let track_runs: Vec<&Prepared> = members.iter().map(|i| &prepared[*i]).collect();
             let survey = self.survey_file(name);
             let survey = survey.map(|path| Track::load(&path)).transpose()?;
             let shape = survey.as_ref().map(TrackShape::new);
-            let aligned = align(&of, &vehicle, shape.as_ref(), &tolerances)?;
-            for (i, found) in members.iter().zip(&aligned.runs) {
-                state_places(&mut runs[*i], &found.warp)?;
+            let aligned = align(&track_runs, &vehicle, shape.as_ref(), &tolerances)?;
+            for (i, run) in members.iter().zip(&aligned.runs) {
+                state_places(&mut runs[*i], &run.warp)?;
             }
             documents.push(AlignedTrack {
                 track: name.to_owned(),
@@ -117,7 +117,7 @@ impl AlignOptions {
             let table = survey.map(TrackTable::Survey).or(estimate);
             if table.is_none() {
                 watch.warn(&format!(
-                    "track {name}: fewer than two runs measured the same metre: no track is estimated"
+                    "track {name}: no two runs overlap: no track is estimated"
                 ));
             }
             tracks.push((name.to_owned(), table));

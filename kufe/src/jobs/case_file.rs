@@ -1,4 +1,4 @@
-//! A case and the file that it came from.
+//! A case with its file: reading, messages that name the file, and checks of its hull.
 
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
@@ -13,25 +13,24 @@ use crate::jobs::failure::{Failure, Located};
 use crate::jobs::watch::Watch;
 use crate::plot::{percent, quantity};
 
-/// The case that is solved where none is given.
+/// The built-in case, which is solved if no file is given.
 pub const EXAMPLE: &str = include_str!("../../assets/example.toml");
 
-/// A case file is a page of text; what is longer than this is something else [bytes].
-const LONGEST: u64 = 1 << 20;
-/// Largest file that counts towards a case's content [bytes].
-const LARGEST: u64 = 1 << 31;
+/// Largest size of a case file, which is a page of text [bytes].
+const MAX_CASE_BYTES: u64 = 1 << 20;
+/// Largest size of a file that a case names [bytes].
+const MAX_FILE_BYTES: u64 = 1 << 31;
 
 /// A case and its folder.
 #[derive(Clone, Debug)]
 pub struct LoadedCase {
-    /// What to call it in messages.
+    /// Name of the case in messages.
     pub name: String,
     /// The folder that a hull's path starts from.
     pub base: PathBuf,
     /// The case.
     pub case: Case,
-    /// The hull that `runner.hull` names, in runner axes, where it is in memory and no file is
-    /// read.
+    /// The hull in memory, in runner axes, which replaces the file that `runner.hull` names.
     pub hull: Option<Arc<Hull>>,
 }
 
@@ -57,7 +56,7 @@ impl LoadedCase {
             );
             return Err(Failure::in_file(path, reason));
         }
-        let text = text_of_regular(path, LONGEST).in_file(path)?;
+        let text = text_of_regular(path, MAX_CASE_BYTES).in_file(path)?;
         let base = path.parent().unwrap_or(Path::new(""));
         LoadedCase::parse(&path.display().to_string(), base, &text)
     }
@@ -80,14 +79,14 @@ impl LoadedCase {
         Failure::bad_input(reason).within(&self.name)
     }
 
-    /// What a library makes of the case, or its error as bad input in the case.
-    pub(crate) fn valid<T>(&self, made: Result<T, impl Display>) -> Result<T, Failure> {
-        made.map_err(|error| self.bad_input(error))
+    /// Converts the error of a library into bad input in the case.
+    pub(crate) fn valid<T>(&self, result: Result<T, impl Display>) -> Result<T, Failure> {
+        result.map_err(|error| self.bad_input(error))
     }
 
-    /// What a solver makes of the case.
-    pub(crate) fn solved<T>(&self, solved: Result<T, Error>) -> Result<T, Failure> {
-        solved.map_err(|error| self.failure(&error))
+    /// Converts the error of a solver into a failure of the case.
+    pub(crate) fn solved<T>(&self, result: Result<T, Error>) -> Result<T, Failure> {
+        result.map_err(|error| self.failure(&error))
     }
 
     /// Every file that is read for the case in addition to its own, with the key that names it:
@@ -110,9 +109,8 @@ impl LoadedCase {
         Ok(files)
     }
 
-    /// SHA-256, hexadecimal, of the content of every file that the case reads in addition to its
-    /// own, whatever the files are called and whenever they were written, and of the version of the
-    /// numerics.
+    /// Hexadecimal SHA-256 of the content of every file that the case reads in addition to its own,
+    /// and of the version of the numerics. Names and times of the files do not enter.
     ///
     /// # Errors
     /// [`Failure::BadInput`] where a file cannot be read.
@@ -126,7 +124,7 @@ impl LoadedCase {
             digests.push(sha256(&bytes));
         }
         for (key, file) in self.files()? {
-            let bytes = read_regular(&file, LARGEST).in_file(&file);
+            let bytes = read_regular(&file, MAX_FILE_BYTES).in_file(&file);
             let bytes = bytes.map_err(|failure| failure.within(key).within(&self.name))?;
             digests.push(sha256(&bytes));
         }
@@ -191,8 +189,8 @@ impl LoadedCase {
 
     /// Reports the warnings about the hull, and returns them.
     pub(crate) fn hull_warnings(&self, hull: Option<&FittedHull>, watch: &Watch) -> Vec<String> {
-        let odd = hull.iter().flat_map(|hull| &hull.report.warnings);
-        let named = odd.map(|odd| format!("{}: {}: {odd}", self.name, self.hull_key()));
+        let warnings = hull.iter().flat_map(|hull| &hull.report.warnings);
+        let named = warnings.map(|text| format!("{}: {}: {text}", self.name, self.hull_key()));
         named.inspect(|warning| watch.warn(warning)).collect()
     }
 
@@ -204,7 +202,7 @@ impl LoadedCase {
         }
     }
 
-    /// As [`fine_within`](Self::fine_within), of what was solved on the hull.
+    /// As [`fine_within`](Self::fine_within), for a solution on the hull.
     pub(crate) fn fine_enough(
         &self,
         hull: Option<&FittedHull>,
@@ -213,12 +211,12 @@ impl LoadedCase {
         self.fine_within(hull, depth(solution), patch(&solution.surface))
     }
 
-    /// Refuses a hull whose fit is uncertain by more than 5 per cent of how deep the ice gives,
-    /// `depth` [m], under a patch `[x_min, x_max, y_min, y_max]` [m], or by more than the requested
-    /// accuracy of the peak where that is larger.
+    /// Refuses a hull whose fit has an error of more than 5 % of the indentation of the ice `depth`
+    /// [m] within the patch `[x_min, x_max, y_min, y_max]` [m], or a larger fraction if the
+    /// requested accuracy of the peak is coarser.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] with the fit's error, the approach and what is allowed.
+    /// [`Failure::BadInput`] with the fit's error, the indentation and the largest error allowed.
     pub(crate) fn fine_within(
         &self,
         hull: Option<&FittedHull>,
@@ -226,8 +224,8 @@ impl LoadedCase {
         patch: [f64; 4],
     ) -> Result<(), Failure> {
         let Some(hull) = hull else { return Ok(()) };
-        let share = self.case.accuracy.p_max.max(0.05);
-        let (error, allowed) = (hull.underside.error_within(patch), share * depth);
+        let fraction = self.case.accuracy.p_max.max(0.05);
+        let (error, allowed) = (hull.underside.error_within(patch), fraction * depth);
         if error <= allowed {
             return Ok(());
         }
@@ -239,10 +237,10 @@ impl LoadedCase {
         )))
     }
 
-    /// That a scan is turned about z, where its case states no rotation: its contact then lies
-    /// aslant on the grid, which needs many more cells.
+    /// The remark that a scan is rotated about z although its case states no rotation: the contact
+    /// is then oblique to the grid, which needs many more cells.
     pub(crate) fn turned(&self, hull: &FittedHull) -> Option<String> {
-        const ASLANT: f64 = 0.005;
+        const MAX_YAW: f64 = 0.005;
         let runner = &self.case.runner;
         let stated = [runner.yaw_rad, runner.pitch_rad, runner.roll_rad];
         if stated.iter().any(Option::is_some) {
@@ -250,7 +248,7 @@ impl LoadedCase {
         }
         let orientation = Orientation::of(hull.scan.as_ref()?, hull.noise.found, [0.0; 3]).ok()?;
         let [.., yaw] = orientation.rotation;
-        (yaw.abs() > ASLANT).then(|| {
+        (yaw.abs() > MAX_YAW).then(|| {
             format!(
                 "the hull is turned about z, into runner axes by runner.yaw_rad = {yaw:.4}: its contact lies aslant on the grid; \
                  `kufe hull check -o` writes a case with its yaw, pitch and roll"
@@ -258,13 +256,14 @@ impl LoadedCase {
         })
     }
 
-    /// What would make a hull fine enough: to turn it where it is turned, else finer vertices.
+    /// Advice for a hull that is too coarse by the factor `times`: to rotate it if it is turned,
+    /// else finer sampling.
     fn remedy(&self, hull: &FittedHull, times: f64) -> String {
         self.turned(hull).unwrap_or_else(|| finer(hull, times))
     }
 
-    /// That the hull's vertices leave the peak uncertain by more than the requested accuracy,
-    /// `error` over it.
+    /// The failure that the hull's vertices leave the peak uncertain by the relative error `error`,
+    /// more than requested.
     pub(crate) fn peak_uncertain(&self, hull: &FittedHull, error: f64) -> Failure {
         let requested = self.case.accuracy.p_max;
         Failure::NotConverged(format!(
@@ -277,7 +276,7 @@ impl LoadedCase {
         ))
     }
 
-    /// Why the error of a peak is not known: `noise` [m] whose effect is unknown.
+    /// The failure that the effect of vertex noise `noise` [m] on the peak is unknown.
     pub(crate) fn noise_effect_unknown(&self, noise: f64) -> Failure {
         Failure::NotConverged(format!(
             "{}: {}: its vertices have noise of {}, and how far that moves the peak could not be estimated by boundary elements: expected \
@@ -288,7 +287,7 @@ impl LoadedCase {
         ))
     }
 
-    /// A solver's error as the command's.
+    /// Converts an error of the solver into a failure of the command.
     pub fn failure(&self, error: &Error) -> Failure {
         let text = format!("{}: {error}", self.name);
         match error {
@@ -304,10 +303,10 @@ impl LoadedCase {
     }
 }
 
-/// The sampling that would lower a hull's error by `factor`.
+/// Advice on the sampling that would lower a hull's error by `factor`.
 fn finer(hull: &FittedHull, factor: f64) -> String {
     let noise = hull.noise.found;
-    // Upwards, so that what is named is enough.
+    // Rounded up, so that the stated factor suffices.
     let closer = (10.0 * smaller_by(factor, noise > 0.0)).ceil() / 10.0;
     if let Some(length) = hull.strips {
         return format!(
@@ -325,25 +324,26 @@ fn finer(hull: &FittedHull, factor: f64) -> String {
     )
 }
 
-/// How deep the ice gives, which a hull's fit is compared with: a runner that bends comes nearer to
-/// its mount, too [m].
+/// Indentation of the ice, which the error of a hull's fit is compared with [m]. The approach of an
+/// elastic runner includes its own bending, so its bound is the largest displacement of the ice.
 pub(crate) fn depth(solution: &Solution) -> f64 {
-    let deepest = |field: &SurfaceField| field.uz.iter().fold(0.0, |most, uz| f64::max(most, -uz));
+    let deepest = |field: &SurfaceField| field.uz.iter().fold(0.0, |max, uz| f64::max(max, -uz));
     match solution.runner_volume {
         Some(_) => deepest(&solution.surface).min(solution.approach),
         None => solution.approach,
     }
 }
 
-/// The rectangle `[x_min, x_max, y_min, y_max]` around places; an empty one is infinitely so.
+/// The bounding rectangle `[x_min, x_max, y_min, y_max]` of points; without points
+/// `[inf, -inf, inf, -inf]`.
 pub(crate) fn around(places: impl Iterator<Item = [f64; 2]>) -> [f64; 4] {
-    let (inf, none) = (f64::INFINITY, f64::NEG_INFINITY);
-    places.fold([inf, none, inf, none], |[x0, x1, y0, y1], [x, y]| {
+    const INF: f64 = f64::INFINITY;
+    places.fold([INF, -INF, INF, -INF], |[x0, x1, y0, y1], [x, y]| {
         [x0.min(x), x1.max(x), y0.min(y), y1.max(y)]
     })
 }
 
-/// The rectangle `[x_min, x_max, y_min, y_max]` that holds the nodes in contact [m].
+/// The bounding rectangle `[x_min, x_max, y_min, y_max]` of the nodes in contact [m].
 pub(crate) fn patch(field: &SurfaceField) -> [f64; 4] {
     let columns = field.x.len();
     let touching = field.pressure.iter().enumerate().filter(|(_, p)| **p > 0.0);

@@ -1,4 +1,4 @@
-//! A command's document and its series as a MAT-file.
+//! A result document with its time series as a MAT-file.
 
 use std::io::Write;
 
@@ -25,9 +25,12 @@ pub fn write_document_mat(
     write_mat_file(writer, env!("CARGO_PKG_VERSION"), variables).bad_input()
 }
 
-/// A datum as a MATLAB value: numbers, true as 1, absent ones as NaN; lists of numbers as rows, of
-/// groups as rows of structures with the fields of them all (an empty array where one has none),
-/// other lists as cells; groups as structures.
+/// A datum as a MATLAB value.
+///
+/// - Numbers are numbers, flags 0 or 1, absent values NaN.
+/// - Lists of numbers are rows, other lists are cells.
+/// - Groups are structures. A list of groups is a row of structures with the fields of all groups;
+///   a missing field is an empty array.
 fn mat_value(datum: &Datum) -> MatValue {
     let number = |datum: &Datum| match datum {
         Datum::Absent(()) => Some(f64::NAN),
@@ -65,7 +68,7 @@ fn structures(list: &[Datum]) -> MatValue {
 /// The value of a column at an instant.
 type Column = fn(&LateralForce) -> f64;
 
-/// `series`: a structure a run, its lateral force over time.
+/// Variable `series`: one structure per run with its lateral force over time.
 pub fn force_series(runs: &[RunValidation]) -> (String, MatValue) {
     let columns: [(&str, Column); 5] = [
         ("t_s", |force| force.t_s),
@@ -81,7 +84,7 @@ pub fn force_series(runs: &[RunValidation]) -> (String, MatValue) {
     }))
 }
 
-/// `series`: a structure a run, its channels over time.
+/// Variable `series`: one structure per run with its channels over time.
 pub fn channel_series(runs: &[Run]) -> (String, MatValue) {
     series_of(runs.iter().map(|run| {
         let time = (0..run.len()).map(|i| run.t0_s + i as f64 * run.dt_s);
@@ -92,7 +95,7 @@ pub fn channel_series(runs: &[Run]) -> (String, MatValue) {
     }))
 }
 
-/// The columns of runs that all have the same ones, by their names.
+/// Structures of runs that all have the same columns; the fields are named after the columns.
 fn series_of<'a>(
     runs: impl Iterator<Item = (&'a str, Vec<(&'a str, Vec<f64>)>)>,
 ) -> (String, MatValue) {

@@ -1,4 +1,4 @@
-//! How a job ends when it does not end well, and files that are written whole.
+//! Failures of jobs, with exit codes, and atomic writing of files.
 
 use std::fmt::Display;
 use std::io::Write;
@@ -23,7 +23,7 @@ pub enum Failure {
 }
 
 impl Failure {
-    /// Bad input by a library's error.
+    /// Bad input with the message of a library's error.
     pub fn bad_input(error: impl Display) -> Self {
         Failure::BadInput(error.to_string())
     }
@@ -43,7 +43,7 @@ impl Failure {
         Failure::in_file(path, format_args!("cannot be written: {error}"))
     }
 
-    /// The same failure at a place: `place: text`.
+    /// The failure with a place before its message: `place: text`.
     #[must_use]
     pub fn within(mut self, place: impl Display) -> Self {
         let text = self.text();
@@ -51,7 +51,7 @@ impl Failure {
         self
     }
 
-    /// Its message.
+    /// The message.
     pub(crate) fn text(&mut self) -> &mut String {
         let (Failure::Usage(text)
         | Failure::BadInput(text)
@@ -98,9 +98,9 @@ impl From<serde_json::Error> for Failure {
     }
 }
 
-/// Says of any error where it happened.
+/// Conversion of any error into a failure that names its place.
 pub(crate) trait Located<T> {
-    /// Bad input by a library's error, in its own words.
+    /// Bad input with the message of a library's error.
     fn bad_input(self) -> Result<T, Failure>;
     /// Bad input in a file or a folder.
     fn in_file(self, path: &Path) -> Result<T, Failure>;
@@ -128,7 +128,7 @@ impl<T, E: Display> Located<T> for Result<T, E> {
     }
 }
 
-/// Writes `path`, whole or not at all; makes its folder where that is missing.
+/// Writes `path` completely or not at all; creates its folder where it is missing.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the path where the folder or the file cannot be written.

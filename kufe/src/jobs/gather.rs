@@ -1,4 +1,4 @@
-//! The runs of several folders, indices and files, brought together.
+//! One index of the runs of several folders, indices and files.
 
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
@@ -8,7 +8,7 @@ use kufe_sled::{Entry, read_columns, read_index, track_file};
 
 use crate::jobs::failure::{Failure, Located};
 
-/// The name in an index of what is not stated.
+/// Value in an index for a track, driver or session that is not stated.
 pub const UNNAMED: &str = "unnamed";
 
 const NO_RUN: &str = "no run: expected the columns t_s and v_mps";
@@ -16,20 +16,20 @@ const NO_RUN: &str = "no run: expected the columns t_s and v_mps";
 /// Runs of several folders.
 #[derive(Default)]
 pub struct Gathered {
-    /// Each file once.
+    /// The runs, each file once.
     pub entries: Vec<Entry>,
-    /// Files that are no runs, and runs that were named before, with the reason.
+    /// Files that are not runs, and repeated runs, with the reason.
     pub passed_over: Vec<String>,
-    /// New names of runs whose names several folders have.
+    /// New names of the runs whose names occurred more than once.
     pub renamed: Vec<String>,
 }
 
-/// Reads indices, and files without an index, in the order given. A run whose name another folder's
-/// run has gets its folder's name before its own.
+/// Reads indices, and files without an index, in the order given. Run names that occur more than
+/// once are prefixed with the name of their folder.
 ///
 /// # Errors
 /// [`Failure::BadInput`] for a file that cannot be read, a folder without runs, a run's file that
-/// does not exist, and for runs of one name in folders of one name.
+/// does not exist, and for runs of equal names in folders of equal names.
 pub fn gather(from: &[PathBuf]) -> Result<Gathered, Failure> {
     let mut all = Gathered::default();
     for path in from {
@@ -38,12 +38,12 @@ pub fn gather(from: &[PathBuf]) -> Result<Gathered, Failure> {
         } else {
             match kind(path)? {
                 Kind::Index => all.index(path)?,
-                Kind::Run => all.add(loose(path)),
+                Kind::Run => all.add(unindexed(path)),
                 Kind::Other => return Err(Failure::in_file(path, NO_RUN)),
             }
         }
     }
-    all.renamed = with_own_names(&mut all.entries)?;
+    all.renamed = make_names_unique(&mut all.entries)?;
     Ok(all)
 }
 
@@ -66,7 +66,7 @@ impl Gathered {
         let before = self.entries.len();
         for file in files {
             match kind(&file) {
-                Ok(Kind::Run) => self.add(loose(&file)),
+                Ok(Kind::Run) => self.add(unindexed(&file)),
                 Ok(Kind::Index) => self.index(&file)?,
                 Ok(Kind::Other) => {
                     let failure = Failure::in_file(&file, NO_RUN);
@@ -141,8 +141,8 @@ pub fn is_run(path: &Path) -> Result<bool, Failure> {
     Ok(matches!(kind(path)?, Kind::Run))
 }
 
-/// A run without an index; its name is that of its file.
-fn loose(file: &Path) -> Entry {
+/// A run without an index, named after its file.
+fn unindexed(file: &Path) -> Entry {
     let run = file.file_stem().unwrap_or_default().to_string_lossy();
     let unnamed = || UNNAMED.to_owned();
     Entry {
@@ -156,9 +156,9 @@ fn loose(file: &Path) -> Entry {
     }
 }
 
-/// Puts the folder's name before every run's whose name another folder's run has; returns the new
+/// Prefixes run names that occur more than once with the name of their folder; returns the new
 /// names.
-fn with_own_names(entries: &mut [Entry]) -> Result<Vec<String>, Failure> {
+fn make_names_unique(entries: &mut [Entry]) -> Result<Vec<String>, Failure> {
     let mut count: BTreeMap<String, usize> = BTreeMap::new();
     for entry in entries.iter() {
         *count.entry(entry.run.clone()).or_default() += 1;
@@ -173,7 +173,7 @@ fn with_own_names(entries: &mut [Entry]) -> Result<Vec<String>, Failure> {
         if let Some(first) = seen.insert(run, file) {
             let first = first.display();
             let reason = format_args!(
-                "run {run:?} is {first} too: expected names that differ, or folders whose names do"
+                "run {run:?} is {first} too, in a folder of the same name: rename one of the runs or folders"
             );
             return Err(Failure::in_file(file, reason));
         }
@@ -188,8 +188,8 @@ pub fn folder_of(file: &Path) -> String {
     folder.map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 
-/// The tables of the runs' tracks, in the folders of the runs, that the index's folder does not
-/// have yet: their names and contents.
+/// Names and contents of the track tables in the folders of the runs that `folder`, that of the
+/// index, does not have yet.
 ///
 /// # Errors
 /// [`Failure::BadInput`] for tables of one track that differ.
@@ -197,8 +197,8 @@ pub fn track_tables(
     entries: &[Entry],
     folder: &Path,
 ) -> Result<BTreeMap<String, Vec<u8>>, Failure> {
-    /// A track has some thousand rows [bytes].
-    const LONGEST: u64 = 1 << 26;
+    /// Largest size of a track table, which has some thousand rows [bytes].
+    const MAX_BYTES: u64 = 1 << 26;
     let mut tables: BTreeMap<String, (PathBuf, Vec<u8>)> = BTreeMap::new();
     for entry in entries {
         let name = track_file(&entry.track);
@@ -211,14 +211,13 @@ pub fn track_tables(
                 let reason = "a link that leads out of its folder";
                 return Err(Failure::in_file(&path, reason));
             }
-            let bytes = kufe_files::read_regular(&path, LONGEST).in_file(&path)?;
+            let bytes = kufe_files::read_regular(&path, MAX_BYTES).in_file(&path)?;
             let known = tables.entry(name.clone());
             let (first, known) = known.or_insert_with(|| (path.clone(), bytes.clone()));
             if *known != bytes {
                 let (track, first) = (&entry.track, first.display());
-                let reason = format_args!(
-                    "another table of track {track} than {first}: expected one of each track"
-                );
+                let reason =
+                    format_args!("differs from {first}: expected one table of track {track}");
                 return Err(Failure::in_file(&path, reason));
             }
         }
@@ -228,7 +227,7 @@ pub fn track_tables(
     Ok(tables.map(|(name, (_, bytes))| (name, bytes)).collect())
 }
 
-/// The path from a folder to a file.
+/// The relative path from a folder to a file.
 pub fn relative(file: &Path, folder: &Path) -> PathBuf {
     let (file, folder) = (resolved(file), resolved(folder));
     let file: Vec<_> = file.components().collect();

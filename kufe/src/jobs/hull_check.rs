@@ -1,4 +1,4 @@
-//! Whether a hull from a scanner can be pressed, and how it is to be read.
+//! Check of a scanned hull: its orientation, noise and sampling, and a case that reads it.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -14,26 +14,28 @@ use crate::jobs::failure::{Failure, Located};
 use crate::jobs::press::hull_error::{bootstrap_scans, relative_peak_error};
 use crate::results::{HullCheck, ResolvedLoad, Sampling};
 
-/// Relative error of the peak for which a hull is examined where none is requested.
-const USUAL_SHARE: f64 = 0.05;
-/// Relative error that the case of a hull without noise requests where none is requested.
-const WITHOUT_NOISE: f64 = 0.01;
+/// Default of the requested relative error of the peak, for the check and for the case of a hull
+/// with noise.
+const DEFAULT_RTOL: f64 = 0.05;
+/// Default of the relative error that the case of a hull without noise requests.
+const RTOL_WITHOUT_NOISE: f64 = 0.01;
 /// Young's modulus [Pa] and Poisson's ratio of ice as cases have them by default.
 const ICE_MODULUS: f64 = 9.0e9;
 const ICE_RATIO: f64 = 0.33;
-/// Plane-strain modulus of it [Pa].
-const ICE: f64 = ICE_MODULUS / (1.0 - ICE_RATIO * ICE_RATIO);
+/// Plane-strain modulus of the ice [Pa].
+const ICE_PLANE_STRAIN: f64 = ICE_MODULUS / (1.0 - ICE_RATIO * ICE_RATIO);
+
 /// An examined hull, and how a case reads it.
 pub struct ExaminedHull {
-    /// What was found.
+    /// The result of the check.
     pub result: HullCheck,
-    /// Of pitch and roll what the shape does not show.
+    /// Names of pitch and roll where they cannot be determined from the shape.
     pub unknown_angles: Option<String>,
-    /// Place of the load, along and across, where it is not over the file's origin [m].
+    /// Position of the load along and across [m]; `None` where it is over the file's origin.
     pub offset_m: [Option<f64>; 2],
     /// Relative error of the peak that the case requests.
     p_max: f64,
-    /// How the file is to be read.
+    /// Options with which a case reads the file.
     options: HullOptions,
 }
 
@@ -47,11 +49,11 @@ pub fn check_hull(
     forces: &[f64],
     p_max: Option<f64>,
 ) -> Result<ExaminedHull, Failure> {
-    let as_it_is = HullOptions {
+    let unrotated = HullOptions {
         up: Some(Axis::Z),
         ..HullOptions::default()
     };
-    let (of_file, read) = load_hull(file, &as_it_is)?;
+    let (of_file, read) = load_hull(file, &unrotated)?;
     let Some(placed) = PlacedScan::of(&of_file)? else {
         return Err(not_rounded(file, &of_file));
     };
@@ -73,7 +75,7 @@ pub fn check_hull(
     let Some(spacing) = keel_spacing(&hull, frame.section_radius) else {
         return Err(not_rounded(file, &hull));
     };
-    let share = p_max.unwrap_or(USUAL_SHARE);
+    let rtol = p_max.unwrap_or(DEFAULT_RTOL);
     let strips = strips_of_hull(&hull);
     let [vertices, triangles] = [hull.positions.len(), hull.triangles.len()];
     let bounds = hull.bounds();
@@ -92,7 +94,7 @@ pub fn check_hull(
             let scans = bootstrap_scans(&fitted);
             let known = |&fz: &f64| {
                 let radii = [frame.rocker_radius, frame.section_radius];
-                known_peak(&fitted, scans.as_deref(), radii, place, fz, share, spacing)
+                known_peak(&fitted, scans.as_deref(), radii, place, fz, rtol, spacing)
             };
             forces.iter().map(known).collect::<Result<Vec<_>, String>>()
         });
@@ -100,13 +102,13 @@ pub fn check_hull(
     let unknown = unknown_angles(orientation.as_ref());
     report.warnings.extend(unknown.as_ref().map(|angles| {
         format!(
-            "the hull's shape does not show its {angles}: correct the case where the hull is turned"
+            "the {angles} of the hull cannot be determined from its shape: correct the case where the hull is turned"
         )
     }));
-    let usual = if noise.found > 0.0 {
-        USUAL_SHARE
+    let default_rtol = if noise.found > 0.0 {
+        DEFAULT_RTOL
     } else {
-        WITHOUT_NOISE
+        RTOL_WITHOUT_NOISE
     };
     let [length_m, width_m, height_m] = report.extent;
     let result = HullCheck {
@@ -138,13 +140,13 @@ pub fn check_hull(
     Ok(ExaminedHull {
         result,
         unknown_angles: unknown,
-        p_max: p_max.unwrap_or(usual),
+        p_max: p_max.unwrap_or(default_rtol),
         options: frame.options,
         offset_m,
     })
 }
 
-/// The names of pitch and roll where they are unknown.
+/// The names of those of pitch and roll that are unknown.
 fn unknown_angles(orientation: Option<&Orientation>) -> Option<String> {
     let pitch = orientation.and_then(|found| found.pitch);
     let roll = orientation.and_then(|found| found.roll);
@@ -154,25 +156,26 @@ fn unknown_angles(orientation: Option<&Orientation>) -> Option<String> {
     (!names.is_empty()).then(|| names.join(" and "))
 }
 
-/// The hull has no side that is rounded as a runner's underside is; long strips may be why.
+/// The failure of a hull without a rounded side like a runner's underside; long strips of triangles
+/// may be the reason.
 fn not_rounded(file: &Path, hull: &Hull) -> Failure {
     let strips = strips_of_hull(hull).map(strips_warning);
     let reason = strips.or_else(|| unlike_runner(hull, None));
     Failure::in_file(file, reason.unwrap_or_default())
 }
 
-/// How well the peak is known under a force at a place along and across, as pressing it would state,
-/// and the noise and spacing with which it would be known better.
+/// Error of the peak under the force `fz` [N] at an offset [m] along and across, as pressing the
+/// hull would state it, and the noise and spacing that would lower it to `rtol` and to half.
 fn known_peak(
     hull: &FittedHull,
     scans: Option<&[Arc<dyn Underside>]>,
     [along, across]: [f64; 2],
     [offset_x, offset_y]: [f64; 2],
     fz: f64,
-    share: f64,
+    rtol: f64,
     spacing: f64,
 ) -> Result<ResolvedLoad, String> {
-    let contact = hertz(along.max(across), along.min(across), ICE, fz);
+    let contact = hertz(along.max(across), along.min(across), ICE_PLANE_STRAIN, fz);
     let approach = contact.map_err(|error| error.to_string())?.approach;
     let runner = Runner::rigid(hull.underside.clone());
     let ice = Ice::half_space(ICE_MODULUS, ICE_RATIO);
@@ -186,40 +189,40 @@ fn known_peak(
     let error_m = hull.underside.error_for(approach);
     let p_max_error = relative_peak_error(&problem, hull, scans).unwrap_or(error_m / approach);
     let noise = hull.noise.found;
-    let by = |factor: f64| {
+    let sampling_for = |factor: f64| {
         let smaller = smaller_by(factor, noise > 0.0);
         Sampling {
             noise_m: (noise > 0.0).then_some(noise / smaller),
             spacing_m: spacing / smaller,
         }
     };
-    let resolved = p_max_error <= share;
+    let resolved = p_max_error <= rtol;
     Ok(ResolvedLoad {
         fz_n: fz,
         approach_m: approach,
         resolved,
         p_max_error,
         error_m,
-        enough: (!resolved).then(|| by(p_max_error / share)),
-        halves: by(2.0),
+        enough: (!resolved).then(|| sampling_for(p_max_error / rtol)),
+        halves: sampling_for(2.0),
     })
 }
 
-/// The middle of a hull, along and across, that is not over its origin [m].
+/// The middle of a hull along and across [m] if its origin lies outside its bounds.
 fn middle_if_outside([low, high]: [[f64; 3]; 2]) -> Option<[f64; 2]> {
     let outside = (0..2).any(|axis| low[axis] >= 0.0 || high[axis] <= 0.0);
     outside.then(|| [0, 1].map(|axis| 0.5 * (low[axis] + high[axis])))
 }
 
 impl ExaminedHull {
-    /// The axis opposite to [`forward`](HullCheck::forward), which the shape does not exclude.
+    /// The axis opposite to [`forward`](HullCheck::forward), which the shape cannot exclude.
     pub fn backward(&self) -> String {
         let mut axis = self.options.forward;
         axis.negative = !axis.negative;
         axis.to_string()
     }
 
-    /// Normal force of the case [N]: of several the one nearest to 1 kN.
+    /// Normal force of the case [N]: the examined force nearest to 1 kN, or 1 kN.
     pub fn force(&self) -> f64 {
         let forces = self.result.loads.iter().flatten().map(|load| load.fz_n);
         let far = |fz: &f64| (fz - 1000.0).abs();
@@ -227,7 +230,7 @@ impl ExaminedHull {
         nearest.unwrap_or(1000.0)
     }
 
-    /// The case that reads the hull so, written to `path`: with ice, track and load to edit.
+    /// Text of a case that reads the hull, for a file `path`, with ice, track and load to edit.
     ///
     /// # Errors
     /// [`Failure::BadInput`] where the place of the hull cannot be found, or is out of a case's range.
@@ -260,7 +263,7 @@ impl ExaminedHull {
 hull = {}
 scale = {}
 up = \"{}\"
-forward = \"{}\"   # or \"{}\": its shape does not tell
+forward = \"{}\"   # or \"{}\": the shape cannot tell
 {angles}{noise}
 [ice]
 youngs_modulus_pa = 9.0e9
@@ -286,7 +289,7 @@ p_max = {}
         );
         let refused = |error: CaseError| {
             let reason = format!(
-                "no case reads it so: {error}; a hull far from its file's origin has to be moved there"
+                "no case can read it: {error}; move a hull that is far from its file's origin there"
             );
             Failure::in_file(&self.result.file, reason)
         };

@@ -1,4 +1,4 @@
-//! Recordings of other programs brought into kufe's form.
+//! Import of recordings of other programs.
 
 use std::path::{Path, PathBuf};
 
@@ -13,9 +13,9 @@ use crate::jobs::field::NewFiles;
 use crate::jobs::watch::Watch;
 use crate::results::{ImportList, ImportedRun};
 
-/// The list of an import's runs and files.
+/// File that lists the runs and files of an import.
 const LIST: &str = "import.json";
-/// The part of a model that the mapping states.
+/// File of the part of a model that the mapping states.
 const FRAGMENT: &str = "model.import.toml";
 
 /// A mapping, and the runs whose files it names.
@@ -117,7 +117,8 @@ impl RunImport {
         Ok(ImportedRuns { list, notes })
     }
 
-    /// Imports one run and writes its files; the reason where it cannot be imported.
+    /// Imports one run and writes its files. The inner error is the reason why it cannot be
+    /// imported.
     fn write_run(
         &self,
         planned: &PlannedRun,
@@ -139,7 +140,7 @@ impl RunImport {
 }
 
 impl ImportedRuns {
-    /// Which runs were not imported, where there are such.
+    /// The failure that names the runs that were not imported; `None` if all were.
     pub fn shortfall(&self) -> Option<Failure> {
         let excluded = &self.list.excluded;
         let names: Vec<&str> = excluded.iter().map(|run| run.run.as_str()).collect();
@@ -150,12 +151,12 @@ impl ImportedRuns {
     }
 }
 
-/// The file that describes how a run was made.
+/// Name of the file that describes how a run was imported.
 fn note_file(run: &str) -> String {
     format!("{}.import.json", file_stem(run))
 }
 
-/// The files of an import.
+/// Names of the files of an import.
 fn names_of(runs: &[PlannedRun], format: RunFormat, fragment: bool) -> Vec<String> {
     let mut names = vec!["runs.csv".to_owned(), LIST.to_owned()];
     names.extend(fragment.then(|| FRAGMENT.to_owned()));

@@ -1,4 +1,4 @@
-//! Lateral friction of recorded runs: fitted, and compared with what runs measured.
+//! Lateral friction laws: fit to recorded runs, and comparison with the forces that runs measured.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -15,15 +15,15 @@ use crate::results::{LateralFitDocument, Validation};
 pub struct FittedRuns {
     /// The runs, and the model before the fit.
     pub loaded: PreparedRuns,
-    /// The fit, and what it rests on.
+    /// The fit, and the runs that it used.
     pub document: LateralFitDocument,
-    /// The model with the fitted laws, as its file's text.
+    /// Text of a model file with the fitted laws.
     pub model: String,
 }
 
-/// Stated over estimated noise of the slip above which a fit warns: imported runs went through a low
-/// pass, and a data sheet states the noise before it.
-const TOO_NOISY: f64 = 1.5;
+/// Ratio of stated to estimated slip noise above which a fit warns. Imported runs are low-pass
+/// filtered, and a data sheet states the noise before filtering.
+const MAX_NOISE_RATIO: f64 = 1.5;
 
 /// Fits the lateral friction of both runners to the selected runs; `leave_out_contacts` excludes
 /// samples with an external force.
@@ -38,18 +38,18 @@ pub fn fit_lateral(
 ) -> Result<FittedRuns, Failure> {
     let loaded = selection.load(watch, |_| true)?;
     let stated = loaded.model.noise.map_or(0.0, |noise| noise.slip_rad);
-    let found = loaded.slip_noise_rad;
-    if found > 0.0 && stated > TOO_NOISY * found {
+    let estimated = loaded.slip_noise_rad;
+    if estimated > 0.0 && stated > MAX_NOISE_RATIO * estimated {
         watch.warn(&format!(
-            "{}: [noise] slip_rad = {stated:e} is {:.1} times the noise of the runs at their rate, {found:.1e} rad: K is raised by the difference; leave [noise] out, and it is estimated",
+            "{}: [noise] slip_rad = {stated:e} is {:.1} times the noise of the runs at their rate, {estimated:.1e} rad: the correction for noise then overestimates K; omit [noise] to have it estimated",
             selection.model.display(),
-            stated / found
+            stated / estimated
         ));
     }
     watch.progress("fitting");
     let fit = fit(&loaded.prepared, &loaded.vehicle, leave_out_contacts)?;
     let model = fit.applied_to(&loaded.model).to_toml();
-    // The written model is valid.
+    // The written model must be readable.
     Model::from_toml(&model, "model.fit.toml").and_then(|model| Vehicle::with_effects(&model))?;
     let document = LateralFitDocument {
         fit,
@@ -62,19 +62,19 @@ pub fn fit_lateral(
     })
 }
 
-/// Lateral laws of a fit, and the runs that it saw.
+/// Lateral laws of a fit, and the runs that it used.
 #[derive(Clone, Debug)]
 pub struct FittedLaws {
     /// Law of the front runner.
     pub front: MagicFormula,
     /// Law of the rear runner.
     pub rear: MagicFormula,
-    /// Names of the runs.
+    /// Names of the runs that the fit used.
     pub runs: BTreeSet<String>,
 }
 
 impl FittedLaws {
-    /// Those of a `fit.json`.
+    /// The laws of a file `fit.json`.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with the file and the key.
@@ -88,7 +88,7 @@ impl FittedLaws {
             .in_file(path)
     }
 
-    /// Those of a fit.
+    /// The laws of a fit.
     ///
     /// # Errors
     /// [`Failure::BadInput`] for a value of a law that is out of range.
@@ -108,8 +108,8 @@ impl FittedLaws {
     }
 }
 
-/// Compares lateral forces as the selected runs measured them with those of the model. The laws of
-/// a fit replace the model's, and the runs that it saw are excluded.
+/// Compares the lateral forces that the selected runs measured with those of the model. With
+/// `laws`, these replace the model's laws, and the runs of their fit are excluded.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with file and place, and where no run remains.

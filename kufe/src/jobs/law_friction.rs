@@ -1,4 +1,4 @@
-//! Friction of one runner under one load: the peak pressure of its contact in the law of a model.
+//! Friction of one runner under one load by a model's law, evaluated at the peak contact pressure.
 
 use std::path::Path;
 use std::time::Instant;
@@ -14,17 +14,17 @@ use crate::jobs::press::Contact;
 use crate::jobs::watch::Watch;
 use crate::results::FrictionByLaw;
 
-/// A law of friction over pressure with the effects on it.
+/// A law of friction as a function of pressure, with the effects on it.
 #[derive(Clone, Debug)]
 pub struct FrictionLaw {
     law: Longitudinal,
     effects: Effects,
-    /// Drag area of the sled [m2]; not a number without a sled.
+    /// Drag area of the sled [m2]; NaN without a sled.
     drag_area: f64,
 }
 
-/// How a runner is driven, and the air and ice around it. Conditions that are not stated are needed
-/// only by effects on them.
+/// Speed and slip angle of a runner, and the ice and air around it. Conditions that are not stated
+/// are NaN; only effects that depend on them need them.
 #[derive(Clone, Copy, Debug)]
 pub struct DrivingConditions {
     /// Speed [m/s].
@@ -32,7 +32,7 @@ pub struct DrivingConditions {
     /// Slip angle [rad].
     pub alpha_rad: f64,
     /// Ice and air.
-    pub conditions: Conditions,
+    pub environment: Conditions,
 }
 
 impl DrivingConditions {
@@ -79,9 +79,9 @@ impl FrictionLaw {
     /// Solves a case and evaluates the law at its peak pressure.
     ///
     /// # Errors
-    /// [`Failure::Usage`] for a condition out of range, and for one that an effect needs and that
-    /// is not stated, [`Failure::BadInput`] for the case, [`Failure::NotConverged`] where the
-    /// solver stops short.
+    /// [`Failure::Usage`] for a condition out of range or one that an effect needs and that is not
+    /// stated, [`Failure::BadInput`] for the case, [`Failure::NotConverged`] where the solver stops
+    /// short.
     pub fn solve(
         &self,
         loaded: &LoadedCase,
@@ -96,27 +96,28 @@ impl FrictionLaw {
         loaded.fine_enough(solved.hull.as_ref(), &solved.solution)?;
         let short = solved.short.take();
         let (solution, peak) = (&solved.solution, solved.peak());
-        // What a hull leaves uncertain is in the error that is stated.
-        let by_meshes = solution.p_max_error > loaded.case.accuracy.p_max * solution.p_max;
-        if let Some(short) = short.filter(|_| by_meshes) {
+        // An error due to the hull's scan is reported; only a discretisation error above the
+        // tolerance is a failure.
+        let is_coarse = solution.p_max_error > loaded.case.accuracy.p_max * solution.p_max;
+        if let Some(short) = short.filter(|_| is_coarse) {
             return Err(short);
         }
-        let at = OperatingPoint {
+        let point = OperatingPoint {
             t: 0.0,
             s: 0.0,
             v: conditions.v_mps,
             fz: solution.fz,
             conditions: Conditions {
                 distance_m: 0.0,
-                ..conditions.conditions
+                ..conditions.environment
             },
-            air_density: conditions.conditions.air_density(),
+            air_density: conditions.environment.air_density(),
             drag_area: self.drag_area,
             film: f64::NAN,
             patch: Patch::UNKNOWN,
         };
         let (p_max, mu_base) = (solution.p_max, self.law.mu(solution.p_max));
-        let (mu, effects, effects_not_concerned) = self.with_effects(mu_base, &at)?;
+        let (mu, effects, effects_not_concerned) = self.with_effects(mu_base, &point)?;
         let (depends_on_pressure, capped, mu_error) = match self.law {
             Longitudinal::Pressure(law) => (
                 true,
@@ -137,8 +138,8 @@ impl FrictionLaw {
             capped,
             alpha_rad,
             fx_n,
-            v_mps: at.v,
-            power_w: fx_n * at.v,
+            v_mps: point.v,
+            power_w: fx_n * point.v,
             effects,
             effects_not_concerned,
             seconds: started.elapsed().as_secs_f64(),
@@ -146,28 +147,29 @@ impl FrictionLaw {
         })
     }
 
-    /// The coefficient after every effect on it, the names of those, and of the model's others.
+    /// The coefficient after every effect on it, the names of these effects, and the names of the
+    /// model's other effects.
     fn with_effects(
         &self,
         mut mu: f64,
-        at: &OperatingPoint,
+        point: &OperatingPoint,
     ) -> Result<(f64, Vec<String>, Vec<String>), Failure> {
         let (mut applied, mut ignored) = (Vec::new(), Vec::new());
         for active in &self.effects.active {
-            let Some(with) = active.coefficient(mu, at) else {
+            let Some(changed) = active.coefficient(mu, point) else {
                 ignored.push(active.name.clone());
                 continue;
             };
             let needed = match &active.kind {
-                Kind::Custom(own) if with.is_nan() => {
-                    let names = own.names().join(", ");
+                Kind::Custom(formula) if changed.is_nan() => {
+                    let names = formula.names().join(", ");
                     let why = "a condition is not given, or belongs to a run";
                     Some(format!("{names}: {why}"))
                 }
                 _ => {
                     let columns = active.columns();
-                    let mut missing = columns.iter().filter_map(|c| missing(c, &at.conditions));
-                    let air = with.is_nan().then_some("--air-c and --air-pa");
+                    let mut missing = columns.iter().filter_map(|c| missing(c, &point.conditions));
+                    let air = changed.is_nan().then_some("--air-c and --air-pa");
                     missing.next().or(air).map(str::to_owned)
                 }
             };
@@ -176,16 +178,16 @@ impl FrictionLaw {
                 let text = format!("the model's effect {name} needs {what}");
                 return Err(Failure::Usage(text));
             }
-            mu = with;
+            mu = changed;
             applied.push(active.name.clone());
         }
         Ok((mu, applied, ignored))
     }
 }
 
-/// What states a column of an effect, where the conditions do not.
+/// The option or source that provides `column`, if the conditions do not state it.
 fn missing(column: &str, stated: &Conditions) -> Option<&'static str> {
-    let (what, value) = match column {
+    let (source, value) = match column {
         "ice_c" => ("--ice-c", stated.ice_c),
         "air_c" => ("--air-c", stated.air_c),
         "air_pa" => ("--air-pa", stated.air_pa),
@@ -194,5 +196,5 @@ fn missing(column: &str, stated: &Conditions) -> Option<&'static str> {
         "contact_length_m" => ("the contact of a friction experiment", f64::NAN),
         _ => return None,
     };
-    value.is_nan().then_some(what)
+    value.is_nan().then_some(source)
 }

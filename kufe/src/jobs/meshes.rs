@@ -1,4 +1,4 @@
-//! The hexahedra of ice and runner for a case.
+//! Hexahedral meshes of the ice and the runner of a case.
 
 use std::fs::File;
 
@@ -13,19 +13,19 @@ use crate::jobs::watch::Watch;
 /// Layers of cells between the underside and the top of the runner, and the ratio of their heights.
 const LAYERS: usize = 8;
 const GROWTH: f64 = 1.6;
-/// Part of a scanned hull's width and length that its columns cover, away from its ragged sides.
-const INSET: f64 = 0.97;
+/// Fraction of a scanned hull's width and length that the mesh covers, away from its ragged sides.
+const COVERED_FRACTION: f64 = 0.97;
 
-/// The hexahedra of a case.
+/// The hexahedral meshes of a case.
 pub struct CaseMeshes {
-    /// Of the ice, graded to the contact.
+    /// Mesh of the ice, graded towards the contact.
     pub ice: HexMesh,
-    /// Of a runner with a top.
+    /// Mesh of the runner; `None` for a runner without a known top.
     pub runner: Option<HexMesh>,
 }
 
 impl CaseMeshes {
-    /// Solves a case, to whose contact the grid is graded, and fills ice and runner with hexahedra.
+    /// Solves a case, grades the grid towards its contact, and fills ice and runner with hexahedra.
     ///
     /// # Errors
     /// Those of the solver, and [`Failure::BadInput`] where no hexahedra fit into the hull.
@@ -33,21 +33,25 @@ impl CaseMeshes {
         let (problem, hull) = loaded.stated()?;
         loaded.hull_warnings(hull.as_ref(), watch);
         watch.progress("finding the contact that the grid is graded to");
-        // In the volume, whatever it touches.
+        // `subsurface` requests a volume solution, whichever solver the contact would get.
         let options = Options {
             subsurface: true,
             ..loaded.case.options()
         };
         let solution = loaded.solved(solve(&problem, &options))?;
         let Some(VolumeField { grid, .. }) = solution.volume else {
-            unreachable!("the shear under the peak is followed in a volume");
+            unreachable!("`subsurface` yields a volume solution");
         };
         let runner = top(loaded, &problem, hull.as_ref()).map(|top| {
             let underside = &problem.runner.underside;
-            let part = if hull.is_some() { INSET } else { 1.0 };
+            let fraction = if hull.is_some() {
+                COVERED_FRACTION
+            } else {
+                1.0
+            };
             let [x0, x1, y0, y1] = underside.extent();
-            let x = columns(&grid.x, shrunk([x0, x1], part));
-            let y = columns(&grid.y, shrunk([y0, y1], part));
+            let x = columns(&grid.x, shrunk([x0, x1], fraction));
+            let y = columns(&grid.y, shrunk([y0, y1], fraction));
             graded_levels(LAYERS, GROWTH)
                 .and_then(|levels| mapped_runner_mesh(&x, &y, underside.as_ref(), top, &levels))
         });
@@ -59,14 +63,14 @@ impl CaseMeshes {
     }
 }
 
-/// Height of the runner's flat top over its lowest point [m]; none for a paraboloid, which has no
-/// end.
+/// Height of the runner's flat top above its lowest point [m]; `None` for a paraboloid, which is
+/// unbounded, and for `runner.mesh`, which is a mesh already.
 fn top(loaded: &LoadedCase, problem: &Problem, hull: Option<&FittedHull>) -> Option<f64> {
     if loaded.case.runner.mesh.is_some() {
         return None;
     }
-    let filled = problem.runner.elastic.as_ref().map(|e| e.top);
-    if let Some(top) = filled.filter(|top| top.is_finite()) {
+    let elastic_top = problem.runner.elastic.as_ref().map(|e| e.top);
+    if let Some(top) = elastic_top.filter(|top| top.is_finite()) {
         return Some(top);
     }
     match (hull, &loaded.case.runner.shape) {
@@ -76,13 +80,14 @@ fn top(loaded: &LoadedCase, problem: &Problem, hull: Option<&FittedHull>) -> Opt
     }
 }
 
-/// The middle part of a range, wherever that lies.
-fn shrunk([from, to]: [f64; 2], part: f64) -> [f64; 2] {
-    let (middle, half) = (0.5 * (from + to), 0.5 * part * (to - from));
+/// The range shrunk about its middle to a fraction of its length.
+fn shrunk([from, to]: [f64; 2], fraction: f64) -> [f64; 2] {
+    let (middle, half) = (0.5 * (from + to), 0.5 * fraction * (to - from));
     [middle - half, middle + half]
 }
 
-/// The grid's columns under the hull, and its two ends (a mirror plane is an end already).
+/// Coordinates of the runner's nodes: the two ends of the range, and the grid's nodes in between. A
+/// mirror plane of the grid replaces the first end.
 fn columns(nodes: &[f64], [from, to]: [f64; 2]) -> Vec<f64> {
     let first = nodes.first().map_or(from, |&first| first.max(from));
     let mut columns = vec![first];

@@ -1,4 +1,4 @@
-//! A measured run that the model drives again.
+//! Replay of a measured run: the model drives it with the recorded inputs.
 
 use std::path::{Path, PathBuf};
 
@@ -33,7 +33,7 @@ pub struct ReplayedRun {
     pub vehicle: Vehicle,
     /// The comparison.
     pub replay: Replay,
-    /// The model's run as sensors record it, with what was measured at the same places.
+    /// The model's run as sensors record it, with the measured channels at the same places.
     pub driven: Run,
     /// File of the measured run.
     pub measured: PathBuf,
@@ -41,10 +41,10 @@ pub struct ReplayedRun {
     pub outside_tables: Vec<OutsideTable>,
 }
 
-/// The row of a run in an index, where it is on this track.
+/// The row of a run in an index, if the run is on this track.
 ///
 /// # Errors
-/// [`Failure::BadInput`] with the runs that there are, or the run's own track.
+/// [`Failure::BadInput`] with the known runs, or with the track of the run.
 pub fn entry_on_track(index: &Path, run: &str, track: &Track) -> Result<Entry, Failure> {
     let within = |failure: Failure| failure.within(index.display());
     let entries = read_index(index)?;
@@ -58,7 +58,7 @@ pub fn entry_on_track(index: &Path, run: &str, track: &Track) -> Result<Entry, F
     Ok(entry.clone())
 }
 
-/// A run driven again under its own conditions: the comparison, the model's run as its sensors
+/// Replays a run under its own conditions. Returns the comparison, the model's run as its sensors
 /// record it, and the driver's inputs.
 pub(crate) fn drive_again(
     run: &Run,
@@ -78,7 +78,7 @@ pub(crate) fn drive_again(
 }
 
 impl ReplayedDrive {
-    /// Drives the run again.
+    /// Replays the run.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with file and place, and for options out of range.

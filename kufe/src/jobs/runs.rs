@@ -1,4 +1,4 @@
-//! Recorded runs: read, chosen and prepared.
+//! Selection and preparation of recorded runs.
 
 use std::collections::BTreeSet;
 use std::io::BufWriter;
@@ -16,40 +16,41 @@ use crate::jobs::field::NewFiles;
 use crate::jobs::watch::Watch;
 use crate::results::RunsUsed;
 
-/// Which runs, and what they are used with.
+/// A selection of runs, with the model and the filter that they are prepared with.
 #[derive(Clone, Debug)]
 pub struct RunSelection {
-    /// Index of the runs.
+    /// Index file of the runs.
     pub runs: PathBuf,
-    /// Sled and friction.
+    /// Model file of sled and friction.
     pub model: PathBuf,
-    /// Only runs of these sessions; all where empty.
+    /// Sessions to select; empty selects all.
     pub session: Vec<String>,
-    /// Only runs on these tracks; all where empty.
+    /// Tracks to select; empty selects all.
     pub track: Vec<String>,
     /// Exclude runs with faulty files instead of stopping at the first.
     pub leave_out_bad_runs: bool,
     /// Refuse runs with gaps instead of excluding the samples next to them.
     pub strict: bool,
-    /// Corner of the zero-phase low pass [Hz].
+    /// Cutoff frequency of the zero-phase low-pass filter [Hz].
     pub cutoff_hz: f64,
 }
 
-/// Runs ready for use, and what they are used with.
+/// Prepared runs with their model.
 pub struct PreparedRuns {
-    /// Sled and friction.
+    /// Sled and friction, as the model file states them.
     pub model: Model,
-    /// The same with its tables opened.
+    /// The model with its tables read.
     pub vehicle: Vehicle,
     /// The runs.
     pub prepared: Vec<Prepared>,
-    /// What results state of the runs.
+    /// Exclusions, gaps and places outside tables, for the results.
     pub used: RunsUsed,
-    /// White noise of the slip angle at the recordings' own rate, the median of the runs [rad].
+    /// Standard deviation of the white noise of the slip angle at the sample rate of the
+    /// recordings, median over the runs [rad].
     pub slip_noise_rad: f64,
 }
 
-/// The files that an index of runs names, itself among them: runs and tables of tracks.
+/// The files that an index of runs names (runs and track tables), and the index itself.
 pub fn run_inputs(index: &Path) -> Vec<PathBuf> {
     let entries = read_index(index).unwrap_or_default();
     let tracks: BTreeSet<String> = entries.iter().map(|run| track_file(&run.track)).collect();
@@ -83,7 +84,7 @@ pub fn write_track(output: NewFiles, track: &Track) -> Result<(), Failure> {
     })
 }
 
-/// How runs with gaps are read: refused with `strict`, else without the samples next to a gap.
+/// Treatment of runs with gaps: refused with `strict`, else the samples next to a gap are excluded.
 pub fn on_gaps(strict: bool) -> OnGaps {
     if strict {
         OnGaps::Refuse
@@ -92,41 +93,44 @@ pub fn on_gaps(strict: bool) -> OnGaps {
     }
 }
 
-/// The run of this name.
+/// The run whose name, as `name_of` returns it, is `name`.
 ///
 /// # Errors
-/// [`Failure::BadInput`] with the names that there are.
+/// [`Failure::BadInput`] with the known names.
 pub fn named_run<'a, T>(
     runs: &'a [T],
     name: &str,
-    of: fn(&T) -> &String,
+    name_of: fn(&T) -> &String,
 ) -> Result<&'a T, Failure> {
-    runs.iter().find(|run| of(run) == name).ok_or_else(|| {
-        let names: Vec<&str> = runs.iter().map(|run| of(run).as_str()).collect();
+    runs.iter().find(|run| name_of(run) == name).ok_or_else(|| {
+        let names: Vec<&str> = runs.iter().map(|run| name_of(run).as_str()).collect();
         Failure::BadInput(format!("--run {name}: the runs are {}", names.join(", ")))
     })
 }
 
-/// Runs with gaps, and how much of them takes part.
+/// Coverage of the runs that have gaps.
 pub(crate) fn gaps_of(prepared: &[Prepared]) -> Vec<SampleCoverage> {
     let coverage = prepared.iter().map(|run| run.taking_part.clone());
     coverage.filter(|run| !run.gaps.is_none()).collect()
 }
 
-/// Words that runs have, each once, in order.
-fn words(runs: &[Run], of: fn(&Run) -> &String) -> Vec<&str> {
-    let words: BTreeSet<&str> = runs.iter().map(|run| of(run).as_str()).collect();
-    words.into_iter().collect()
+/// A text field of a run.
+type Field = fn(&Run) -> &String;
+
+/// Distinct values of a field, sorted.
+fn distinct(runs: &[Run], field: Field) -> Vec<&str> {
+    let values: BTreeSet<&str> = runs.iter().map(|run| field(run).as_str()).collect();
+    values.into_iter().collect()
 }
 
-/// A model file, and its sled with the tables opened.
+/// Reads a model file, and the tables of its sled.
 pub(crate) fn load_model(path: &Path) -> Result<(Model, Vehicle), Failure> {
     let model = Model::load(path)?;
     let vehicle = Vehicle::with_effects(&model)?;
     Ok((model, vehicle))
 }
 
-/// Warns of effects of a model that act on none of these tracks.
+/// Warns of effects in a model that act on none of these tracks.
 pub(crate) fn warn_elsewhere(vehicle: &Vehicle, model: &Path, tracks: &[&str], watch: &Watch) {
     for text in vehicle.effects_elsewhere(tracks) {
         watch.warn(&format!("{}: {text}", model.display()));
@@ -134,7 +138,7 @@ pub(crate) fn warn_elsewhere(vehicle: &Vehicle, model: &Path, tracks: &[&str], w
 }
 
 impl RunSelection {
-    /// Every run of an index, with the model's file and a corner of 20 Hz.
+    /// Every run of an index, with a model file and a cutoff frequency of 20 Hz.
     pub fn all(runs: PathBuf, model: PathBuf) -> RunSelection {
         RunSelection {
             runs,
@@ -147,19 +151,18 @@ impl RunSelection {
         }
     }
 
-    /// Reads model and runs, selects those that the fit of the laws has not seen, as `unseen`
-    /// states, and prepares them. Remarks on runs become warnings.
+    /// Reads the model and the runs, keeps the runs of the selection for which `keep` is true (as
+    /// those that a fit did not use), and prepares them. Remarks on runs become warnings.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for a corner that is no
-    /// filter.
+    /// [`Failure::BadInput`] with file and place, [`Failure::Usage`] for an invalid cutoff
+    /// frequency.
     pub fn load(
         &self,
         watch: &Watch,
-        unseen: impl Fn(&Run) -> bool,
+        keep: impl Fn(&Run) -> bool,
     ) -> Result<PreparedRuns, Failure> {
-        // A corner below a tenth of a hertz removes every curve, and a run of some ten seconds has
-        // no period of it.
+        // Below 0.1 Hz the filter removes the curves themselves: one period is as long as a run.
         if !(0.1..=1e4).contains(&self.cutoff_hz) {
             return Err(Failure::Usage(format!(
                 "--cutoff-hz {}: expected 0.1 to 10000 Hz",
@@ -175,27 +178,11 @@ impl RunSelection {
         } else {
             (read_runs(&self.runs, &Needs::FORCES, on_gaps)?, Vec::new())
         };
-        type Word = fn(&Run) -> &String;
-        let (session, track): (Word, Word) = (|run| &run.entry.session, |run| &run.entry.track);
-        warn_elsewhere(&vehicle, &self.model, &words(&runs, track), watch);
-        let chosen = [
-            ("session", &self.session, session),
-            ("track", &self.track, track),
-        ];
-        for (option, names, of) in chosen {
-            let is_unknown = |name: &&String| runs.iter().all(|run| of(run) != *name);
-            if let Some(name) = names.iter().find(is_unknown) {
-                let (index, known) = (self.runs.display(), words(&runs, of).join(", "));
-                let text = format!("--{option} {name}: {index} has only {known}");
-                return Err(Failure::BadInput(text));
-            }
-        }
-        runs.retain(|run| {
-            let mut chosen = chosen.iter();
-            chosen.all(|(_, names, of)| names.is_empty() || names.contains(of(run)))
-        });
+        let tracks = distinct(&runs, |run| &run.entry.track);
+        warn_elsewhere(&vehicle, &self.model, &tracks, watch);
+        self.select(&mut runs)?;
         let requested = runs.len();
-        runs.retain(unseen);
+        runs.retain(keep);
         if runs.is_empty() {
             let why = match requested {
                 0 => "none is of that session and track".to_owned(),
@@ -238,5 +225,27 @@ impl RunSelection {
             },
             slip_noise_rad,
         })
+    }
+
+    /// Retains the runs of the requested sessions and tracks.
+    fn select(&self, runs: &mut Vec<Run>) -> Result<(), Failure> {
+        let (session, track): (Field, Field) = (|run| &run.entry.session, |run| &run.entry.track);
+        let filters = [
+            ("session", &self.session, session),
+            ("track", &self.track, track),
+        ];
+        for (option, names, field) in filters {
+            let is_unknown = |name: &&String| runs.iter().all(|run| field(run) != *name);
+            if let Some(name) = names.iter().find(is_unknown) {
+                let (index, known) = (self.runs.display(), distinct(runs, field).join(", "));
+                let text = format!("--{option} {name}: {index} has only {known}");
+                return Err(Failure::BadInput(text));
+            }
+        }
+        runs.retain(|run| {
+            let mut filters = filters.iter();
+            filters.all(|(_, names, field)| names.is_empty() || names.contains(field(run)))
+        });
+        Ok(())
     }
 }

@@ -1,4 +1,4 @@
-//! A series of contacts: one case with other loads, radii and tilts, each combination a step.
+//! A series of contacts: one case with several loads, radii and tilts, one step per combination.
 
 use std::sync::Arc;
 
@@ -13,9 +13,9 @@ use crate::results::{CaseRecord, ContactResult, SeriesRow, VariedKeys};
 
 /// One step of a series.
 pub struct Step {
-    /// Its number, from 1.
+    /// Number of the step, from 1.
     pub number: usize,
-    /// The folder of its results, in that of the series.
+    /// Folder of its results within the folder of the series.
     pub folder: String,
     varied: VariedKeys,
     loaded: LoadedCase,
@@ -23,7 +23,8 @@ pub struct Step {
 }
 
 impl Step {
-    /// The steps of a series, each checked before any is solved; a hull is read and fitted once.
+    /// The steps of a series. Each is checked here, before any is solved; a hull is read and fitted
+    /// once.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with the step and what is wrong with its case.
@@ -38,9 +39,9 @@ impl Step {
         for (k, varied) in varied.into_iter().enumerate() {
             let folder = format!("step-{:0digits$}", k + 1);
             let loaded = varied.applied_to(loaded)?;
-            let of_shape = loaded.case.runner.shape.is_some();
+            let has_shape = loaded.case.runner.shape.is_some();
             let prepared = || {
-                let runner = match fitted.clone().filter(|_| !of_shape) {
+                let runner = match fitted.clone().filter(|_| !has_shape) {
                     Some(runner) => runner,
                     None => Arc::new(Prepared::of(&loaded, &Watch::default())?),
                 };
@@ -68,7 +69,7 @@ impl Step {
         press_prepared(self.loaded.clone(), &self.runner, watch, options.clone())
     }
 
-    /// Whether a result is this step's: of this version, this case, these contents of its files
+    /// Whether a result is valid for this step: same version, same case, same content of its files
     /// ([`LoadedCase::content`]), and accurate enough.
     pub fn is_solved_by(&self, result: &ContactResult, content: &str) -> bool {
         result.version == env!("CARGO_PKG_VERSION")

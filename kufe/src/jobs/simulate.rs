@@ -16,8 +16,8 @@ use crate::jobs::runs::{load_model, warn_elsewhere};
 use crate::jobs::watch::Watch;
 use crate::results::{SimulatedRun, Simulation};
 
-/// Runs whose samples are placed on the model's tables.
-const SAMPLED: u32 = 20;
+/// Number of runs whose samples are collected for the model's tables.
+const SAMPLED_RUNS: u32 = 20;
 
 /// A simulation of runs: model, track, driver and options.
 #[derive(Clone, Debug)]
@@ -26,7 +26,7 @@ pub struct SimulatedDrives {
     pub model: PathBuf,
     /// Table of the track.
     pub track: PathBuf,
-    /// Who drives.
+    /// The driver.
     pub driver: NamedDriver,
     /// Number of runs.
     pub runs: u32,
@@ -46,7 +46,7 @@ pub struct NamedDriver {
 }
 
 impl NamedDriver {
-    /// A driver of the sample data, where one is named, else one of a skill from 0 to 1.
+    /// A driver of the sample data by `name`, or without a name one of a skill from 0 to 1.
     ///
     /// # Errors
     /// [`Failure::Usage`] for an unknown name and a skill out of range.
@@ -70,7 +70,7 @@ impl NamedDriver {
     }
 }
 
-/// Conditions by the values of [`CONDITIONS`], where they are stated.
+/// Conditions from the values of [`CONDITIONS`] in their order; `None` is not stated (NaN).
 ///
 /// # Errors
 /// [`Failure::Usage`] for a value out of range.
@@ -87,11 +87,11 @@ pub fn stated_conditions(values: [Option<f64>; 6]) -> Result<Conditions, Failure
     ))
 }
 
-/// Simulated runs, and what they were simulated with.
+/// Simulated runs with their model and track.
 pub struct DrivenRuns {
-    /// Sled and friction.
+    /// Sled and friction, as the model file states them.
     pub model: Model,
-    /// The same with its tables opened.
+    /// The model with its tables read.
     pub vehicle: Vehicle,
     /// The track.
     pub track: Track,
@@ -99,7 +99,7 @@ pub struct DrivenRuns {
     pub runs: Vec<Run>,
     /// The document.
     pub document: Simulation,
-    /// Samples of the first runs on the tables of the front and the rear runner.
+    /// Samples of the first runs in the tables of the front and the rear runner.
     pub samples: [Vec<Point>; 2],
 }
 
@@ -149,7 +149,7 @@ impl SimulatedDrives {
                 air_j: energy.air_j,
                 outside_tables: outside_tables(&vehicle, states.clone()),
             };
-            let samples = if tabled && number < SAMPLED {
+            let samples = if tabled && number < SAMPLED_RUNS {
                 table_samples(states)
             } else {
                 Default::default()
@@ -160,11 +160,11 @@ impl SimulatedDrives {
         let (mut runs, mut rows) = (Vec::new(), Vec::new());
         let mut samples = [Vec::new(), Vec::new()];
         for driven in driven {
-            let (run, row, own) = driven?;
+            let (run, row, of_run) = driven?;
             runs.push(run);
             rows.push(row);
-            for (all, own) in samples.iter_mut().zip(own) {
-                all.extend(own);
+            for (all, of_run) in samples.iter_mut().zip(of_run) {
+                all.extend(of_run);
             }
         }
         let outside = rows.iter().flat_map(|row| row.outside_tables.clone());

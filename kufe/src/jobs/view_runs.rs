@@ -1,5 +1,5 @@
-//! Recorded runs for a page that shows them: every channel at one rate, the model's curves at the
-//! same places, and anomalies.
+//! Data of the page that shows recorded runs: every channel at one rate, the channels of the
+//! replayed run at the same places, and anomalies.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -23,18 +23,18 @@ use crate::results::pack;
 /// Rates at which channels are shown [Hz]: the first with which the page is short enough.
 const RATES_HZ: [f64; 7] = [100.0, 50.0, 25.0, 10.0, 5.0, 2.0, 1.0];
 
-/// Which runs are shown, and how much of them.
+/// The runs that are shown, and the size of the page.
 #[derive(Clone, Debug)]
 pub struct ViewOptions {
     /// Index of the runs.
     pub runs: PathBuf,
-    /// Sled and friction: the model's curves are shown too.
+    /// Model file of sled and friction; with it the replayed run is shown too.
     pub model: Option<PathBuf>,
     /// Table of the runs' track; where absent, the tables in the folder of the index.
     pub track: Option<PathBuf>,
-    /// Only these runs; all where empty.
+    /// Names of the runs to show; empty shows all.
     pub only: Vec<String>,
-    /// Most values of all runs and channels together.
+    /// Largest number of values of all runs and channels together.
     pub most_values: usize,
 }
 
@@ -47,7 +47,7 @@ pub struct ViewedRuns {
     pub rate_hz: f64,
     /// The model's file.
     pub model: Option<String>,
-    /// Run by run, in the order of the index.
+    /// The runs in the order of the index.
     pub runs: Vec<ViewedRun>,
     /// Runs that cannot be read, each with the reason.
     pub left_out: Vec<[String; 2]>,
@@ -75,18 +75,19 @@ pub struct ViewedRun {
     #[serde(serialize_with = "packed")]
     pub columns: Columns,
     /// Readings of the model's sensors at the same places, and `behind_s`, the time by which the
-    /// run comes later than the model; NaN where the model did not come. Empty without a model.
+    /// run is later than the model; NaN where the model did not arrive. Empty without a model.
     #[serde(serialize_with = "packed")]
     pub model: Columns,
-    /// Where its channels are odd.
+    /// Anomalous stretches of its channels.
     pub stretches: Vec<OddStretch>,
-    /// Where run and model part.
+    /// Sections in which run and model diverge.
     pub sections: Vec<Section>,
-    /// Times at which something other than ice and air pushes, by the model [s].
+    /// Start and end of the times at which forces other than those of ice and air act, by the
+    /// model [s].
     pub contacts: Vec<[f64; 2]>,
-    /// Its faults.
+    /// Faults of the recording.
     pub faults: Vec<Fault>,
-    /// What else is odd.
+    /// Other anomalies.
     pub notes: Vec<Note>,
 }
 
@@ -230,7 +231,8 @@ impl ReplayModel {
     }
 }
 
-/// A run at the largest rate, and its states where there is a model and all its channels are.
+/// A run at the largest rate, and its prepared states if there is a model and all channels are
+/// present.
 fn viewed(
     run: &Run,
     examination: &Examination,
@@ -239,8 +241,8 @@ fn viewed(
 ) -> (ViewedRun, Option<Prepared>) {
     let rate_hz = RATES_HZ[0].min(run.rate_hz());
     let resampled = |values: &[f64]| resample_stretches(values, run.rate_hz(), rate_hz);
-    let there = |values: &&Vec<f64>| values.iter().any(|x| x.is_finite());
-    let columns = run.columns.iter().filter(|(_, values)| there(values));
+    let has_values = |values: &&Vec<f64>| values.iter().any(|x| x.is_finite());
+    let columns = run.columns.iter().filter(|(_, values)| has_values(values));
     let columns = columns.map(|(name, values)| (name.clone(), resampled(values)));
     let mut columns: Columns = columns.collect();
     let track = driven.and_then(|driven| driven.tracks.get(&run.entry.track));
@@ -285,15 +287,15 @@ fn viewed(
     (viewed, prepared)
 }
 
-/// The column of the time by which a run is later than the model.
+/// Name of the column of the time by which a run is later than the model.
 pub const BEHIND: &str = "behind_s";
 
-/// The channels of a replayed run at the places of the measured one, whose times are `t0_s` and
-/// steps at a rate; the steering is the measured one.
+/// The channels of a replayed run at the places of the measured run, whose samples start at `t0_s`
+/// [s] with a rate [Hz]. The steering is omitted: it is that of the measured run.
 fn model_at(places: &[f64], t0_s: f64, rate_hz: f64, replayed: &Run) -> Columns {
     let passed = &replayed.columns[Column::Distance.name()];
     let mut at = 0;
-    // The sample before each place, and the share of the way to the next one.
+    // The sample before each place, and the fraction of the way to the next sample.
     let passages = places.iter().map(|place| {
         while at + 2 < passed.len() && passed[at + 1] <= *place {
             at += 1;

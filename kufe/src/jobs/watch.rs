@@ -1,43 +1,43 @@
-//! Who watches a job.
+//! Callbacks of a job: progress, warnings and a stop flag.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::jobs::failure::Failure;
 
-/// Someone who receives progress and warnings, and may stop the job.
+/// Callbacks for progress and warnings, and a flag that stops the job.
 ///
-/// The default hears nothing and never stops.
+/// The default ignores all messages and never stops.
 #[derive(Clone, Copy, Default)]
 pub struct Watch<'a> {
-    /// Receives how far the job is.
+    /// Receives the progress of the job.
     pub progress: Option<&'a (dyn Fn(&str) + Sync)>,
-    /// Receives what the user should know; the job goes on.
+    /// Receives warnings; the job continues.
     pub warn: Option<&'a (dyn Fn(&str) + Sync)>,
-    /// Once true, the job finishes what it has in hand and begins nothing else.
+    /// If true, the job finishes the current step and begins no other.
     pub stop: Option<&'a AtomicBool>,
 }
 
 impl Watch<'_> {
-    /// Reports how far the job is.
+    /// Reports the progress of the job.
     pub fn progress(&self, text: &str) {
         if let Some(progress) = self.progress {
             progress(text);
         }
     }
 
-    /// Reports what the user should know.
+    /// Reports a warning.
     pub fn warn(&self, text: &str) {
         if let Some(warn) = self.warn {
             warn(text);
         }
     }
 
-    /// Whether the job is to stop.
+    /// Whether the job shall stop.
     pub fn stopped(&self) -> bool {
         self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
 
-    /// Ends a job that is to stop.
+    /// Returns an error if the job shall stop.
     pub(crate) fn check(&self) -> Result<(), Failure> {
         if self.stopped() {
             return Err(Failure::Partial("stopped before the end".into()));

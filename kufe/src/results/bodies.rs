@@ -1,4 +1,4 @@
-//! Documents of bodies: an examined hull, and the quality of hexahedra.
+//! Documents of bodies: a checked hull, and the quality of a hexahedral mesh.
 
 use std::path::PathBuf;
 
@@ -18,7 +18,7 @@ pub struct HullCheck {
     pub up: String,
     /// The file's axis that points forward, or backward: the shape does not show which.
     pub forward: String,
-    /// Rotation about z into runner axes; none where the shape does not show it [rad].
+    /// Rotation about z into runner axes; `None` where the shape does not determine it [rad].
     pub yaw_rad: Option<Estimate>,
     /// Rotation about y [rad].
     pub pitch_rad: Option<Estimate>,
@@ -36,13 +36,13 @@ pub struct HullCheck {
     pub rocker_radius_m: f64,
     /// Radius of the section where it is lowest [m].
     pub section_radius_m: f64,
-    /// Vertices.
+    /// Number of vertices.
     pub vertices: usize,
-    /// Triangles.
+    /// Number of triangles.
     pub triangles: usize,
-    /// Middle of a hull, along and across, that is not over the file's origin [m].
+    /// Middle of the hull along and across [m], if the file's origin lies outside its bounds.
     pub beyond_origin_m: Option<[f64; 2]>,
-    /// Edges of one triangle only.
+    /// Number of edges that belong to only one triangle.
     pub open_edges: usize,
     /// Median length of the triangles' edges near the keel [m].
     pub spacing_m: f64,
@@ -50,7 +50,7 @@ pub struct HullCheck {
     pub noise_m: f64,
     /// Standard deviation of the noise that would not be detected [m].
     pub unseen_noise_m: f64,
-    /// Load by load, where a smooth underside could be fitted.
+    /// Results for each load; `None` where no smooth underside could be fitted.
     pub loads: Option<Vec<ResolvedLoad>>,
     /// Why no smooth underside could be fitted.
     pub no_underside: Option<String>,
@@ -60,7 +60,7 @@ pub struct HullCheck {
     pub written: Option<PathBuf>,
 }
 
-/// Whether a hull is fine enough for a load, and what would make it finer.
+/// Whether a hull is fine enough for a load, and the sampling that it would need.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct ResolvedLoad {
@@ -68,56 +68,56 @@ pub struct ResolvedLoad {
     pub fz_n: f64,
     /// Approach under it [m].
     pub approach_m: f64,
-    /// Whether the peak is known as well as requested.
+    /// Whether the error of the peak is within the requested one.
     pub resolved: bool,
-    /// Relative error of the peak that noise and distances of the vertices leave, as pressing it
-    /// would state.
+    /// Relative error of the peak due to noise and spacing of the vertices, as in the result of
+    /// pressing the hull.
     pub p_max_error: f64,
-    /// Estimated error of the surface where it touches [m].
+    /// Estimated error of the surface within the contact [m].
     pub error_m: f64,
-    /// The sampling that would be enough, where this one is not.
+    /// The sampling that would suffice; `None` where the present one does.
     pub enough: Option<Sampling>,
     /// The sampling that would halve the error of the peak.
     pub halves: Sampling,
 }
 
-/// Noise or spacing of vertices, either of which lowers an error by as much.
+/// Two alternatives that lower an error equally: less noise, or a smaller spacing of vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Sampling {
-    /// Noise at the present spacing, where there is some [m].
+    /// Noise at the present spacing; `None` for a hull without noise [m].
     pub noise_m: Option<f64>,
     /// Spacing at the present noise [m].
     pub spacing_m: f64,
 }
 
-/// `quality.json`: the quality of a case's hexahedra.
+/// `quality.json`: the quality of a case's hexahedral meshes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(title = "quality.json")]
 pub struct MeshQuality {
     /// Version of kufe.
     pub version: String,
-    /// Of the ice.
+    /// Mesh of the ice.
     pub ice: HexQuality,
-    /// Of a runner with a top.
+    /// Mesh of the runner; absent for a runner without a known top.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub runner: Option<HexQuality>,
 }
 
-/// The quality of hexahedra.
+/// The quality of a hexahedral mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct HexQuality {
-    /// Nodes.
+    /// Number of nodes.
     pub nodes: usize,
-    /// Cells.
+    /// Number of cells.
     pub cells: usize,
-    /// Cells of negative volume.
+    /// Number of cells of negative volume.
     pub inverted: usize,
     /// Smallest scaled Jacobian.
     pub min_scaled_jacobian: f64,
     /// Mean over the cells of their smallest scaled Jacobian.
     pub mean_scaled_jacobian: f64,
-    /// Largest ratio of edges.
+    /// Largest ratio of edge lengths of a cell.
     pub max_aspect: f64,
     /// Smallest volume of a cell [m3].
     pub min_volume_m3: f64,

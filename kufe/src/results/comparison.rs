@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::results::contact::ContactResult;
 use crate::results::datum::Datum;
-use crate::results::quantity::{PeakPressure, QUANTITIES, Quantity};
+use crate::results::quantity::{PeakPressure, QUANTITIES, ResultQuantity};
 
 /// `comparison.json`: two solved contacts, quantity by quantity and place by place.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -30,12 +30,12 @@ pub struct ComparedQuantity {
     pub key: String,
     /// Value of the first contact.
     pub first: f64,
-    /// Its error.
+    /// Error of the first value.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub first_error: Option<f64>,
     /// Value of the second contact.
     pub second: f64,
-    /// Its error.
+    /// Error of the second value.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub second_error: Option<f64>,
     /// The second less the first.
@@ -51,33 +51,33 @@ pub struct ComparedQuantity {
 /// The difference of two pressure maps, second less first, on the finer of both grids.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MapDifference {
-    /// Pixel along the runner [m].
+    /// Size of a pixel along the runner [m].
     pub pixel_x_m: f64,
-    /// Pixel across [m].
+    /// Size of a pixel across the runner [m].
     pub pixel_y_m: f64,
-    /// The largest in magnitude [Pa].
+    /// The difference that is largest in magnitude [Pa].
     pub largest_pa: f64,
-    /// Its place along the runner [m].
+    /// Its position along the runner [m].
     pub largest_x_m: f64,
-    /// Its place across [m].
+    /// Its position across the runner [m].
     pub largest_y_m: f64,
     /// Root mean square over the pixels that carry load in either map [Pa].
     pub rms_pa: f64,
-    /// Force that acts elsewhere [N]: half of what the integral of its magnitude exceeds the
-    /// difference of the loads by.
+    /// Redistributed force [N]: half of the integral of the difference's magnitude less the
+    /// magnitude of its integral.
     pub moved_n: f64,
 }
 
 /// Key of the quantity whose error has several parts.
 const PEAK: &str = PeakPressure::DESCRIPTION.key;
-/// Part of a value below which a difference is rounding.
+/// Fraction of the larger value below which a difference is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// The quantities that two contacts have, the normal force first; the error of the peak pressure
-/// is its total one.
+/// The quantities that both contacts have, the normal force first. The error of the peak pressure
+/// is the sum of its parts.
 ///
 /// # Errors
-/// Those of a number that JSON cannot state.
+/// Those of a number that cannot be written as JSON.
 pub fn compared_quantities(
     first: &ContactResult,
     second: &ContactResult,

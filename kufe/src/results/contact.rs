@@ -15,13 +15,13 @@ pub struct ContactResult {
     /// Peak pressure; the error is the sum of its parts.
     #[serde(flatten)]
     pub p_max: Measured<PeakPressure>,
-    /// Error of the peak pressure by the discretisation, where there are other parts [Pa].
+    /// Error of the peak pressure due to discretisation; absent if it is the only part [Pa].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p_max_discretisation_pa: Option<f64>,
-    /// Change of the peak pressure by noise of the hull's vertices, in 95 of 100 scans [Pa].
+    /// Error of the peak pressure due to noise of the hull's vertices, 95 % bound [Pa].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p_max_noise_pa: Option<f64>,
-    /// Error of the peak pressure by the distances between the hull's vertices [Pa].
+    /// Error of the peak pressure due to the spacing of the hull's vertices [Pa].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p_max_hull_pa: Option<f64>,
     /// Peak pressure on the finest mesh [Pa].
@@ -34,15 +34,15 @@ pub struct ContactResult {
     pub stress_max_pa: Option<f64>,
     /// Relative error of the peak pressure that the case requests.
     pub accuracy_asked: f64,
-    /// Whether the error is within it.
+    /// Whether the requested accuracy was reached.
     pub accuracy_reached: bool,
-    /// The contact by boundary elements.
+    /// The contact by boundary elements, as a check.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub check: Option<CheckResult>,
     /// Why boundary elements do not apply.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub check_absent: Option<String>,
-    /// Force over contact area.
+    /// Ratio of force to contact area.
     #[serde(flatten)]
     pub p_mean: Measured<MeanPressure>,
     /// Contact area.
@@ -57,10 +57,10 @@ pub struct ContactResult {
     /// Rigid approach from first touch.
     #[serde(flatten)]
     pub approach: Measured<Approach>,
-    /// Change of the approach by noise of the hull's vertices, in 95 of 100 scans [m].
+    /// Error of the approach due to noise of the hull's vertices, 95 % bound [m].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub approach_noise_m: Option<f64>,
-    /// Error of the approach by the distances between the hull's vertices [m].
+    /// Error of the approach due to the spacing of the hull's vertices [m].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub approach_hull_m: Option<f64>,
     /// Pitch about y, positive lowers the nose.
@@ -71,17 +71,18 @@ pub struct ContactResult {
     pub roll: Measured<Roll>,
     /// Integrated normal force [N].
     pub fz_n: f64,
-    /// Stress of a runner that deforms, and the load on its mount.
+    /// Stress of an elastic runner, and the load on its mount.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub runner: Option<RunnerResult>,
-    /// Where a contact of many asperities touches.
+    /// Contacts of the asperities of a rough surface.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub asperities: Option<AsperitiesResult>,
-    /// Residual of the complementarity conditions.
+    /// Residual of the complementarity (KKT) conditions.
     pub kkt_residual: f64,
-    /// How the stiffness is applied; `boundary elements` where the contact plane alone was solved.
+    /// How the stiffness is applied: `matrix-free`, `assembled`, or `boundary elements` where only
+    /// the contact plane was solved.
     pub stiffness: String,
-    /// Whether the mesh is half of the contact, mirrored at x = 0 and at y = 0.
+    /// Whether x = 0 and y = 0 are mirror planes, so that only a part of the contact is meshed.
     pub symmetry: [bool; 2],
     /// Unknowns of the finest mesh.
     pub dofs: usize,
@@ -99,11 +100,11 @@ pub struct ContactResult {
     pub hull_fit: Option<HullFit>,
     /// Warnings and remarks.
     pub warnings: Vec<String>,
-    /// What happened on each mesh.
+    /// Convergence history, mesh by mesh.
     pub history: Vec<MeshResult>,
     /// The case.
     pub case: CaseRecord,
-    /// Friction, groove and melt film of a case that slides.
+    /// Friction, groove and melt film of a sliding runner.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub sliding: Option<SlidingResult>,
     /// Stress on the line under the peak.
@@ -111,12 +112,12 @@ pub struct ContactResult {
     pub subsurface: Option<SubsurfaceResult>,
 }
 
-/// A part of an error, and where it comes from.
+/// A part of an error with its source.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorPart {
-    /// Where it comes from.
+    /// Source of the error.
     pub source: &'static str,
-    /// Its size, in SI units.
+    /// Size of the part, in SI units.
     pub error: f64,
 }
 
@@ -150,13 +151,13 @@ pub struct CheckResult {
     pub check_seconds: f64,
 }
 
-/// Stress of a runner that deforms, and the load on its mount.
+/// Stress of an elastic runner, and the load on its mount.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[non_exhaustive]
 pub struct RunnerResult {
     /// Largest von Mises stress [Pa].
     pub runner_von_mises_max_pa: f64,
-    /// Its place [m].
+    /// Position of the largest stress [m].
     pub runner_von_mises_at_m: [f64; 3],
     /// The parts of the mount along the runner.
     pub mounts: Vec<MountResult>,
@@ -168,9 +169,9 @@ pub struct RunnerResult {
 pub struct MountResult {
     /// Middle of the part [m].
     pub at_m: [f64; 3],
-    /// Force on it [N].
+    /// Force on the part [N].
     pub force_n: [f64; 3],
-    /// Moment on it about its middle [N m].
+    /// Moment on the part about its middle [N m].
     pub moment_nm: [f64; 3],
     /// Largest von Mises stress of the steel there [Pa].
     pub von_mises_max_pa: f64,
@@ -187,13 +188,13 @@ impl From<&MountForce> for MountResult {
     }
 }
 
-/// Where a contact of many asperities touches.
+/// Contacts of the asperities of a rough surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[non_exhaustive]
 pub struct AsperitiesResult {
     /// Number of asperities in contact.
     pub asperity_count: usize,
-    /// Each of them, the largest force first.
+    /// The asperities, the largest force first.
     pub asperities: Vec<AsperityResult>,
 }
 
@@ -201,21 +202,21 @@ pub struct AsperitiesResult {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[non_exhaustive]
 pub struct AsperityResult {
-    /// Where its force acts along the runner [m].
+    /// Point of action of its force along the runner [m].
     pub x_m: f64,
-    /// Where its force acts across the runner [m].
+    /// Point of action of its force across the runner [m].
     pub y_m: f64,
     /// Normal force [N].
     pub force_n: f64,
-    /// Area of its cells [m2].
+    /// Contact area: sum over its cells [m2].
     pub area_m2: f64,
     /// Largest pressure of a cell [Pa].
     pub p_max_pa: f64,
 }
 
 impl AsperitiesResult {
-    pub(crate) fn of(found: &[Asperity]) -> Self {
-        let of = |asperity: &Asperity| AsperityResult {
+    pub(crate) fn of(asperities: &[Asperity]) -> Self {
+        let result = |asperity: &Asperity| AsperityResult {
             x_m: asperity.centre[0],
             y_m: asperity.centre[1],
             force_n: asperity.force,
@@ -223,8 +224,8 @@ impl AsperitiesResult {
             p_max_pa: asperity.p_max,
         };
         AsperitiesResult {
-            asperity_count: found.len(),
-            asperities: found.iter().map(of).collect(),
+            asperity_count: asperities.len(),
+            asperities: asperities.iter().map(result).collect(),
         }
     }
 }
@@ -233,15 +234,15 @@ impl AsperitiesResult {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[non_exhaustive]
 pub struct HullFit {
-    /// Root mean square distance of the vertices [m].
+    /// Root mean square distance of the vertices to the surface [m].
     pub residual_rms_m: f64,
     /// Largest distance of a vertex [m].
     pub residual_max_m: f64,
     /// Error of the surface between the vertices [m].
     pub resolution_error_m: f64,
-    /// Root mean square distance over the approach.
+    /// Ratio of the root mean square distance to the approach.
     pub residual_over_approach: f64,
-    /// Vertices in the fit.
+    /// Number of vertices in the fit.
     pub vertices: usize,
     /// Standard deviation of the vertices' noise [m].
     pub noise_m: f64,
@@ -249,41 +250,41 @@ pub struct HullFit {
     pub unseen_noise_m: f64,
 }
 
-/// What happened on one mesh.
+/// Convergence on one mesh.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[non_exhaustive]
 pub struct MeshResult {
     /// Number of the mesh, from the coarsest.
     pub level: usize,
-    /// Unknowns.
+    /// Number of unknowns.
     pub dofs: usize,
-    /// Nodes in contact.
+    /// Number of nodes in contact.
     pub contact_nodes: usize,
-    /// Iterations.
+    /// Number of iterations.
     pub iterations: usize,
     /// Relative residual.
     pub residual: f64,
     /// Peak pressure [Pa].
     pub p_max_pa: f64,
-    /// Projected sweeps.
+    /// Number of projected SOR sweeps.
     pub sweeps: usize,
-    /// Accelerations.
+    /// Number of accelerations by subspace minimisation.
     pub accelerations: usize,
     /// Complementary energy [J].
     pub energy_j: f64,
-    /// The same after each step that was accepted: each is below the one before [J].
+    /// Complementary energy after each accepted step, in descending order [J].
     #[serde(default)]
     pub energy_steps_j: Vec<f64>,
 }
 
 impl MeshResult {
-    /// The last state of a mesh, with the iterations, sweeps and accelerations of all its contact
-    /// sets; `None` without any.
+    /// The last state on a mesh, with the sums of iterations, sweeps and accelerations over its
+    /// contact sets; `None` without contact sets.
     pub(crate) fn of(sets: &[Iterate]) -> Option<Self> {
         let last = sets.last()?;
         let sum = |count: fn(&Iterate) -> usize| sets.iter().map(count).sum();
         let mut energies: Vec<f64> = sets.iter().map(|set| set.energy).collect();
-        // A set whose forces are not accepted leaves the energy as it was.
+        // A set whose forces are not accepted does not change the energy.
         energies.dedup();
         Some(MeshResult {
             level: last.level,
@@ -304,11 +305,11 @@ impl MeshResult {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[non_exhaustive]
 pub struct SubsurfaceResult {
-    /// Place of the line along the runner [m].
+    /// Position of the line along the runner [m].
     pub x_m: f64,
-    /// Place of the line across the runner [m].
+    /// Position of the line across the runner [m].
     pub y_m: f64,
-    /// The largest shear stress, where it lies under the surface.
+    /// The largest shear stress; absent where it does not lie under the surface.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub shear: Option<ShearResult>,
     /// Largest shear stress on the finest mesh [Pa].
@@ -319,13 +320,13 @@ pub struct SubsurfaceResult {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[non_exhaustive]
 pub struct ShearResult {
-    /// The stress.
+    /// The largest shear stress.
     #[serde(flatten)]
     pub shear: Measured<MaxShear>,
-    /// Its depth.
+    /// Depth of the largest shear stress.
     #[serde(flatten)]
     pub depth: Measured<MaxShearDepth>,
-    /// The stress over the peak pressure.
+    /// Ratio of the largest shear stress to the peak pressure.
     #[serde(flatten)]
     pub over_peak: Measured<ShearOverPeak>,
 }
@@ -333,12 +334,12 @@ pub struct ShearResult {
 impl ShearResult {
     pub(crate) fn of(solution: &kufe_contact::Solution) -> Option<Self> {
         let under = solution.under_peak?;
-        let over = under.shear / solution.p_max;
+        let ratio = under.shear / solution.p_max;
         let relative = under.shear_error / under.shear + solution.p_max_error / solution.p_max;
         Some(ShearResult {
             shear: Measured::new(under.shear, under.shear_error),
             depth: Measured::new(under.depth, under.depth_error),
-            over_peak: Measured::new(over, over * relative),
+            over_peak: Measured::new(ratio, ratio * relative),
         })
     }
 }
@@ -347,16 +348,16 @@ impl ShearResult {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[non_exhaustive]
 pub struct Friction {
-    /// All parts together.
+    /// Coefficient of friction: the sum of its parts.
     #[serde(flatten)]
     pub mu: Measured<Mu>,
-    /// Force that ploughs the groove over the load.
+    /// Ratio of the ploughing force to the load.
     #[serde(flatten)]
     pub ploughing: Measured<MuPloughing>,
-    /// Drag of the melt film over the load.
+    /// Ratio of the viscous drag of the melt film to the load.
     #[serde(flatten)]
     pub viscous: Measured<MuViscous>,
-    /// Drag where steel and ice touch through the film over the load.
+    /// Ratio of the drag of boundary contact (steel on ice through the film) to the load.
     #[serde(flatten)]
     pub boundary: Measured<MuBoundary>,
 }
@@ -368,13 +369,13 @@ pub struct SlidingResult {
     /// Coefficient of friction with its parts.
     #[serde(flatten)]
     pub friction: Friction,
-    /// Share of the patch where steel and ice touch through the film.
+    /// Fraction of the patch in boundary contact: steel on ice through the film.
     #[serde(flatten)]
     pub boundary_share: Measured<BoundaryShare>,
     /// Depth of the groove.
     #[serde(flatten)]
     pub groove_depth: Measured<GrooveDepth>,
-    /// Centre of pressure ahead of the lowest point.
+    /// Distance of the centre of pressure ahead of the lowest point.
     #[serde(flatten)]
     pub load_ahead: Measured<LoadAhead>,
     /// Front end of the patch from the lowest point, forward positive.
@@ -389,61 +390,61 @@ pub struct SlidingResult {
     /// Largest thickness of the film.
     #[serde(flatten)]
     pub film_max: Measured<FilmMax>,
-    /// Ice melted.
+    /// Mass of ice melted per time.
     #[serde(flatten)]
     pub melt_rate: Measured<MeltRate>,
-    /// Time of the ice under the runner.
+    /// Contact time of the ice under the runner.
     #[serde(flatten)]
     pub contact_time: Measured<ContactTime>,
-    /// Pressure at which the ice yields [Pa].
+    /// Hardness: pressure at which the ice yields [Pa].
     pub hardness_pa: f64,
-    /// The law that states it.
+    /// Source of the hardness: `given`, `temperature-law`, `time-law` or `melting`.
     pub hardness_from: String,
-    /// Relative change of the coefficient of friction with what it depends on.
+    /// Sensitivity of the coefficient of friction to its parameters.
     pub mu_sensitivity: SensitivityResult,
     /// Cross section of the groove [m2].
     pub groove_area_m2: f64,
-    /// What happened on each mesh.
+    /// Convergence history, mesh by mesh.
     pub sliding_history: Vec<SlidingMeshResult>,
 }
 
-/// Relative change of the coefficient of friction with what it depends on.
+/// Elasticities d ln mu / d ln x of the coefficient of friction; for the temperature d ln mu / dT.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[non_exhaustive]
 pub struct SensitivityResult {
-    /// With hardness.
+    /// With respect to hardness.
     #[serde(flatten)]
     pub hardness: Measured<ByHardness>,
-    /// With speed.
+    /// With respect to speed.
     #[serde(flatten)]
     pub speed: Measured<BySpeed>,
-    /// With viscosity.
+    /// With respect to viscosity.
     #[serde(flatten)]
     pub viscosity: Measured<ByViscosity>,
-    /// With roughness, where there is boundary contact.
+    /// With respect to roughness; absent without boundary contact.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub roughness: Option<Measured<ByRoughness>>,
-    /// With the shear stress of boundary contact, where there is some.
+    /// With respect to the shear stress of boundary contact; absent without boundary contact.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub boundary_shear: Option<Measured<ByBoundaryShear>>,
-    /// With the temperature of the ice [1/K].
+    /// With respect to the temperature of the ice [1/K].
     #[serde(flatten)]
     pub temperature: Measured<ByTemperature>,
 }
 
-/// What happened on one mesh of a sliding contact.
+/// Convergence of a sliding contact on one mesh.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[non_exhaustive]
 pub struct SlidingMeshResult {
-    /// Unknowns.
+    /// Number of unknowns.
     pub dofs: usize,
-    /// Nodes in contact.
+    /// Number of nodes in contact.
     pub contact_nodes: usize,
-    /// Corrections of the contact plane's response by the bodies.
+    /// Number of corrections of the contact plane's response by that of the bodies.
     pub corrections: usize,
-    /// Iterations.
+    /// Number of iterations.
     pub iterations: usize,
-    /// Change of the forces in the last correction, over the load.
+    /// Ratio of the change of the forces in the last correction to the load.
     pub residual: f64,
     /// Depth of the groove [m].
     pub groove_depth_m: f64,

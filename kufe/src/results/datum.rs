@@ -5,30 +5,30 @@ use std::fmt;
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-/// Keys of a summary that are shown in full.
-const IN_FULL: [&str; 3] = ["case", "warnings", "remarks"];
-/// Keys that a summary does not show: they concern files.
-const ASIDE: [&str; 3] = ["version", "content_sha256", "files"];
+/// Keys that a summary shows in full.
+const SHOWN_IN_FULL: [&str; 3] = ["case", "warnings", "remarks"];
+/// Keys that a summary omits: they concern files.
+const OMITTED: [&str; 3] = ["version", "content_sha256", "files"];
 
 /// A datum of a document: a single value, a list or a group.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Datum {
-    /// None: JSON's null.
+    /// No value: null in JSON.
     Absent(()),
-    /// Whether something holds.
+    /// True or false.
     Flag(bool),
-    /// A whole number.
+    /// An integer.
     Whole(i64),
-    /// A whole number that is larger than the largest of [`Whole`](Self::Whole).
+    /// An integer above the range of [`Whole`](Self::Whole).
     Large(u64),
     /// Any other number.
     Number(f64),
-    /// Words.
+    /// A string.
     Text(String),
-    /// Data without names.
+    /// A list of data.
     List(Vec<Datum>),
-    /// Data with names.
+    /// Data by key.
     Group(Data),
 }
 
@@ -45,13 +45,13 @@ impl Datum {
     /// The data of a document.
     ///
     /// # Errors
-    /// Those of a document that JSON cannot state.
+    /// Those of a document that cannot be written as JSON.
     pub fn of(document: &impl Serialize) -> serde_json::Result<Datum> {
-        // Every document is also printed in this form: one form is half the code.
+        // The pretty form is also used for printing: one form halves the compiled code.
         serde_json::from_str(&serde_json::to_string_pretty(document)?)
     }
 
-    /// A number.
+    /// The number; `None` for other data.
     pub fn number(&self) -> Option<f64> {
         match *self {
             Datum::Whole(number) => Some(number as f64),
@@ -61,7 +61,7 @@ impl Datum {
         }
     }
 
-    /// Words.
+    /// The string; `None` for other data.
     pub fn text(&self) -> Option<&str> {
         match self {
             Datum::Text(text) => Some(text),
@@ -69,7 +69,7 @@ impl Datum {
         }
     }
 
-    /// The data of a list; none where it is no list.
+    /// The data of a list; empty for other data.
     pub fn list(&self) -> &[Datum] {
         match self {
             Datum::List(list) => list,
@@ -77,7 +77,7 @@ impl Datum {
         }
     }
 
-    /// Data with names.
+    /// The data by key; `None` where it is not a group.
     pub fn group(&self) -> Option<&Data> {
         match self {
             Datum::Group(data) => Some(data),
@@ -90,7 +90,7 @@ impl Datum {
         !matches!(self, Datum::List(_) | Datum::Group(_))
     }
 
-    /// Whether it is the rows of a table: a list with groups in it.
+    /// Whether it is a table: a list that contains groups.
     pub fn is_table(&self) -> bool {
         self.list().iter().any(|row| row.group().is_some())
     }
@@ -131,8 +131,8 @@ impl Datum {
         }
     }
 
-    /// The main data of a document: single ones as they are, the lengths of lists, of groups
-    /// their single data and values with intervals; the case, warnings and remarks in full.
+    /// The main data of a document: single values, the lengths of long lists, and of groups the
+    /// single values and the values with intervals; case, warnings and remarks in full.
     pub fn summary(self) -> Data {
         let entries = |count: usize| {
             let plural = if count == 1 { "entry" } else { "entries" };
@@ -142,10 +142,10 @@ impl Datum {
             let rows = Datum::Whole(self.list().len() as i64);
             return Data::from([("rows".to_owned(), rows)]);
         };
-        data.retain(|key, _| !ASIDE.contains(&&**key));
+        data.retain(|key, _| !OMITTED.contains(&&**key));
         for (_, datum) in data
             .iter_mut()
-            .filter(|(key, _)| !IN_FULL.contains(&&***key))
+            .filter(|(key, _)| !SHOWN_IN_FULL.contains(&&***key))
         {
             let count = match datum {
                 Datum::List(list) if list.len() > 3 || !list.iter().all(Datum::is_single) => {
@@ -170,7 +170,7 @@ impl Datum {
     }
 }
 
-/// Single data as a table of text has them; others as JSON.
+/// Single data as in a text table; others as JSON.
 impl fmt::Display for Datum {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -5,14 +5,14 @@ use crate::results::datum::Datum;
 /// A kind of document.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DocumentKind {
-    /// What it describes.
+    /// Contents of the document.
     pub name: &'static str,
     /// The command that writes it.
     pub command: &'static str,
 }
 
-/// All kinds of documents: name, command, and the keys that it has and no earlier kind has all of;
-/// of a list, its first row.
+/// All kinds of documents: name, command, and the keys by which a kind is recognised. The first
+/// kind whose keys are all present applies; for a list, the keys of its first row count.
 #[rustfmt::skip]
 const DOCUMENT_KINDS: [(&str, &str, &[&str]); 21] = [
     ("a solved contact", "kufe press", &["p_max_pa", "kkt_residual", "history"]),

@@ -1,4 +1,4 @@
-//! The figures of a contact as people read them, in text and on its page.
+//! The figures of a contact for text and pages: label, value with unit and error, note.
 
 use serde::Serialize;
 
@@ -6,16 +6,16 @@ use crate::plot::{measured, percent, quantity, shown_unit};
 use crate::results::contact::{ContactResult, HullFit, RunnerResult, SlidingResult};
 use crate::results::datum::{Data, Datum};
 
-use crate::results::quantity::{Mu, PeakPressure, QUANTITIES, Quantity};
+use crate::results::quantity::{Mu, PeakPressure, QUANTITIES, ResultQuantity};
 
 /// A figure with its unit and error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Figure {
-    /// What it is.
+    /// Label of the figure.
     pub name: String,
-    /// The figure.
+    /// Value with error and unit.
     pub text: String,
-    /// What it consists of, or where it is from; empty where nothing is to be added.
+    /// Parts or source of the value; may be empty.
     pub note: String,
 }
 
@@ -28,10 +28,10 @@ impl Figure {
 }
 
 impl ContactResult {
-    /// The peak with its whole error first, then the friction, then every other quantity.
+    /// The peak with its total error first, then the friction, then every other quantity.
     ///
     /// # Errors
-    /// Those of a number that JSON cannot state.
+    /// Those of a number that cannot be written as JSON.
     pub fn figures(&self) -> serde_json::Result<Vec<Figure>> {
         let mut figures = vec![self.peak_figure()];
         let document = Datum::of(self)?;
@@ -56,8 +56,8 @@ impl ContactResult {
         Ok(figures)
     }
 
-    /// The peak with its error, and the parts of that; where the ice yields its hardness is the peak,
-    /// which no mesh moves.
+    /// The peak with its error and the parts of the error. In ice that yields, the peak is the
+    /// hardness, which does not depend on the mesh.
     fn peak_figure(&self) -> Figure {
         let (peak, parts) = (&self.p_max, self.peak_error_parts());
         let note = if parts[0].error == 0.0 {

@@ -1,6 +1,6 @@
-//! `report.json`: what a search for missing effects has found, with the pictures of its page.
+//! `report.json`: the result of a search for missing effects, with the pictures of its page.
 //!
-//! [`Report`] is the whole document; [`Picture`]s are on the page alone.
+//! [`Report`] is the whole document; [`Picture`]s are only on the page.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -10,26 +10,26 @@ pub use kufe_sled::friction::Estimate as Interval;
 
 use crate::case::effects::Map;
 
-/// The outcome in one word.
+/// Outcome of a search in one word.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// One effect, distinguished from all others.
+    /// One effect, which the data distinguish from all others.
     Named,
-    /// One of a class that these data cannot split.
+    /// One effect of a class whose members the data cannot distinguish.
     OneOf,
-    /// A law outside the catalogue, written as a formula.
+    /// A law that is not in the catalogue, written as a formula.
     Law,
-    /// The conclusion changes with the stated survey deviation.
+    /// The conclusion depends on the stated deviation of the survey.
     DependsOn,
-    /// A place or a bin, no name.
+    /// A significant place or bin, but no named effect.
     Located,
-    /// A misfit that repeats from run to run, without a name or a significant bin.
+    /// A misfit that repeats from run to run, without a named effect or a significant bin.
     Inadequate,
-    /// Nothing is significant.
+    /// No significant effect.
     #[default]
     None,
-    /// Something differs, but these data cannot say what.
+    /// A significant difference whose cause these data cannot identify.
     NotIdentifiable,
 }
 
@@ -38,97 +38,97 @@ pub enum Verdict {
 pub struct Fitted {
     /// Key, as in `[effects.NAME]`.
     pub name: String,
-    /// Value.
+    /// Estimate.
     pub value: f64,
     /// Lower end of the 95 % interval.
     pub low: f64,
-    /// Upper end.
+    /// Upper end of the 95 % interval.
     pub high: f64,
     /// Unit.
     pub unit: String,
 }
 
-/// An error of the installation within its tolerance.
+/// An installation error within its tolerance.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Tolerated {
-    /// What it is, such as the delay of a channel.
+    /// Kind of error, such as the delay of a channel.
     pub what: String,
-    /// By how much.
+    /// Estimated size.
     pub size: f64,
-    /// Its unit.
+    /// Unit of the size.
     pub unit: String,
 }
 
-/// A rival and why it is in the class or not.
+/// A rival effect: another explanation of the misfit, with the evidence for and against it.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Rival {
     /// Name of the effect.
     pub effect: String,
-    /// Parameter.
+    /// Parameter of the effect.
     pub parameter: String,
-    /// Size that would fit, in its unit.
+    /// Fitted size of the parameter.
     pub size: f64,
-    /// Unit.
+    /// Unit of the size.
     pub unit: String,
-    /// T of the rival alone.
+    /// t statistic of the rival alone.
     pub t: f64,
-    /// What it explains, in units of the noise's variance.
+    /// Reduction of the sum of squared residuals, in units of the noise variance.
     pub gain: f64,
-    /// Partial correlation with the named effect, given the base.
+    /// Partial correlation with the named effect, given the base parameters.
     pub correlation: f64,
-    /// T of the named effect once the rival has taken its part; small: the data cannot tell them
-    /// apart.
+    /// t statistic of the named effect when the rival is fitted too. If it is small, the data
+    /// cannot distinguish the two.
     pub t_of_named_beyond: f64,
-    /// Whether it is in the class.
+    /// Whether the rival belongs to the class of indistinguishable effects.
     pub in_class: bool,
-    /// What would decide.
+    /// Measurement that would distinguish the two.
     pub decides: String,
 }
 
-/// One effect found.
+/// One effect that was found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Step {
-    /// Name.
+    /// Name of the effect.
     pub effect: String,
-    /// Every effect that the data cannot tell from it, itself included.
+    /// All effects that the data cannot distinguish from it, including itself.
     pub class: Vec<String>,
-    /// What it means, in a few words; empty for what has no name.
+    /// Meaning of the effect in a few words; empty for an effect without a name.
     pub summary: String,
-    /// Channel in which it shows most.
+    /// Channel with the largest contribution of the effect.
     pub channel: String,
-    /// Where.
+    /// Place or condition of the effect.
     #[serde(rename = "where")]
     pub place: String,
-    /// Outside the catalogue: the formula as the next model has it, whose unit is that of the
+    /// Formula of a law that is not in the catalogue, as in the next model, in the unit of the
     /// step's parameter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub law: Option<String>,
-    /// p-value over all effects that were tested.
+    /// p-value, corrected for all effects that were tested.
     pub p_value: f64,
-    /// The same where runs are independent of one another; absent where it was judged otherwise.
+    /// p-value if runs are independent; absent where it was computed otherwise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub p_runs: Option<f64>,
-    /// The same where sessions are independent and the runs of one may share a fault; absent with a
-    /// single session.
+    /// p-value if sessions are independent and the runs of a session may share a fault; absent with
+    /// a single session.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub p_sessions: Option<f64>,
-    /// Parameters.
+    /// Fitted parameters of the effect.
     pub parameters: Vec<Fitted>,
-    /// Root mean square of the channel's residual before.
+    /// Root mean square of the channel's residual without the effect.
     pub gap_before: f64,
-    /// After.
+    /// Root mean square of the channel's residual with the effect.
     pub gap_after: f64,
-    /// Unit of the two.
+    /// Unit of both root mean squares.
     pub unit: String,
-    /// Share of the explainable misfit that is explained on the held-out runs, by all steps of the
-    /// channel; on the fitted ones where there are too few to hold any out.
+    /// Fraction of the explainable misfit that all steps of the channel explain on the held-out
+    /// runs, or on the fitted runs where there are too few to hold any out.
     pub explainable_gap_closed: Interval,
     /// The rivals, best first.
     pub rivals: Vec<Rival>,
-    /// Where runs meet a wall, each with a force of its own.
+    /// Places at which runs hit a wall, with the force of each run.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<ContactPlace>,
-    /// Evidence of each kind of data of a campaign by itself.
+    /// Evidence of each kind of data of a campaign alone.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub evidence: Vec<OfKind>,
 }
@@ -138,16 +138,16 @@ pub struct Step {
 pub struct OfKind {
     /// Kind of data.
     pub data: String,
-    /// Sizes.
+    /// Parameters fitted to this kind of data.
     pub parameters: Vec<Fitted>,
-    /// Whether it agrees with the other kinds: the step's parameters are then those of all
-    /// together.
+    /// Whether they agree with those of the other kinds. The step's parameters are then fitted to
+    /// all kinds together.
     pub agrees: bool,
-    /// Gap of this kind's held-out data before.
+    /// Root mean square residual of this kind's held-out data before any effect was added.
     pub gap_before: f64,
-    /// With the next model.
+    /// Root mean square residual of this kind's held-out data with the next model.
     pub gap_after: f64,
-    /// Unit of the two.
+    /// Unit of both root mean squares.
     pub unit: String,
 }
 
@@ -156,34 +156,34 @@ pub struct OfKind {
 pub struct ContactPlace {
     /// Track.
     pub track: String,
-    /// Mean stretch of the runs that hit, from \[m\].
+    /// Mean start of the contact over the runs that hit \[m\].
     pub from_m: f64,
-    /// To \[m\].
+    /// Mean end of the contact over the runs that hit \[m\].
     pub to_m: f64,
     /// Mean force of the runs that hit, positive to the left \[N\].
     pub force_n: f64,
-    /// Its standard deviation from run to run \[N\].
+    /// Standard deviation of the force between runs \[N\].
     pub spread_n: f64,
     /// Number of runs on the track.
     pub runs: usize,
-    /// Number of those that hit.
+    /// Number of runs that hit.
     pub hit: usize,
-    /// The same by driver.
+    /// Contacts by driver.
     pub drivers: Vec<DriverContacts>,
     /// The runs that hit, the held-out ones last.
     pub contacts: Vec<RunContact>,
 }
 
-/// How a driver meets a place.
+/// Contacts of one driver at a place.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct DriverContacts {
     /// Driver.
     pub driver: String,
-    /// Runs on the track.
+    /// Number of the driver's runs on the track.
     pub runs: usize,
-    /// Those that hit.
+    /// Number of runs that hit.
     pub hit: usize,
-    /// Mean force of those \[N\].
+    /// Mean force of the runs that hit \[N\].
     pub force_n: f64,
 }
 
@@ -194,45 +194,45 @@ pub struct RunContact {
     pub run: String,
     /// Driver.
     pub driver: String,
-    /// From \[m\].
+    /// Start of the contact \[m\].
     pub from_m: f64,
-    /// To \[m\].
+    /// End of the contact \[m\].
     pub to_m: f64,
-    /// Peak of the force, set by the side balance \[N\].
+    /// Peak of the force, from the balance of lateral forces \[N\].
     pub force_n: f64,
-    /// Its standard error \[N\].
+    /// Standard error of the peak \[N\].
     pub error_n: f64,
 }
 
-/// The gap on runs that were held out.
+/// Root mean square residuals of the data that were held out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct HeldOut {
-    /// What one of them is: `run`, `segment`, `row` or `measurement`.
+    /// Kind of the held-out items: `run`, `segment`, `row` or `measurement`.
     pub what: String,
-    /// Their names.
+    /// Names of the held-out items.
     pub runs: Vec<String>,
-    /// Root mean square before.
+    /// Root mean square residual before any effect was added.
     pub gap_before: f64,
-    /// After.
+    /// Root mean square residual after the last step.
     pub gap_after: f64,
-    /// Unit.
+    /// Unit of both root mean squares.
     pub unit: String,
-    /// By channel: name, unit, before, after.
+    /// Residuals by channel.
     pub channels: Vec<ChannelGap>,
 }
 
-/// The gap of one channel.
+/// Root mean square residual of one channel.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct ChannelGap {
     /// Channel.
     pub channel: String,
     /// Unit.
     pub unit: String,
-    /// Root mean square before.
+    /// Root mean square before any effect was added.
     pub before: f64,
-    /// After.
+    /// Root mean square after the last step.
     pub after: f64,
-    /// What the stated or estimated sensor noise alone would give.
+    /// Root mean square that the stated or estimated sensor noise alone would cause.
     pub noise: f64,
 }
 
@@ -241,18 +241,18 @@ pub struct ChannelGap {
 pub struct Remaining {
     /// Channel.
     pub channel: String,
-    /// Its unit.
+    /// Unit of the channel.
     pub unit: String,
-    /// Root mean square of what repeats.
+    /// Root mean square of the repeatable residual.
     pub repeatable: f64,
-    /// Its share of what repeats with friction and grip refitted alone, as mean squares.
+    /// Ratio of the repeatable mean square to that with only friction and grip refitted.
     pub share: Interval,
-    /// Its share of the whole mean square of the channel; the sensors' noise and what differs from
-    /// run to run are the rest.
+    /// Ratio of the repeatable mean square to the total mean square of the channel. The rest is
+    /// sensor noise and differences between runs.
     pub of_misfit: Interval,
-    /// Whether that share is small enough for the model to be adequate.
+    /// Whether this ratio is small enough for the model to be adequate.
     pub is_small: bool,
-    /// Where most of it is.
+    /// Places with most of the repeatable residual.
     #[serde(rename = "where")]
     pub places: Vec<String>,
 }
@@ -261,7 +261,7 @@ pub struct Remaining {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ModelKind {
-    /// With the effects of the report's steps.
+    /// The model with the effects of the report's steps.
     WithEffect,
     /// The given model with friction and grip refitted.
     Refitted,
@@ -277,12 +277,12 @@ pub struct Baseline {
     pub quantity: String,
     /// Unit.
     pub unit: String,
-    /// Of the model as given.
+    /// Root mean square of the model as given.
     pub as_given: f64,
     /// With friction and grip refitted; absent where that model cannot be simulated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refitted: Option<f64>,
-    /// With the effects that were found; absent where none was, or where it cannot be simulated.
+    /// With the effects that were found; absent without any, or where it cannot be simulated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub with_effect: Option<f64>,
 }
@@ -290,30 +290,30 @@ pub struct Baseline {
 /// A model that was fitted but is not written.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Withheld {
-    /// Which one.
+    /// Kind of the model.
     pub model: ModelKind,
-    /// The effects that it has and the model as given has not.
+    /// Effects of the model that the given model does not have.
     pub effects: Vec<String>,
-    /// Why it is not written.
+    /// Reason why it is not written.
     pub reason: String,
 }
 
-/// Smallest sizes of effects that would have been found.
+/// Smallest detectable size of an effect.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Detectable {
     /// Effect.
     pub effect: String,
     /// Parameter.
     pub parameter: String,
-    /// Smallest size that would be found nine times in ten.
+    /// Smallest size that would be found with a probability of 90 %.
     pub size: f64,
     /// Unit.
     pub unit: String,
-    /// Share of the effect that a refit of the base leaves.
+    /// Fraction of the effect that remains after a refit of the base parameters.
     pub left_after_refit: f64,
-    /// The candidate that resembles it most.
+    /// The most similar candidate.
     pub most_like: String,
-    /// Partial correlation with it, given the base.
+    /// Partial correlation with the most similar candidate, given the base parameters.
     pub correlation: f64,
 }
 
@@ -324,17 +324,17 @@ pub struct Bin {
     pub channel: String,
     /// Column.
     pub column: String,
-    /// From, in the column's unit.
+    /// Lower end of the bin, in the column's unit.
     pub from: f64,
-    /// To.
+    /// Upper end of the bin.
     pub to: f64,
-    /// Mean residual there.
+    /// Mean residual in the bin.
     pub mean: f64,
-    /// Its standard error over runs.
+    /// Standard error of the mean, from the scatter over runs.
     pub error: f64,
-    /// Unit of the two.
+    /// Unit of mean and error.
     pub unit: String,
-    /// p-value over all bins.
+    /// p-value, corrected for all bins.
     pub p_value: f64,
 }
 
@@ -345,10 +345,10 @@ pub struct ByRun {
     pub channel: String,
     /// Unit of the means.
     pub unit: String,
-    /// Probability that sessions differ this much by chance, before any effect was added; 1 where
-    /// it is not known.
+    /// p-value of the difference between sessions before any effect was added; 1 where it is
+    /// unknown.
     pub sessions_differ_before: f64,
-    /// The same after.
+    /// p-value of the difference between sessions after the last step; 1 where it is unknown.
     pub sessions_differ_after: f64,
     /// Runs, session by session.
     pub runs: Vec<RunMean>,
@@ -365,7 +365,7 @@ pub struct RunMean {
     pub track: String,
     /// Mean before any effect was added.
     pub before: f64,
-    /// Mean after.
+    /// Mean after the last step.
     pub after: f64,
 }
 
@@ -377,61 +377,62 @@ pub struct Report {
     pub verdict: Verdict,
     /// The outcome in a sentence.
     pub sentence: String,
-    /// What share of the repeatable misfit the answer explains, what remains and where; empty where
-    /// the data are no runs.
+    /// Fraction of the repeatable misfit that is explained, and the remaining misfit with its
+    /// places; empty if the data are not runs.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub explained: String,
-    /// Whether nothing that repeats from run to run remains above a small share in any channel.
+    /// Whether the remaining repeatable misfit is a small fraction in every channel.
     pub adequate: bool,
-    /// What remains of it by channel; empty where the data are no runs.
+    /// Remaining repeatable misfit by channel; empty if the data are not runs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remaining: Vec<Remaining>,
-    /// What the installation is off by within its tolerances: allowed for, and no finding.
+    /// Installation errors within their tolerances, which are accounted for and are no findings.
     pub within_tolerance: Vec<Tolerated>,
-    /// The effects found, in order.
+    /// The effects that were found, in the order of the search.
     pub steps: Vec<Step>,
-    /// Locked-away data.
+    /// Residuals of the held-out data.
     pub held_out: HeldOut,
     /// The model that is written to `model.next.toml`.
     pub written: ModelKind,
-    /// Three models on the same held-out runs.
+    /// Comparison of models on the same held-out runs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub baselines: Vec<Baseline>,
-    /// Models that are not written, and why.
+    /// Models that are not written, with the reason.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub withheld: Vec<Withheld>,
-    /// Base parameters that a refit moves out of their plausible range.
+    /// Base parameters whose refitted values are outside their plausible range.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub implausible: Vec<Fitted>,
-    /// Smallest sizes of effects that would have been found.
+    /// Smallest detectable sizes of effects.
     pub minimum_detectable: Vec<Detectable>,
-    /// What to measure next.
+    /// Recommended next measurement.
     pub next_experiment: String,
-    /// The next runs that would split a class, by simulating them, the best first.
+    /// Next runs that would distinguish the members of a class according to simulations, the best
+    /// first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub next_runs: Vec<NextRuns>,
-    /// Base parameters as the next model states them, with intervals for what is true: as wide as
-    /// what the installation leaves open of them, and by as much as its errors, which a model file
-    /// does not state, have moved them.
+    /// Base parameters of the next model with intervals for their true values. The intervals
+    /// include the uncertainty due to installation errors, and the shift by the estimated
+    /// installation errors, which a model file does not state.
     pub base: Vec<Fitted>,
     /// Significant bins before any effect was added.
     pub bins: Vec<Bin>,
-    /// Significant bins after.
+    /// Significant bins after the last step.
     pub bins_after: Vec<Bin>,
-    /// Mean residuals by run and session; empty where the data are no runs.
+    /// Mean residuals by run and session; empty if the data are not runs.
     pub by_run: Vec<ByRun>,
-    /// Whether the residual is clean after the last step.
+    /// Whether the residual has no significant structure after the last step.
     pub clean: bool,
     /// Pictures of the report's page.
     #[serde(skip)]
     pub pictures: Vec<Picture>,
-    /// Training gap by channel.
+    /// Root mean square residuals of the training data by channel.
     pub training: Vec<ChannelGap>,
-    /// Effects that could not be tested, and why.
+    /// Effects that could not be tested, with the reason.
     pub untestable: Vec<(String, String)>,
     /// Remarks.
     pub remarks: Vec<String>,
-    /// Runs with gaps: what is not there, and how much takes part; absent where there are none.
+    /// Runs with gaps: missing values, and the fraction of samples used; absent without gaps.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub gaps: Vec<kufe_sled::SampleCoverage>,
     /// Kind of data.
@@ -442,14 +443,14 @@ pub struct Report {
     pub version: String,
 }
 
-/// Runs that could be driven next, and what they are expected to tell.
+/// Runs that could be driven next, with the evidence expected of them.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct NextRuns {
-    /// How many, in one session.
+    /// Number of runs in one session.
     pub runs: usize,
     /// Track.
     pub track: String,
-    /// Difference from the runs at hand.
+    /// Difference from the present runs.
     pub change: String,
     /// Speed at the start \[m/s\].
     pub start_speed_mps: f64,
@@ -463,14 +464,14 @@ pub struct NextRuns {
     pub air_pa: f64,
     /// Relative humidity \[%\], where it is known.
     pub humidity_pct: Option<f64>,
-    /// The sensors' noise, where one of them is a better one.
+    /// Noise of the sensors, if a better sensor is proposed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<kufe_sled::Noise>,
-    /// The two members of the class that they tell apart least.
+    /// The two members of the class that these runs distinguish least.
     pub between: [String; 2],
-    /// Logarithm of the likelihood ratio of these two that is to be expected.
+    /// Expected log-likelihood ratio of these two.
     pub expected_evidence: f64,
-    /// Whether that would tell them apart nine times in ten.
+    /// Whether the runs would distinguish the two with a probability of 90 %.
     pub splits: bool,
 }
 
@@ -479,7 +480,7 @@ pub struct NextRuns {
 pub struct Picture {
     /// Title.
     pub title: String,
-    /// What its marks mean; empty where its key says it.
+    /// Meaning of the marks; empty where the legend states it.
     pub caption: String,
     /// Contents.
     pub plot: Plot,
@@ -488,62 +489,63 @@ pub struct Picture {
 /// The contents of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Plot {
-    /// Points over one column.
+    /// Points as a function of one column.
     Scatter(Scatter),
-    /// Residuals along a track, run by run, before and after.
+    /// Residuals along a track, run by run, before and after the effects are added.
     Strip(Strip),
-    /// Largest pressures of measurements without a map, with the simulated ones.
+    /// Measured and simulated peak pressures of measurements without a map.
     Peaks(Vec<Peak>),
-    /// A measured map and the simulated ones.
+    /// Measured and simulated pressure maps.
     Maps(Maps),
 }
 
-/// Points over one column.
+/// Points as a function of one column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scatter {
     /// Alternative text.
     pub label: String,
-    /// Column of `x`, whose suffix states the unit.
+    /// Column of `x`; its suffix is the unit.
     pub x_name: String,
-    /// What the points are, with unit.
+    /// Quantity and unit of the points.
     pub y_name: String,
-    /// Places along the column.
+    /// Abscissae, common to all series.
     pub x: Vec<f64>,
-    /// Points at all places.
+    /// Sets of points.
     pub series: Vec<Series>,
-    /// A curve through them; a line at 0 where there is none.
+    /// A curve through the points; `None` draws a line at 0.
     pub curve: Option<Curve>,
 }
 
-/// Residuals along a track, run by run, before and after.
+/// Residuals along a track, run by run, before and after the effects are added.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Strip {
     /// Channel.
     pub channel: String,
-    /// Its unit.
+    /// Unit of the channel.
     pub unit: String,
     /// Track.
     pub track: String,
-    /// Where the first stretch begins [m].
+    /// Start of the first stretch [m].
     pub from_m: f64,
     /// Length of a stretch [m].
     pub step_m: f64,
-    /// Where effects were found.
+    /// Places of the effects that were found.
     pub places: Vec<Place>,
     /// The runs.
     pub runs: Vec<StripRun>,
-    /// Model discrepancy of each stretch, common to all runs, after; empty without one.
+    /// Model discrepancy of each stretch after the last step, common to all runs; may be empty.
     pub discrepancy: Vec<f64>,
 }
 
-/// A measured map and the simulated ones on its pixels, row by row from the lower left.
+/// Measured and simulated pressure maps on the pixels of the former, row by row from the lower
+/// left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Maps {
     /// Measured map.
     pub measured: Map,
-    /// Simulated before any effect was added [Pa].
+    /// Simulation before any effect was added [Pa].
     pub before: Vec<f64>,
-    /// Simulated after [Pa]; empty where nothing was added.
+    /// Simulation after the last step [Pa]; empty where no effect was added.
     pub after: Vec<f64>,
 }
 
@@ -552,26 +554,26 @@ pub struct Maps {
 pub struct Peak {
     /// Row, with force and radius.
     pub name: String,
-    /// Whether the search had not seen it.
+    /// Whether the measurement was held out of the search.
     pub not_seen: bool,
-    /// Measured [Pa].
+    /// Measured pressure [Pa].
     pub measured: f64,
-    /// Its standard deviation [Pa].
+    /// Standard deviation of the measured pressure [Pa].
     pub sd: f64,
-    /// Simulated before any effect was added [Pa].
+    /// Simulation before any effect was added [Pa].
     pub before: f64,
-    /// Simulated after [Pa]; nothing where nothing was added.
+    /// Simulation after the last step [Pa]; `None` where no effect was added.
     pub after: Option<f64>,
 }
 
-/// Where an effect acts along a track.
+/// A stretch of a track on which an effect acts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
     /// The effect.
     pub effect: String,
-    /// From [m].
+    /// Start of the stretch [m].
     pub from: f64,
-    /// To [m].
+    /// End of the stretch [m].
     pub to: f64,
 }
 
@@ -582,9 +584,9 @@ pub struct StripRun {
     pub run: String,
     /// Its session.
     pub session: String,
-    /// Mean residual of each stretch before any effect was added; NaN where the run has none.
+    /// Mean residual of each stretch before any effect was added; NaN where the run has no samples.
     pub before: Vec<f64>,
-    /// After.
+    /// Mean residual of each stretch after the last step.
     pub after: Vec<f64>,
 }
 
@@ -595,7 +597,7 @@ pub struct Series {
     pub name: String,
     /// Values.
     pub y: Vec<f64>,
-    /// Their standard deviations; empty where they are not drawn.
+    /// Standard deviations of the values; empty where they are not drawn.
     pub sd: Vec<f64>,
 }
 
@@ -604,8 +606,8 @@ pub struct Series {
 pub struct Curve {
     /// Name.
     pub name: String,
-    /// Places.
+    /// Abscissae.
     pub x: Vec<f64>,
-    /// Values.
+    /// Ordinates.
     pub y: Vec<f64>,
 }

@@ -28,7 +28,7 @@ pub struct FrictionRow {
     pub groove_depth: Measured<GrooveDepth>,
     /// Mean thickness of the film [m].
     pub film_mean_m: f64,
-    /// Pressure at which the ice yields [Pa].
+    /// Hardness: pressure at which the ice yields [Pa].
     pub hardness_pa: f64,
 }
 
@@ -64,20 +64,20 @@ pub struct FrictionOptimum {
     pub v_mps: f64,
     /// Temperature of the ice [C].
     pub ice_c: f64,
-    /// What was varied.
+    /// The varied parameters.
     pub parameters: Vec<OptimalParameter>,
     /// Coefficient of friction.
     #[serde(flatten)]
     pub mu: Measured<Mu>,
-    /// Its part of ploughing.
+    /// Part of the coefficient due to ploughing.
     pub mu_ploughing: f64,
-    /// Its part of the melt film.
+    /// Part of the coefficient due to the melt film.
     pub mu_viscous: f64,
-    /// Its part of boundary contact.
+    /// Part of the coefficient due to boundary contact.
     pub mu_boundary: f64,
-    /// Relative scatter of the runners about the response.
+    /// Relative root mean square residual of the fitted response at the solved runners.
     pub response_scatter: f64,
-    /// Relative error of the response at the optimum.
+    /// Relative difference of the response to the solved coefficient at the optimum.
     pub response_miss: f64,
     /// The runners that were solved.
     pub solved: Vec<SolvedRunner>,
@@ -90,19 +90,19 @@ pub struct FrictionOptimum {
 /// A parameter at the optimum.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OptimalParameter {
-    /// Its key.
+    /// Key of the parameter.
     pub key: String,
-    /// Its value.
+    /// Value at the optimum.
     pub value: f64,
-    /// Its lower bound.
+    /// Lower bound of the search.
     pub low: f64,
-    /// Its upper bound.
+    /// Upper bound of the search.
     pub high: f64,
-    /// Whether the value is a bound.
+    /// Whether the value lies on a bound.
     pub on_bound: bool,
-    /// Lower end of the values that are equal within the errors.
+    /// Lower end of the values whose friction equals the optimum within the errors.
     pub flat_from: f64,
-    /// Upper end of the values that are equal within the errors.
+    /// Upper end of the values whose friction equals the optimum within the errors.
     pub flat_to: f64,
 }
 
@@ -116,7 +116,7 @@ pub struct SolvedRunner {
     pub mu: Measured<Mu>,
 }
 
-/// Friction of one runner under one load, by a law over the pressure.
+/// Friction of one runner under one load by a pressure-dependent law.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrictionByLaw {
     /// Peak pressure.
@@ -128,11 +128,11 @@ pub struct FrictionByLaw {
     pub mu: f64,
     /// Coefficient before the effects.
     pub mu_base: f64,
-    /// Error of the coefficient by that of the pressure.
+    /// Error of the coefficient due to the error of the pressure.
     pub mu_error: f64,
     /// Whether the law depends on the pressure.
     pub depends_on_pressure: bool,
-    /// Whether the coefficient is the law's largest.
+    /// Whether the coefficient is capped at the largest value of the law.
     pub capped: bool,
     /// Slip angle [rad].
     pub alpha_rad: f64,
@@ -152,7 +152,7 @@ pub struct FrictionByLaw {
     pub version: String,
 }
 
-/// A fit of friction over pressure.
+/// A fit of the coefficient of friction as a function of pressure.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct PressureFit {
     /// The coefficients with their intervals.
@@ -163,21 +163,21 @@ pub struct PressureFit {
     pub covariance_bcd: [[f64; 3]; 3],
     /// How the points were weighted.
     pub weighting: Weighting,
-    /// Probability that the intervals cover.
+    /// Confidence level of the intervals.
     pub confidence: f64,
     /// Weighted sum of squares.
     pub chi2: f64,
-    /// Points less parameters.
+    /// Number of points less number of parameters.
     pub degrees_of_freedom: usize,
     /// Probability of a larger sum of squares.
     pub p_value: Option<f64>,
-    /// Place and height of the least friction.
+    /// Pressure and coefficient at the minimum of the law.
     pub least_friction: Option<LeastFriction>,
     /// Largest coefficient of the law.
     pub mu_cap: f64,
     /// Asperity factor.
     pub zeta: f64,
-    /// What the factor multiplies.
+    /// Whether the asperity factor multiplies the pressure or the coefficient.
     pub zeta_acts_on: ZetaActsOn,
     /// The specimens and the fitted coefficient.
     pub specimens: Vec<FittedSpecimen>,
@@ -294,13 +294,13 @@ pub struct GlideResult {
     pub resistance_n: f64,
     /// Standard error of the resistance [N].
     pub resistance_se_n: f64,
-    /// Resistance over weight.
+    /// Ratio of resistance to weight.
     pub resistance_over_weight: f64,
     /// Start of the used section [m].
     pub section_from_m: f64,
     /// End of the used section [m].
     pub section_to_m: f64,
-    /// Samples in it.
+    /// Number of samples in the section.
     pub samples: usize,
     /// Mean speed [m/s].
     pub v_mean_mps: f64,

@@ -1,4 +1,4 @@
-//! What the keys of documents are called, and what their numbers are counted in.
+//! Labels and units of the keys of documents.
 
 use std::borrow::Cow;
 
@@ -8,7 +8,7 @@ use crate::plot::{shown_unit, unit_of};
 use crate::results::datum::Data;
 use crate::results::quantity::QUANTITIES;
 
-/// The most important keys with their proper names, besides those of [`QUANTITIES`] and [`Column`].
+/// Labels of important keys, in addition to those of [`QUANTITIES`] and [`Column`].
 const NAMES: [(&str, &str); 34] = [
     ("v_mean_mps", "mean speed"),
     ("start_speed_mps", "speed at the start"),
@@ -46,11 +46,11 @@ const NAMES: [(&str, &str); 34] = [
     ("line_gain_rad_per_m", "gain on the line"),
 ];
 
-/// Further important keys, whose own words are their names.
+/// Further important keys, whose words are their labels.
 const PLAIN: &str =
     "hardness_pa along_n yaw_nm run track driver class session stopped specimen replay file";
 
-/// Words of keys that are no words.
+/// Words for abbreviations in keys.
 const WORDS: [(&str, &str); 5] = [
     ("sd", "standard deviation"),
     ("se", "standard error"),
@@ -66,26 +66,27 @@ fn named(key: &str) -> Option<&'static str> {
     name.or(Column::named(key).map(Column::label))
 }
 
-/// Whether a key is an important one.
+/// Whether a key is important enough for a short table.
 pub fn is_named(key: &str) -> bool {
     named(key).is_some() || PLAIN.split(' ').any(|plain| plain == key)
 }
 
-/// The unit of a number in a row, which may name the column or key that it is of.
+/// The unit of a number in a row. A number without a unit in its key has that of the column or key
+/// that the row names.
 ///
-/// Where the speeds of two runs differ, the size is the missing force.
+/// For a difference of the speeds `v_mps` of two runs, `size` is the missing force [N].
 pub fn unit_in(row: &Data, key: &str) -> Cow<'static, str> {
     let mut named = ["column", "key"].iter();
-    let of = named.find_map(|key| row.get(*key)?.text());
+    let column = named.find_map(|key| row.get(*key)?.text());
     let unit = shown_unit(key);
-    match (&*unit, of) {
+    match (&*unit, column) {
         ("", Some("v_mps")) if key == "size" => Cow::Borrowed("N"),
-        ("", Some(of)) if !key.starts_with("times") => shown_unit(of),
+        ("", Some(column)) if !key.starts_with("times") => shown_unit(column),
         _ => unit,
     }
 }
 
-/// A key as people call it: its proper name, or its words without the unit.
+/// The label of a key, or its words without the unit.
 pub fn name_of(key: &str) -> String {
     if let Some(name) = named(key) {
         return name.to_owned();
@@ -113,7 +114,7 @@ fn stem(key: &str) -> (&str, &str) {
     key.split_at(at)
 }
 
-/// Keys of the error of a key's number.
+/// Possible keys of the error of a key's number.
 pub fn error_keys(key: &str) -> [String; 3] {
     let (stem, ending) = stem(key);
     ["error", "se", "sd"].map(|word| format!("{stem}_{word}{ending}"))

@@ -1,8 +1,9 @@
 //! Results as typed documents.
 //!
-//! Each command writes one of these structs as JSON, and each command that reads it uses the same
-//! struct. The keys are those of the formats page. [`QUANTITIES`] states the keys and the label of
-//! every number with an error; the unit is the suffix of its key. Text, tables and pages use it.
+//! Each command writes one of these structs as JSON, and commands that read the document use the
+//! same struct. The keys are described on the formats page. [`QUANTITIES`] states the keys and the
+//! label of every number with an error; the unit is the ending of the key. Text, tables and pages
+//! use these labels.
 //!
 //! | item | document |
 //! |---|---|
@@ -20,8 +21,8 @@
 //! | [`TableSummary`], [`TableInfo`], [`TableLookup`] | a lookup table, and its values at one contact |
 //! | [`finding::Report`] | `report.json` of a search for missing effects |
 //! | [`CaseRecord`] | the case within a result |
-//! | [`pack`] | numbers as the page's scripts read them |
-//! | [`Datum`], [`DocumentKind`] | any document as a tree of figures, and its kind |
+//! | [`pack`] | numbers in the form that scripts of pages read |
+//! | [`Datum`], [`DocumentKind`] | any document as a tree of data, and its kind |
 //!
 //! ```
 //! use kufe::results::{Measured, PeakPressure};

@@ -1,4 +1,4 @@
-//! Numbers as the page's scripts read them.
+//! Numbers in the form that scripts of pages read: 16 bits each, in base64.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -6,15 +6,15 @@ use serde::Serialize;
 
 use crate::plot::extent;
 
-/// Largest code of a finite value; the next one represents infinity.
-const TOP: f64 = 65534.0;
+/// Largest code of a finite value.
+const MAX_CODE: f64 = 65534.0;
 /// The code of a value that is not finite.
-const NONE: u16 = 65535;
+const NOT_FINITE: u16 = 65535;
 
-/// Numbers packed into 16 bits each: `value = low + code * step`, code 65535 being infinite.
+/// Numbers packed into 16 bits each: `value = low + code * step`; code 65535 is not finite.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Packed {
-    /// The least finite value.
+    /// The smallest finite value.
     pub low: f64,
     /// 1/65534 of the range of the finite values.
     pub step: f64,
@@ -22,7 +22,7 @@ pub struct Packed {
     pub codes: String,
 }
 
-/// Values in 16 bits each: `value = low + code * step`, code 65535 being infinite.
+/// Packs values into 16 bits each: `value = low + code * step`; code 65535 is not finite.
 ///
 /// Steps are 1/65534 of the range of the finite values. The codes are little-endian, in base64.
 ///
@@ -35,11 +35,15 @@ pub fn pack(values: impl IntoIterator<Item = f64>) -> Packed {
     let values: Vec<f64> = values.into_iter().collect();
     let [low, high] = extent(values.iter().copied());
     let low = if low.is_finite() { low } else { 0.0 };
-    let step = if high > low { (high - low) / TOP } else { 0.0 };
+    let step = if high > low {
+        (high - low) / MAX_CODE
+    } else {
+        0.0
+    };
     let code = |value: &f64| match (value.is_finite(), step > 0.0) {
-        (false, _) => NONE,
+        (false, _) => NOT_FINITE,
         (true, false) => 0,
-        (true, true) => ((value - low) / step).round().clamp(0.0, TOP) as u16,
+        (true, true) => ((value - low) / step).round().clamp(0.0, MAX_CODE) as u16,
     };
     let bytes = values.iter().flat_map(|value| code(value).to_le_bytes());
     let codes = STANDARD.encode(bytes.collect::<Vec<u8>>());

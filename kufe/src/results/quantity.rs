@@ -1,4 +1,4 @@
-//! Numbers with an error, and the table that states what each of them is.
+//! Numbers with an error, and the table of their keys and labels.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -10,7 +10,7 @@ use serde::ser::{Serialize, SerializeStruct, Serializer};
 
 use crate::plot::{measured, shown_unit};
 
-/// Keys and label of a quantity.
+/// Keys and label of a quantity of a result.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Description {
     /// Key of the value; its ending is the SI unit.
@@ -21,25 +21,25 @@ pub struct Description {
     pub label: &'static str,
 }
 
-/// A kind of number that results hold, as a type.
-pub trait Quantity: Copy {
-    /// What it is.
+/// A quantity of a result, as a type.
+pub trait ResultQuantity: Copy {
+    /// Keys and label.
     const DESCRIPTION: Description;
-    /// The keys of value and error.
+    /// Keys of the value and of its error.
     const KEYS: &'static [&'static str];
 }
 
-/// A value with its error, written as two keys of the object that holds it.
+/// A value with its error, serialised as two keys of the enclosing object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured<Q> {
     /// The value, in SI units.
     pub value: f64,
-    /// Its error, in SI units; not a number where it is unknown.
+    /// The error, in SI units; NaN where it is unknown.
     pub error: f64,
     quantity: PhantomData<Q>,
 }
 
-impl<Q: Quantity> Measured<Q> {
+impl<Q: ResultQuantity> Measured<Q> {
     /// A value and its error, in SI units.
     pub fn new(value: f64, error: f64) -> Self {
         Measured {
@@ -50,31 +50,31 @@ impl<Q: Quantity> Measured<Q> {
     }
 }
 
-impl<Q: Quantity> From<kufe_contact::Measure> for Measured<Q> {
+impl<Q: ResultQuantity> From<kufe_contact::Measure> for Measured<Q> {
     fn from(measure: kufe_contact::Measure) -> Self {
         Measured::new(measure.value, measure.error)
     }
 }
 
 impl Description {
-    /// That of a quantity of a lookup table.
+    /// The description of a quantity of a lookup table.
     ///
     /// # Panics
-    /// Where no result has the quantity.
+    /// If [`QUANTITIES`] lacks the quantity.
     pub fn of(quantity: kufe_lut::Quantity) -> Description {
         let found = QUANTITIES.iter().find(|one| one.key == quantity.key());
         *found.expect("every quantity of a table is one of a result")
     }
 }
 
-impl<Q: Quantity> fmt::Display for Measured<Q> {
+impl<Q: ResultQuantity> fmt::Display for Measured<Q> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let unit = shown_unit(Q::DESCRIPTION.key);
         f.write_str(&measured(self.value, self.error, &unit))
     }
 }
 
-impl<Q: Quantity> Serialize for Measured<Q> {
+impl<Q: ResultQuantity> Serialize for Measured<Q> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut keys = serializer.serialize_struct("Measured", 2)?;
         keys.serialize_field(Q::DESCRIPTION.key, &self.value)?;
@@ -83,8 +83,8 @@ impl<Q: Quantity> Serialize for Measured<Q> {
     }
 }
 
-// What does not depend on the type of the quantity is compiled once for all of them.
-impl<'de, Q: Quantity> Deserialize<'de> for Measured<Q> {
+// `Keys` does not depend on the type `Q`, so that it is compiled once.
+impl<'de, Q: ResultQuantity> Deserialize<'de> for Measured<Q> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let keys = Keys(Q::DESCRIPTION);
         let [value, error] = deserializer.deserialize_struct("Measured", Q::KEYS, keys)?;
@@ -115,7 +115,7 @@ impl<'de> Visitor<'de> for Keys {
                     continue;
                 }
             };
-            // JSON has null where a number is infinite or none.
+            // JSON has null for an infinite number or NaN.
             let number = map.next_value::<Option<f64>>();
             let number = number.map_err(|error| A::Error::custom(format!("{found}: {error}")))?;
             *place = Some(number.unwrap_or(f64::NAN));
@@ -128,7 +128,7 @@ impl<'de> Visitor<'de> for Keys {
     }
 }
 
-impl<Q: Quantity> JsonSchema for Measured<Q> {
+impl<Q: ResultQuantity> JsonSchema for Measured<Q> {
     fn inline_schema() -> bool {
         true
     }
@@ -168,7 +168,7 @@ macro_rules! quantities {
             #[derive(Clone, Copy, Debug, PartialEq)]
             pub struct $name;
 
-            impl Quantity for $name {
+            impl ResultQuantity for $name {
                 const DESCRIPTION: Description = Description {
                     key: $key,
                     error_key: $error,
@@ -178,7 +178,7 @@ macro_rules! quantities {
             }
         )*
 
-        /// Every number with an error that results hold.
+        /// Every number with an error in results.
         pub const QUANTITIES: &[Description] = &[$($name::DESCRIPTION),*];
     };
 }

@@ -1,4 +1,4 @@
-//! A case within a result, and records as rows of a CSV file.
+//! The record of a case within a result, and records as rows of a CSV file.
 
 use std::fmt;
 use std::io::Write;
@@ -11,12 +11,12 @@ use crate::results::datum::Datum;
 
 /// A case, key by key.
 ///
-/// JSON has no infinity: the words `inf`, `-inf` and `nan` take its place.
+/// JSON has neither infinity nor NaN: the words `inf`, `-inf` and `nan` replace them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct CaseRecord(#[schemars(schema_with = "any_object")] Datum);
 
-/// A schema of the case alone would refuse the words for infinity.
+/// Schema of any object: the schema of a case would refuse the words for infinity.
 fn any_object(_: &mut SchemaGenerator) -> Schema {
     schemars::json_schema!({ "type": "object" })
 }
@@ -68,10 +68,10 @@ fn write_infinity(value: &mut toml::Value) {
 
 /// Writes documents of single values as CSV: their keys are the columns.
 ///
-/// The longest document names the columns; the others have empty cells where they have no such key.
+/// The longest document names the columns; the cells of missing keys are empty.
 ///
 /// # Errors
-/// Those of the writer, and of a document that holds lists or objects.
+/// Those of the writer, and of a document that contains lists or objects.
 pub fn write_csv<T: Serialize>(writer: impl Write, rows: &[T]) -> std::io::Result<()> {
     let mut records = Vec::new();
     for row in rows {

@@ -38,7 +38,7 @@ pub struct RunsUsed {
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[schemars(title = "fit.json")]
 pub struct LateralFitDocument {
-    /// Laws of both runners, and what they rest on.
+    /// Laws of both runners with the data that they were fitted to.
     #[serde(flatten)]
     pub fit: FitResult,
     /// The runs.
@@ -47,7 +47,7 @@ pub struct LateralFitDocument {
 }
 
 impl LateralFitDocument {
-    /// The fitted laws in one sentence a runner.
+    /// The fitted laws, one sentence per runner.
     pub fn headline(&self) -> String {
         let between = |x: &Interval, unit: &str| {
             let amount = |value| quantity(value, unit);
@@ -55,7 +55,7 @@ impl LateralFitDocument {
             let ends = ends.map(|(low, high)| format!(" ({} to {})", amount(low), amount(high)));
             amount(x.value) + &ends.unwrap_or_default()
         };
-        let of = |(runner, fit): (&str, &LateralFit)| {
+        let sentence = |(runner, fit): (&str, &LateralFit)| {
             format!(
                 "{runner} runner: stiffness {}, largest grip {}, r.m.s. residual {}.",
                 between(&fit.k_n_per_rad, "N/rad"),
@@ -64,7 +64,7 @@ impl LateralFitDocument {
             )
         };
         let runners = [("Front", &self.fit.front), ("Rear", &self.fit.rear)];
-        runners.map(of).join(" ")
+        runners.map(sentence).join(" ")
     }
 }
 
@@ -74,12 +74,12 @@ impl LateralFitDocument {
 pub struct Evaluation {
     /// Run by run.
     pub runs: Vec<RunEvaluation>,
-    /// Drivers, classes and tracks.
+    /// Means over drivers, classes and tracks.
     pub groups: Vec<Group>,
-    /// Where each driver loses on each track, and how many seconds.
+    /// Losses of each driver on each track by place, in seconds.
     #[serde(default)]
     pub drivers: Vec<DriverLosses>,
-    /// What the intervals of the groups are.
+    /// Definition of the intervals of the groups.
     pub interval: String,
     /// The runs.
     #[serde(flatten)]
@@ -87,7 +87,7 @@ pub struct Evaluation {
 }
 
 impl Evaluation {
-    /// Of evaluated runs; `seed` is that of the intervals.
+    /// The document of evaluated runs; `seed` is that of the bootstrap intervals.
     pub fn new(runs: Vec<RunEvaluation>, used: RunsUsed, seed: u64) -> Self {
         Evaluation {
             groups: groups(&runs, seed),
@@ -102,7 +102,7 @@ impl Evaluation {
 /// A column of numbers of `evaluation.csv`.
 type Column = (&'static str, fn(&RunEvaluation) -> f64);
 
-/// The columns after those of the run's names.
+/// The columns after the names of the run, track, driver, class and session.
 const COLUMNS: [Column; 12] = [
     ("time_s", |run| run.time_s),
     ("e_tot_loss_j", |run| run.e_tot_loss_j),
@@ -122,10 +122,10 @@ const COLUMNS: [Column; 12] = [
     ("slip_rear_above_4deg", |run| run.slip_rear.share_above_4deg),
 ];
 
-/// Writes `evaluation.csv`: a row a run.
+/// Writes `evaluation.csv`, one row per run.
 ///
-/// A name that a spreadsheet would take for a formula gets an apostrophe before it, which
-/// spreadsheets take for the mark of a text.
+/// A name that a spreadsheet would read as a formula is preceded by an apostrophe, which marks text
+/// in spreadsheets.
 ///
 /// # Errors
 /// Those of the writer.
@@ -139,7 +139,7 @@ pub fn write_evaluation_csv(writer: impl Write, runs: &[RunEvaluation]) -> std::
             ("session", &run.session),
         ];
         let names = names.map(|(key, name)| (key.to_owned(), Datum::Text(no_formula(name))));
-        let numbers = COLUMNS.map(|(key, of)| (key.to_owned(), Datum::Number(of(run))));
+        let numbers = COLUMNS.map(|(key, value)| (key.to_owned(), Datum::Number(value(run))));
         names.into_iter().chain(numbers).collect()
     });
     write_csv(writer, &rows.collect::<Vec<Data>>())
@@ -172,13 +172,13 @@ pub struct Validation {
 impl Validation {
     /// The errors of the lateral force in one sentence.
     pub fn headline(&self) -> String {
-        let of = |track: &TrackValidation| {
+        let errors = |track: &TrackValidation| {
             let [model, braghin] =
                 [track.rmse_n, track.rmse_braghin_n].map(|force| quantity(force, "N"));
             let (name, runs) = (&track.track, track.runs);
             format!("{name} {model} over {runs} runs (Braghin's law: {braghin})")
         };
-        let tracks: Vec<String> = self.tracks.iter().map(of).collect();
+        let tracks: Vec<String> = self.tracks.iter().map(errors).collect();
         format!("R.m.s. error of the lateral force: {}.", tracks.join("; "))
     }
 }
@@ -187,13 +187,13 @@ impl Validation {
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 #[schemars(title = "simulation.json of a replay")]
 pub struct ReplayResult<'a> {
-    /// Both runs compared.
+    /// Comparison of the measured and the simulated run.
     pub replay: &'a Replay,
     /// File of the measured run.
     pub measured: PathBuf,
-    /// Whether the model came to the run's end.
+    /// Whether the model reached the end of the run.
     pub finished: bool,
-    /// Error of the energy balance over the energy turned over.
+    /// Ratio of the error of the energy balance to the converted energy.
     pub energy_balance_relative_error: f64,
     /// Tables of the model that do not span every sample.
     pub outside_tables: Vec<OutsideTable>,
@@ -202,7 +202,7 @@ pub struct ReplayResult<'a> {
 }
 
 impl<'a> ReplayResult<'a> {
-    /// Of a replay of the run in this file.
+    /// The document of a replay; `measured` is the file of the run.
     pub fn new(replay: &'a Replay, measured: PathBuf, outside_tables: Vec<OutsideTable>) -> Self {
         ReplayResult {
             replay,
@@ -225,7 +225,7 @@ pub struct Simulation {
     pub track: String,
     /// Driver.
     pub driver: String,
-    /// Simulated time over the time that it took.
+    /// Ratio of simulated time to wall time.
     pub times_real_time: f64,
     /// Version of the program.
     pub version: String,
@@ -238,11 +238,11 @@ pub struct SimulatedRun {
     pub run: String,
     /// Seed of the noise.
     pub seed: u64,
-    /// Whether it came to the finish.
+    /// Whether it reached the finish.
     pub finished: bool,
     /// Run time [s].
     pub time_s: f64,
-    /// Error of the energy balance over the energy turned over.
+    /// Ratio of the error of the energy balance to the converted energy.
     pub energy_balance_relative_error: f64,
     /// Work of gravity [J].
     pub gravity_j: f64,
@@ -264,7 +264,7 @@ fn version() -> String {
 pub struct RunCheck {
     /// Index of the runs.
     pub index: String,
-    /// Runs in which something is provably wrong.
+    /// Number of runs with a proven fault.
     pub wrong: usize,
     /// Run by run, the worst first.
     pub runs: Vec<Examination>,
@@ -273,7 +273,7 @@ pub struct RunCheck {
 }
 
 impl RunCheck {
-    /// Of the examined runs of an index.
+    /// The document of the examined runs of an index.
     pub fn new(index: impl Into<String>, runs: Vec<Examination>) -> Self {
         RunCheck {
             index: index.into(),
@@ -284,7 +284,7 @@ impl RunCheck {
     }
 }
 
-/// `align.json`: runs on one distance along their track.
+/// `align.json`: runs aligned to a common distance along their track.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 #[schemars(title = "align.json")]
 pub struct Alignment {
@@ -304,7 +304,7 @@ pub struct Alignment {
 pub struct AlignedTrack {
     /// Name of the track.
     pub track: String,
-    /// Whether the runs are aligned with a survey; else with one another.
+    /// Whether the runs are aligned with a survey; otherwise with one another.
     pub surveyed: bool,
     /// Run by run.
     pub runs: Vec<AlignedRun>,
@@ -319,16 +319,16 @@ pub struct TrackErrors {
     pub from_m: f64,
     /// End [m].
     pub to_m: f64,
-    /// Of the slope [rad].
+    /// Standard error of the slope [rad].
     pub slope_sd_rad: f64,
-    /// Of the curvature [1/m].
+    /// Standard error of the curvature [1/m].
     pub curvature_sd_1pm: f64,
-    /// Of the bank [rad].
+    /// Standard error of the bank angle [rad].
     pub bank_sd_rad: f64,
 }
 
 impl TrackErrors {
-    /// Of an estimate.
+    /// Errors of an estimated track.
     pub fn of(estimate: &TrackEstimate) -> Self {
         let mean = |sd: &[f64]| (sd.iter().map(|x| x * x).sum::<f64>() / sd.len() as f64).sqrt();
         let [slope_sd_rad, curvature_sd_1pm, bank_sd_rad] =
@@ -344,7 +344,7 @@ impl TrackErrors {
     }
 }
 
-/// `truth.json`: what the sample runs were driven with.
+/// `truth.json`: the true parameters of the sample runs.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 #[schemars(title = "truth.json")]
 pub struct SampleTruth {
@@ -369,7 +369,7 @@ pub struct SampleDriver {
     pub class: String,
     /// Number of runs.
     pub runs: usize,
-    /// How the driver steers.
+    /// Parameters of the driver's steering.
     #[serde(flatten)]
     pub driving: Driver,
 }
@@ -392,7 +392,7 @@ pub struct SampleRun {
 }
 
 impl SampleTruth {
-    /// Of a plan of runs.
+    /// The document of a plan of runs.
     pub fn new(seed: u64, plan: &[Planned]) -> Self {
         let drivers = sample_drivers().iter().map(|driver| SampleDriver {
             driver: driver.name.clone(),
@@ -418,14 +418,14 @@ impl SampleTruth {
     }
 }
 
-/// `import.json`: what was imported.
+/// `import.json`: the imported runs.
 #[derive(Clone, Debug, Serialize)]
 pub struct ImportList {
     /// The mapping's file.
     pub mapping: String,
     /// Version of the program.
     pub version: String,
-    /// Files of the folder.
+    /// Files that were written.
     pub files: Vec<String>,
     /// Run by run.
     pub runs: Vec<ImportedRun>,
@@ -442,36 +442,36 @@ pub struct ImportedRun {
     pub seconds: f64,
     /// Samples by channel.
     pub samples: BTreeMap<String, SampleCount>,
-    /// Rows without a value by channel.
+    /// Number of rows without a value by channel.
     pub missing_rows: BTreeMap<String, usize>,
-    /// Delays that were found by logger.
+    /// Estimated clock delays by logger.
     pub delays: BTreeMap<String, FoundDelay>,
     /// Further remarks.
     pub remarks: Vec<String>,
 }
 
-/// Samples of a channel.
+/// Number of samples of a channel.
 #[derive(Clone, Debug, Serialize)]
 pub struct SampleCount {
-    /// Those that its rate makes.
+    /// Number that follows from its rate.
     pub expected: usize,
-    /// Those with a value.
+    /// Number of samples with a value.
     pub read: usize,
 }
 
-/// The delay of a logger's clock.
+/// The estimated delay of a logger's clock.
 #[derive(Clone, Debug, Serialize)]
 pub struct FoundDelay {
     /// Delay [s].
     pub delay_s: f64,
-    /// Its standard error [s].
+    /// Standard error of the delay [s].
     pub delay_sd_s: Option<f64>,
-    /// What else the delay contains.
+    /// Further delays that the estimate includes.
     pub delay_includes: Option<&'static str>,
 }
 
 impl ImportedRun {
-    /// Of a run that was made so.
+    /// The entry of a run from the note of its import.
     pub fn of(note: &Note) -> ImportedRun {
         let mut imported = ImportedRun {
             run: note.run.clone(),

@@ -18,14 +18,14 @@ pub struct SeriesRow {
     /// The varied keys of the case.
     #[serde(flatten)]
     pub varied: VariedKeys,
-    /// Its numbers; none where it has no solution.
+    /// The numbers of the contact; absent where it has no solution.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub result: Option<SeriesResult>,
-    /// Why there is no solution, or why it is short of the requested accuracy.
+    /// Why there is no solution, or why the requested accuracy was not reached.
     pub error: Option<String>,
 }
 
-/// The keys of a case that a series varies; absent where it does not.
+/// The keys of a case that a series varies; keys that it does not vary are absent.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct VariedKeys {
     /// Radius of the rocker [m].
@@ -158,7 +158,7 @@ pub struct SeriesResult {
 }
 
 impl SeriesResult {
-    /// The numbers that a page offers to draw.
+    /// The numbers that the page of a series can draw.
     pub const DRAWN: [Description; 11] = [
         PeakPressure::DESCRIPTION,
         MeanPressure::DESCRIPTION,

@@ -1,4 +1,4 @@
-//! Documents of lookup tables: what one contains, and its values at one contact.
+//! Documents of lookup tables: contents of a table, and its values at one contact.
 
 use kufe_lut::{
     Axes, AxisKind, Error, Interpolator, Method, Mode, Outside, Point, Quantity, Table,
@@ -8,13 +8,13 @@ use serde::{Serialize, Serializer};
 
 use crate::plot::extent;
 
-/// Largest relative error of an interpolation, where it was measured.
+/// Largest relative error of an interpolation; `None` where it was not measured.
 fn error(table: &Table, quantity: Quantity, mode: Mode) -> Result<Option<f64>, Error> {
     let measured = table.interpolation_error(quantity, mode)?;
     Ok(measured.map(|measured| measured.max))
 }
 
-/// A table that was solved, and what it cost.
+/// A computed table with the cost of its solution.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct TableSummary {
@@ -55,7 +55,7 @@ pub struct TableSummary {
 }
 
 impl TableSummary {
-    /// Of a table for which so many contacts were solved in so many seconds.
+    /// Summary of a table for which `solves` contacts were solved in `seconds` [s].
     ///
     /// # Errors
     /// Those of the interpolation at the checks.
@@ -123,11 +123,11 @@ pub struct TableInfo {
 /// The extent of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AxisRange {
-    /// Breakpoints.
+    /// Number of breakpoints.
     pub points: usize,
-    /// The first.
+    /// The first breakpoint.
     pub from: f64,
-    /// The last.
+    /// The last breakpoint.
     pub to: f64,
     /// Rule for inputs outside: "hold", "linear" or "error".
     pub outside: &'static str,
@@ -161,10 +161,10 @@ pub struct QuantityRange {
     pub min: f64,
     /// Largest value at a node.
     pub max: f64,
-    /// Of smooth interpolation, where it was measured.
+    /// Error of smooth interpolation; `None` where it was not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub smooth_error: Option<f64>,
-    /// Of bilinear interpolation, where it was measured.
+    /// Error of bilinear interpolation; `None` where it was not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bilinear_error: Option<f64>,
 }
@@ -177,7 +177,7 @@ fn in_order<T: Serialize, S: Serializer>(
 }
 
 impl TableInfo {
-    /// Of a table, within an FMU for these platforms.
+    /// Contents of a table; `platforms` are those of the FMU that contains it.
     ///
     /// # Errors
     /// Those of the interpolation at the checks.
@@ -234,8 +234,7 @@ pub struct TableLookup {
     pub ice_c: Option<f64>,
     /// The interpolation.
     pub mode: &'static str,
-    /// Whether the place is outside the table; the values are then those that the rules of its axes
-    /// give.
+    /// Whether the point is outside the table; the values then follow the rules of its axes.
     pub out_of_range: bool,
     /// Version of kufe that made the table.
     pub version: String,
@@ -248,9 +247,10 @@ pub struct LookupValue {
     pub quantity: Quantity,
     /// Its value, in SI units.
     pub value: f64,
-    /// Largest error of the interpolation at this value, where it was measured, and of the solver.
+    /// Sum of the largest errors of interpolation and solver at this value; `None` where neither is
+    /// known.
     pub error: Option<f64>,
-    /// Whether the error includes the solver's; else it is that of the interpolation alone.
+    /// Whether the error includes that of the solver; else it is that of the interpolation alone.
     pub includes_solver: bool,
 }
 

@@ -171,7 +171,7 @@ fn what_cannot_be_gathered_is_told_and_nothing_is_written() {
     );
     gather(
         &["monday", "tuesday", "-o", "new.csv"],
-        &["another table of track igls"],
+        &["expected one table of track igls"],
     );
     for day in ["x/day", "y/day"] {
         std::fs::create_dir_all(bench.path(day)).expect("a folder");

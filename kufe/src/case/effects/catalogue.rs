@@ -1,7 +1,6 @@
-//! Effects on pressures.
+//! Catalogue of effects on pressures.
 //!
-//! A new effect is an entry of `catalogue.toml`, its law here, and a number that it must give among
-//! the tests.
+//! A new effect needs an entry in `catalogue.toml`, its law in `add_law`, and a test of its result.
 
 use std::sync::{Arc, LazyLock};
 
@@ -11,7 +10,7 @@ use kufe_sled::effects::read_catalogue;
 
 use crate::case::effects::effect::{Effect, Map};
 
-/// All effects: of the ice, of the runner, of the pressure film or sensor array.
+/// All effects of the ice, the runner, and the pressure film or sensor array.
 pub static CATALOGUE: LazyLock<Vec<Effect>> = LazyLock::new(|| {
     let mut effects: Vec<Effect> = read_catalogue(include_str!("catalogue.toml"));
     effects.iter_mut().for_each(add_law);
@@ -23,20 +22,21 @@ pub fn find(name: &str) -> Option<&'static Effect> {
     CATALOGUE.iter().find(|effect| effect.info.name == name)
 }
 
-/// Rounding of a worn flat's edges over its depth.
-const ROUNDED: f64 = 0.1;
+/// Ratio of the rounding of a worn flat's edges to its depth.
+const ROUNDING_RATIO: f64 = 0.1;
 
 fn add_law(effect: &mut Effect) {
     match effect.info.name {
         "hardness" => {
             effect.on_problem = Some(|value, problem| {
-                let own = problem.ice.hardness.map_or(0.0, |h| 1.0 / h);
-                problem.ice.hardness = Some(1.0 / (own + value).max(1.0e-12));
+                let inverse = problem.ice.hardness.map_or(0.0, |h| 1.0 / h);
+                problem.ice.hardness = Some(1.0 / (inverse + value).max(1.0e-12));
             });
-            // A bound acts only below the peak: it starts at the largest one measured.
+            // A bound on the pressure has no effect until it is below the largest measured
+            // pressure.
             effect.search.begins = Some(|problem, largest| {
-                let own = problem.ice.hardness.map_or(0.0, |h| 1.0 / h);
-                (1.0 / largest - own).max(0.0)
+                let inverse = problem.ice.hardness.map_or(0.0, |h| 1.0 / h);
+                (1.0 / largest - inverse).max(0.0)
             });
         }
         "ice-modulus" => {
@@ -45,9 +45,9 @@ fn add_law(effect: &mut Effect) {
         "ice-thickness" => effect.on_problem = Some(change_thickness),
         "waviness" => {
             effect.on_problem = Some(|value, problem| {
-                let number = std::f64::consts::TAU / 0.05;
+                let wavenumber = std::f64::consts::TAU / 0.05;
                 reshape(problem, [true, true], move |x, _, height| {
-                    height + value * ((number * x).cos() - 1.0)
+                    height + value * ((wavenumber * x).cos() - 1.0)
                 });
             });
         }
@@ -72,7 +72,7 @@ fn add_law(effect: &mut Effect) {
                 let keel = problem.runner.underside.clone();
                 reshape(problem, [true, true], move |x, _, height| {
                     let flat = keel.height(x, 0.0) + value;
-                    0.5 * (height + flat + (height - flat).hypot(ROUNDED * value))
+                    0.5 * (height + flat + (height - flat).hypot(ROUNDING_RATIO * value))
                 });
             });
         }
@@ -87,14 +87,14 @@ fn add_law(effect: &mut Effect) {
     }
 }
 
-/// Adds to one over the thickness of the ice layer.
+/// Adds `inverse` [1/m] to the inverse thickness of the ice layer.
 fn change_thickness(inverse: f64, problem: &mut Problem) {
-    let (own, bed) = match problem.ice.foundation {
+    let (nominal, bed) = match problem.ice.foundation {
         Foundation::HalfSpace => (f64::INFINITY, None),
         Foundation::RigidBed { thickness } => (thickness, None),
         Foundation::ElasticBed { thickness, bed } => (thickness, Some(bed)),
     };
-    let thickness = 1.0 / (1.0 / own + inverse);
+    let thickness = 1.0 / (1.0 / nominal + inverse);
     problem.ice.foundation = match bed {
         _ if !(0.0..1.0e6).contains(&thickness) => Foundation::HalfSpace,
         Some(bed) => Foundation::ElasticBed { thickness, bed },
@@ -102,8 +102,8 @@ fn change_thickness(inverse: f64, problem: &mut Problem) {
     };
 }
 
-/// Convolves the map with a Gaussian: along the rows, then along the columns; what leaves the map
-/// is lost as on a film.
+/// Convolves the map with a Gaussian along the rows, then along the columns. Pressure that leaves
+/// the map is lost, as on a film.
 fn blur(width: f64, map: &mut Map) {
     let pass = |values: &[f64], n: usize, step: f64| -> Vec<f64> {
         let reach = ((4.0 * width / step).ceil() as usize).min(n);
@@ -130,8 +130,8 @@ fn blur(width: f64, map: &mut Map) {
     }
 }
 
-/// Changes the underside: its height from place and old height [m]. `keeps` are the mirror
-/// symmetries that survive.
+/// Replaces the height of the underside by `change(x, y, height)` [m]. `keeps` states which mirror
+/// symmetries the change preserves.
 fn reshape(
     problem: &mut Problem,
     keeps: [bool; 2],
@@ -145,13 +145,13 @@ fn reshape(
     });
 }
 
-/// `height(x, y) + change(x, y, height)`.
+/// The underside with the height `change(x, y, height(x, y))`.
 struct Shaped<F> {
-    /// The underside as it was.
+    /// The original underside.
     inner: Arc<dyn Underside>,
-    /// The new height from place and old height [m].
+    /// New height as a function of x, y and the original height [m].
     change: F,
-    /// Which mirror symmetries survive.
+    /// Which mirror symmetries the change preserves.
     keeps: [bool; 2],
 }
 
@@ -176,7 +176,7 @@ impl<F: Fn(f64, f64, f64) -> f64 + Send + Sync> Underside for Shaped<F> {
 }
 
 /// Adds an angle about x (axis 0, positive lifts the left side) or y (axis 1, positive lowers the
-/// nose) to a fixed tilt; with a free one the underside is turned against the frame of the map.
+/// nose) to a fixed tilt. With a free tilt the underside is rotated relative to the map's frame.
 fn turn(problem: &mut Problem, axis: usize, angle: f64) {
     if let Load::Force {
         tilt: Tilt::Fixed { pitch, roll },

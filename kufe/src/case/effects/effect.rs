@@ -1,4 +1,4 @@
-//! An effect on pressures: its laws and how a search follows it.
+//! An effect on pressures: its laws, and its options in a search.
 
 use kufe_contact::Problem;
 use kufe_sled::effects::{Form, Info, Parameter};
@@ -11,7 +11,7 @@ pub struct Effect {
     /// Name, formula, parameter and source.
     #[serde(flatten)]
     pub info: Info,
-    /// How a search follows it.
+    /// Options of a search for its size.
     #[serde(default)]
     pub search: Search,
     /// Changes the problem before it is solved; never called with size 0.
@@ -55,7 +55,7 @@ impl Effect {
         self.on_peak.map_or(1.0, |law| law(size))
     }
 
-    /// Relative standard deviation of its size by the uncertainty of its form, without noise.
+    /// Relative standard deviation of its size due to the uncertainty of its form, without noise.
     pub fn form_error(&self) -> f64 {
         match self.info.form {
             Form::Open(deviation) => deviation,
@@ -63,7 +63,7 @@ impl Effect {
         }
     }
 
-    /// Whether it leaves the problem as it is.
+    /// Whether it acts on the sensor only and does not change the problem.
     pub fn is_of_the_sensor(&self) -> bool {
         self.on_problem.is_none()
     }
@@ -86,30 +86,30 @@ pub struct Map {
     pub x0: f64,
     /// Centre of the first pixel across [m].
     pub y0: f64,
-    /// Pixel along [m].
+    /// Size of a pixel along the runner [m].
     pub dx: f64,
-    /// Pixel across [m].
+    /// Size of a pixel across the runner [m].
     pub dy: f64,
     /// Pressure [Pa].
     pub pressure: Vec<f64>,
 }
 
-/// How the maps follow the size of an effect.
+/// Dependence of the maps on the size of an effect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Growth {
-    /// Nearly in proportion.
+    /// Nearly linear.
     #[default]
     Straight,
-    /// In proportion to its square.
+    /// Quadratic.
     Square,
-    /// Far from straight: what the first step promises means little.
+    /// Strongly nonlinear: the gain that the first linear step predicts is unreliable.
     Bent,
-    /// Far from straight all the way from nothing to a usual size.
+    /// Strongly nonlinear over the whole range from 0 to a usual size.
     Far,
 }
 
-/// What two of the same effect, one after the other, are together.
+/// Composition of two sizes a and b of the same effect.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Adds {
@@ -122,25 +122,25 @@ pub enum Adds {
     Squares,
 }
 
-/// How a search for the best size follows an effect: straight from 0, sizes add up, peaks are
-/// enough, unless its entry states otherwise.
+/// Options of a search for the best size of an effect. Defaults: linear growth from 0, sizes add
+/// up, and peak pressures suffice.
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Search {
-    /// Whether a peak pressure alone does not determine it.
+    /// Whether a map is needed, since a peak pressure alone does not determine the size.
     pub needs_map: bool,
-    /// How the maps follow its size.
+    /// Dependence of the maps on the size.
     pub growth: Growth,
-    /// What two of it are together.
+    /// Composition of two sizes.
     pub adds: Adds,
-    /// The size up to which it does nothing, from the problem and the largest pressure measured
-    /// [Pa]; 0 where absent.
+    /// Size up to which the effect has no influence, as a function of the problem and the largest
+    /// measured pressure [Pa]; 0 where absent.
     #[serde(skip)]
     pub begins: Option<fn(&Problem, f64) -> f64>,
 }
 
 impl Search {
-    /// From a size to its place on the line that the maps follow nearly straight.
+    /// Transforms a size to the coordinate in which the maps are nearly linear.
     pub fn along(&self, size: f64) -> f64 {
         match self.growth {
             Growth::Square => size * size,
@@ -148,7 +148,7 @@ impl Search {
         }
     }
 
-    /// From a place on that line to the size.
+    /// Transforms the coordinate of [`along`](Self::along) back to the size.
     pub fn back(&self, place: f64) -> f64 {
         match self.growth {
             Growth::Square => place.max(0.0).sqrt(),
@@ -156,7 +156,7 @@ impl Search {
         }
     }
 
-    /// Size of two of the same effect, one after the other.
+    /// Size of the composition of two effects of the same kind.
     ///
     /// ```
     /// let gain = kufe::case::effects::find("sensor-gain").unwrap();

@@ -1,5 +1,5 @@
-//! Effects on pressures: parts of a contact problem, or of the sensor, with a switch and one
-//! parameter.
+//! Effects on pressures: optional changes of a contact problem or of the sensor, with one parameter
+//! each.
 
 mod catalogue;
 mod effect;
@@ -15,8 +15,8 @@ pub use catalogue::{CATALOGUE, find};
 pub use effect::{Adds, Effect, Growth, Map, Search};
 pub use kufe_sled::effects::{Form, Info, Parameter};
 
-/// Changes a problem by the effects of a case's `[effects]` tables; those of the sensor leave it as
-/// it is.
+/// Changes a problem by the effects of a case's `[effects]` tables. Effects of the sensor do not
+/// change it.
 ///
 /// # Errors
 /// [`CaseError::Effect`] with the effect, what was found and what was expected.
@@ -56,7 +56,7 @@ pub(crate) fn switch_on(
     Ok(())
 }
 
-/// JSON schema of a case's `[effects]`: one table an effect with its one key and the key's bounds.
+/// JSON schema of a case's `[effects]`: one table per effect with its key and the key's bounds.
 pub(crate) fn schema(_: &mut SchemaGenerator) -> Schema {
     let effects: BTreeMap<&str, Schema> = CATALOGUE
         .iter()

@@ -10,8 +10,8 @@ use serde::Serialize;
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
 
-/// Numbers in a line of comments.
-const A_LINE: usize = 12;
+/// Numbers per comment line.
+const NUMBERS_PER_LINE: usize = 12;
 
 /// A case that was solved with an assembled stiffness.
 pub struct AssembledStiffness {
@@ -24,21 +24,22 @@ pub struct AssembledStiffness {
 pub struct StiffnessResult {
     /// The matrix's file.
     pub stiffness: String,
-    /// Rows.
+    /// Number of rows: displacement components of all nodes.
     pub displacements: usize,
-    /// Rows of displacements that outer faces, mirror planes or a mount fix.
+    /// Number of rows whose displacements are fixed by outer faces, mirror planes or a mount.
     #[serde(rename = "held")]
     pub fixed: usize,
-    /// Entries of the whole matrix.
+    /// Stored entries of both triangles of the matrix.
     pub entries: usize,
     /// Peak pressure [Pa].
     pub p_max_pa: f64,
-    /// Mirror planes: y = 0 and x = 0.
+    /// Whether x = 0 and y = 0 are mirror planes.
     pub symmetry: [bool; 2],
 }
 
 impl AssembledStiffness {
-    /// Solves a case; with `cells` across half the patch, else to the accuracy that it requests.
+    /// Solves a case with `cells` cells across half the patch; `None` refines to the case's
+    /// accuracy.
     ///
     /// # Errors
     /// Those of the solver; [`Failure::BadInput`] where the matrix is too large.
@@ -82,8 +83,8 @@ impl AssembledStiffness {
         let mut lines = vec![
             format!("Stiffness of {} [N/m]", self.title),
             "Displacements count from 1, body after body; in a body component after component (x, y, z), node by node.".into(),
-            "Nothing is taken out: every body is free here and has its six rigid motions. Without the rows and columns".into(),
-            "that are listed as fixed (by outer faces, mirror planes or a mount) the matrix is positive definite.".into(),
+            "No boundary conditions are applied: the block of each body is singular, with six rigid-body modes. Without the rows and".into(),
+            "columns listed as fixed (by outer faces, mirror planes or a mount) the matrix is positive definite.".into(),
         ];
         let mut first = 1;
         for body in &self.solution.assembled {
@@ -105,9 +106,9 @@ impl AssembledStiffness {
     }
 }
 
-/// Adds numbers as lines that begin with what they are.
-fn list<T: ToString>(what: &str, numbers: impl Iterator<Item = T>, lines: &mut Vec<String>) {
+/// Appends `numbers` as lines that begin with `label`.
+fn list<T: ToString>(label: &str, numbers: impl Iterator<Item = T>, lines: &mut Vec<String>) {
     let words: Vec<String> = numbers.map(|number| number.to_string()).collect();
-    let chunks = words.chunks(A_LINE);
-    lines.extend(chunks.map(|words| format!("{what}: {}", words.join(" "))));
+    let chunks = words.chunks(NUMBERS_PER_LINE);
+    lines.extend(chunks.map(|words| format!("{label}: {}", words.join(" "))));
 }

@@ -1,4 +1,4 @@
-//! Maps as EXR images, 32-bit floats with their place in metres: `pressure.exr`, `groove.exr`.
+//! Maps as EXR images of 32-bit floats with their position in metres: `pressure.exr`, `groove.exr`.
 
 use std::io::{Cursor, Write};
 use std::path::Path;
@@ -38,11 +38,11 @@ pub fn write_map(
     write_channels(writer, map, COMMENTS, &numbers, &channels)
 }
 
-/// Writes channels on the pixels of `map`, one pixel a cell, as ZIP-compressed scanlines.
+/// Writes channels on the pixels of `map` as ZIP-compressed scanlines.
 ///
-/// Row `j`, column `i` is centred at (`origin_x_m + i pixel_x_m`, `origin_y_m + j pixel_y_m`); the
-/// attributes are doubles, these and the other `numbers`. The pixel's aspect stays 1, or viewers
-/// would show a needle as a line.
+/// Row `j`, column `i` is centred at (`origin_x_m + i pixel_x_m`, `origin_y_m + j pixel_y_m`).
+/// These numbers and `numbers` are attributes in double precision. The pixel aspect ratio stays 1:
+/// with the true one, viewers would show a narrow contact as a line.
 ///
 /// # Errors
 /// As [`write_map`].
@@ -81,12 +81,12 @@ pub fn write_channels(
     Ok(writer.write_all(&bytes)?)
 }
 
-/// Sorts the header's attributes by name: the EXR library holds them in a table of random order,
-/// and the same map is to be the same bytes.
+/// Sorts the header's attributes by name: the EXR library keeps them in random order, and equal
+/// maps shall give equal bytes.
 ///
 /// After magic number and version (8 bytes) each attribute is a name and a type, both closed by a
-/// zero, the value's size as 4 bytes and the value; a zero ends the header. Sorting keeps its
-/// length, so all offsets stay.
+/// zero, the value's size as 4 bytes and the value; a zero ends the header. Sorting keeps the
+/// header's length, so all offsets remain valid.
 fn sort_attributes(bytes: &mut [u8]) {
     const START: usize = 8;
     let zero = |from: usize| bytes[from..].iter().position(|&b| b == 0).map(|k| from + k);
@@ -111,7 +111,7 @@ fn sort_attributes(bytes: &mut [u8]) {
 ///
 /// # Errors
 /// [`Failure::BadInput`] where the file is no EXR image with a place, has fewer than 2 x 2 pixels,
-/// lacks a channel or an attribute, or holds values that are no numbers.
+/// lacks a channel or an attribute, or has values that are not finite numbers.
 pub fn read_map(path: &Path) -> Result<PressureMap, Failure> {
     let image = ExrImage::load(path)?;
     let [nx, ny] = image.size;

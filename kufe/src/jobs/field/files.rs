@@ -21,18 +21,18 @@ use crate::jobs::press::SolvedContact;
 use crate::plot::{Figure, quantity};
 use crate::results::ContactResult;
 
-/// Whether a name is that of a file within its folder, and of no hidden one.
+/// Whether a name is a plain file name: without a folder, and not hidden.
 pub fn is_plain(name: &str) -> bool {
     let refused = |c: char| c.is_control() || "/\\:".contains(c);
     !(name.is_empty() || name.starts_with('.') || name.contains(refused))
 }
 
-/// Files of a result in a folder that nobody sees yet; the caller moves them to their place.
+/// Files of a result in a temporary folder; the caller moves them to their final folder.
 #[derive(Clone, Copy)]
 pub struct NewFiles<'a> {
-    /// The folder.
+    /// The temporary folder.
     pub hidden: &'a Path,
-    /// What messages call it: the folder that the files are for.
+    /// The final folder, which messages name.
     pub named: &'a Path,
 }
 
@@ -72,7 +72,7 @@ impl NewFiles<'_> {
         self.bytes(name, &figure.png())
     }
 
-    /// Writes a result as JSON that people can read.
+    /// Writes a result as indented JSON.
     ///
     /// # Errors
     /// As [`write`](Self::write).
@@ -81,10 +81,10 @@ impl NewFiles<'_> {
     }
 }
 
-/// A result as JSON that people can read.
+/// A result as indented JSON.
 ///
 /// # Errors
-/// [`Failure::BadInput`] for a result that JSON cannot state.
+/// [`Failure::BadInput`] for a result that cannot be written as JSON.
 pub fn pretty(result: &impl Serialize) -> Result<String, Failure> {
     Ok(serde_json::to_string_pretty(result)? + "\n")
 }
@@ -101,11 +101,14 @@ fn title(solution: &Solution) -> String {
     )
 }
 
-/// Writes result.json, pressure.exr, pressure.png, field.vtu where the ice was solved in its
-/// volume, contact.vtp, hull.glb where the shape has ends, and runner.vtu and stress.png where the
-/// runner deforms; where it slides groove.exr, groove.png and film.csv; with a centre line
-/// subsurface.csv and subsurface.png, and the maximum shear stress in the VTU files; with `mat`
-/// result.mat. Returns the document.
+/// Writes the files of a solved case, and returns the document.
+///
+/// - Always: result.json, pressure.exr, pressure.png, contact.vtp.
+/// - Volume solution of the ice: field.vtu. Shape with ends: hull.glb.
+/// - Elastic runner: runner.vtu, stress.png.
+/// - Sliding runner: groove.exr, groove.png, film.csv.
+/// - Centre line: subsurface.csv, subsurface.png, and maximum shear stress in the VTU files.
+/// - `mat`: result.mat.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the file that cannot be written.
@@ -133,8 +136,8 @@ pub fn write_contact(
     Ok(result)
 }
 
-/// Writes maps, fields and the surfaces, side by side; returns the largest pressure of the map and
-/// the largest compressive stress of the field [Pa].
+/// Writes maps, fields and surfaces in parallel; returns the largest pressure of the map and the
+/// largest compressive stress of the field [Pa].
 fn fields(output: NewFiles, pressed: &SolvedContact) -> Result<(f64, Option<f64>), Failure> {
     let bodies = || rayon::join(|| volumes(output, pressed), || surfaces(output, pressed));
     let (maps, (volumes, surfaces)) = rayon::join(|| maps(output, pressed), bodies);
@@ -171,8 +174,8 @@ fn maps(output: NewFiles, pressed: &SolvedContact) -> Result<f64, Failure> {
     Ok(largest)
 }
 
-/// Writes the hexahedra of ice and runner, where they were solved; returns the largest compressive
-/// stress across the ice's surface [Pa].
+/// Writes the fields in the volumes of ice and runner, where these were solved; returns the largest
+/// compressive stress -sigma_zz in the ice [Pa].
 fn volumes(output: NewFiles, pressed: &SolvedContact) -> Result<Option<f64>, Failure> {
     let shear = pressed.line.is_some();
     let solution = &pressed.solution;
@@ -210,9 +213,9 @@ fn surfaces(output: NewFiles, pressed: &SolvedContact) -> Result<(), Failure> {
     }
 }
 
-/// Writes every key of result.json as a variable and the map of pressure.exr: `x_m` and `y_m`, the
-/// pixels' centres, and `pressure_pa`, `map_gap_m` and
-/// `map_uz_m`, rows along y and columns along x as `surf(x_m, y_m, pressure_pa)` takes them.
+/// Writes every key of result.json as a variable, and the map of pressure.exr: `x_m` and `y_m`, the
+/// pixels' centres, and `pressure_pa`, `map_gap_m` and `map_uz_m`, with rows along y and columns
+/// along x as `surf(x_m, y_m, pressure_pa)` takes them.
 ///
 /// # Errors
 /// Those of the writer.

@@ -1,4 +1,4 @@
-//! Groove and melt film of a contact that slides: `groove.exr`, `groove.png` and `film.csv`.
+//! Groove and melt film of a sliding contact: `groove.exr`, `groove.png` and `film.csv`.
 
 use std::io::{self, Write};
 
@@ -59,8 +59,8 @@ fn write_film(mut file: impl Write, slid: &SolvedSliding) -> io::Result<()> {
     Ok(())
 }
 
-/// Depth at the pixels' centres [m], row by row: linear between the nodes of `field`, as at its rim
-/// beyond it.
+/// Depth at the pixels' centres [m], row by row: bilinear between the nodes of `field`, constant
+/// beyond its rim.
 fn depths(map: &PressureMap, field: &SurfaceField, depth: &[f64]) -> Vec<f64> {
     let columns = places(&field.x, map.x0, map.dx, map.nx);
     let rows = places(&field.y, map.y0, map.dy, map.ny);
@@ -75,7 +75,7 @@ fn depths(map: &PressureMap, field: &SurfaceField, depth: &[f64]) -> Vec<f64> {
     pixels
 }
 
-/// For each pixel the node before it and the share of the way to the next one.
+/// For each pixel the index of the node before it and the fraction of the way to the next node.
 fn places(nodes: &[f64], first: f64, step: f64, count: usize) -> Vec<(usize, f64)> {
     let place = |k: usize| {
         let at = first + k as f64 * step;
@@ -87,8 +87,8 @@ fn places(nodes: &[f64], first: f64, step: f64, count: usize) -> Vec<(usize, f64
     (0..count).map(place).collect()
 }
 
-/// The three pictures one below the other; dots are at the nodes of the mesh, and at the stations
-/// of the film.
+/// Three panels: the remaining groove, its deepest line, and the film along the patch. Dots are
+/// nodes of the mesh or stations of the film.
 fn groove_picture(pressed: &SolvedContact, slid: &SolvedSliding) -> Figure {
     let groove = &slid.groove;
     let widths = groove.sections.iter().map(|section| section.width);
@@ -118,7 +118,7 @@ fn groove_picture(pressed: &SolvedContact, slid: &SolvedSliding) -> Figure {
     Figure::new(1100.0, "").column(300.0, panels)
 }
 
-/// Plastic depth along the line on which the groove is deepest, as far as the patch reaches.
+/// Plastic depth along the deepest line of the groove, under the patch and 20 % beyond its ends.
 fn deepest_line(pressed: &SolvedContact, slid: &SolvedSliding) -> Vec<Point> {
     let field = &pressed.solution.surface;
     let groove = &slid.groove;
@@ -134,7 +134,7 @@ fn deepest_line(pressed: &SolvedContact, slid: &SolvedSliding) -> Vec<Point> {
     nodes.map(|(x, depth)| (1e3 * x, -1e6 * depth)).collect()
 }
 
-/// A name, and what is known.
+/// Name and points of a line.
 type Line = (&'static str, Vec<Point>);
 
 /// Film, pressure and width over the stations.

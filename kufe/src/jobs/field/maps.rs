@@ -8,28 +8,32 @@ use crate::plot::{
 };
 use crate::results::MapDifference;
 
-/// Ground of a map where there is nothing to show.
+/// Background colour of a map outside the contact.
 pub(super) const GROUND: Colour = Colour::new(244, 244, 246);
-/// Below this part of the peak a point is outside the contact, for the outline and the colouring.
+/// Fraction of the peak below which a point counts as outside the contact, for outline and
+/// colouring.
 const EDGE: f64 = 0.01;
 /// Columns and rows of the picture of a map.
 const CELLS: [usize; 2] = [1200, 480];
 
-/// The maps of a contact's parts side by side, and cuts through the highest of them.
+/// The maps of the parts of a contact side by side, and cuts through the highest peak.
 pub fn map_picture(maps: &[PressureMap], title: &str) -> Figure {
-    let highest = |map: &PressureMap| map.pressure.iter().copied().fold(0.0, f64::max) / 1e6;
+    let peak_mpa = |map: &PressureMap| map.pressure.iter().copied().fold(0.0, f64::max) / 1e6;
     let figure = Figure::new(1500.0, title);
-    let Some(main) = maps.iter().max_by(|a, b| highest(a).total_cmp(&highest(b))) else {
+    let Some(main) = maps
+        .iter()
+        .max_by(|a, b| peak_mpa(a).total_cmp(&peak_mpa(b)))
+    else {
         return figure;
     };
-    let peak = match highest(main) {
+    let peak = match peak_mpa(main) {
         peak if peak > 0.0 => peak,
         _ => 1.0,
     };
     let bar = ColourBar::viridis("contact pressure [MPa]", [0.0, peak]);
     let [x, y] = Pixels::of(main).window();
     let (x_peak, y_peak) = main.peak();
-    let at = |[from, to]: [f64; 2], at: f64| tick_text(1e3 * at, to - from);
+    let mm = |[from, to]: [f64; 2], place: f64| tick_text(1e3 * place, to - from);
     let columns = (0..main.nx).map(|i| main.x0 + i as f64 * main.dx);
     let along = columns.map(|x| (1e3 * x, main.pressure_at(x, y_peak) / 1e6));
     let rows = (0..main.ny).map(|j| main.y0 + j as f64 * main.dy);
@@ -37,8 +41,8 @@ pub fn map_picture(maps: &[PressureMap], title: &str) -> Figure {
     let along = cut("x [mm]", along.collect(), peak);
     let across = cut("y [mm]", across.collect(), peak);
     let cuts = [
-        along.titled(format!("along, at y = {} mm", at(y, y_peak))),
-        across.titled(format!("across, at x = {} mm", at(x, x_peak))),
+        along.titled(format!("along, at y = {} mm", mm(y, y_peak))),
+        across.titled(format!("across, at x = {} mm", mm(x, x_peak))),
     ];
     let maps = maps.iter().map(|map| map_panel(map, &bar));
     figure.row(450.0, maps).bar(bar.clone()).row(270.0, cuts)
@@ -63,12 +67,12 @@ impl Pixels {
         }
     }
 
-    /// The place of a pixel along an axis [m].
+    /// The coordinate of pixel `k` along an axis [m].
     fn at(&self, axis: usize, k: f64) -> f64 {
         self.origin[axis] + k * self.pixel[axis]
     }
 
-    /// From where to where the pixels reach along and across [mm].
+    /// Range of x and of y that the pixels cover [mm].
     fn window(&self) -> [[f64; 2]; 2] {
         [0, 1].map(|axis| {
             let ends = [-0.5, self.size[axis] as f64 - 0.5];
@@ -76,7 +80,7 @@ impl Pixels {
         })
     }
 
-    /// The line along which the values of the pixels pass a level.
+    /// The contour of the pixels' values at a level.
     fn outline(&self, values: &[f64], level: f64, colour: Colour) -> Layer {
         let rim = contour(self.size, |i, j| values[j * self.size[0] + i], level);
         let place = |(i, j): Point| (1e3 * self.at(0, i), 1e3 * self.at(1, j));
@@ -126,8 +130,8 @@ fn cut(axis: &str, points: Vec<Point>, peak: f64) -> Panel {
     Panel::new(Axis::new(axis).within([first, last]), y, layers)
 }
 
-/// Most pixels of the common grid.
-const MOST_PIXELS: f64 = 4e6;
+/// Largest number of pixels of the common grid.
+const MAX_PIXELS: f64 = 4e6;
 
 /// Two pressure maps on one grid, in the frame of the contact plane.
 ///
@@ -150,7 +154,7 @@ impl ComparedMaps {
         let window = [0, 1].map(|axis| [a[axis][0].min(b[axis][0]), a[axis][1].max(b[axis][1])]);
         let finest = [maps[0].dx.min(maps[1].dx), maps[0].dy.min(maps[1].dy)];
         let count = |axis: usize| (window[axis][1] - window[axis][0]) / finest[axis] + 1.0;
-        let coarser = (count(0) * count(1) / MOST_PIXELS).sqrt().max(1.0);
+        let coarser = (count(0) * count(1) / MAX_PIXELS).sqrt().max(1.0);
         let pixel = finest.map(|step| coarser * step);
         let size = [0, 1].map(|axis| {
             let [from, to] = window[axis];
@@ -182,20 +186,20 @@ impl ComparedMaps {
         [0, 1].map(|axis| self.pixels.at(axis, pixel[axis] as f64))
     }
 
-    /// The second map less the first.
+    /// Figures of the second map less the first.
     pub fn difference(&self) -> MapDifference {
         let pixels = 0..self.pressure[0].len();
         let differences: Vec<f64> = pixels.map(|k| self.difference_at(k)).collect();
-        let largest = highest(differences.iter().map(|difference| difference.abs()));
+        let largest = argmax(differences.iter().map(|difference| difference.abs()));
         let loaded = |k: &usize| self.pressure.iter().any(|p| p[*k] > 0.0);
-        let (mut count, mut squares, mut net, mut sizes) = (0_u32, 0.0_f64, 0.0_f64, 0.0);
+        let (mut count, mut squares, mut net, mut l1_norm) = (0_u32, 0.0_f64, 0.0_f64, 0.0);
         for (k, difference) in differences.iter().enumerate() {
             if loaded(&k) {
                 count += 1;
                 squares += difference.powi(2);
             }
             net += difference;
-            sizes += difference.abs();
+            l1_norm += difference.abs();
         }
         let [largest_x_m, largest_y_m] = self.place(largest);
         let [pixel_x_m, pixel_y_m] = self.pixels.pixel;
@@ -206,16 +210,16 @@ impl ComparedMaps {
             largest_x_m,
             largest_y_m,
             rms_pa: (squares / f64::from(count.max(1))).sqrt(),
-            moved_n: 0.5 * (sizes - net.abs()) * pixel_x_m * pixel_y_m,
+            moved_n: 0.5 * (l1_norm - net.abs()) * pixel_x_m * pixel_y_m,
         }
     }
 
-    /// Both maps in one scale of colours, their difference, and cuts along and across through the
-    /// higher of the peaks.
+    /// Both maps on one colour scale, their difference, and cuts along and across through the
+    /// higher peak.
     pub fn picture(&self, names: [&str; 2]) -> Figure {
         let [first, second] = names;
         let figure = Figure::new(1500.0, format!("{first} and {second}"));
-        let peaks_at = self.pressure.each_ref().map(|p| highest(p.iter().copied()));
+        let peaks_at = self.pressure.each_ref().map(|p| argmax(p.iter().copied()));
         let peaks = [0, 1].map(|which| self.pressure[which][peaks_at[which]] / 1e6);
         let top = peaks[0].max(peaks[1]).max(f64::MIN_POSITIVE);
         let bar = ColourBar::viridis("contact pressure [MPa]", [0.0, top]);
@@ -292,13 +296,13 @@ impl ComparedMaps {
     }
 }
 
-/// The number of the largest value, the last of equal ones.
-fn highest(values: impl Iterator<Item = f64>) -> usize {
+/// The index of the largest value, the last of equal ones.
+fn argmax(values: impl Iterator<Item = f64>) -> usize {
     let largest = values.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
-    largest.map_or(0, |(number, _)| number)
+    largest.map_or(0, |(index, _)| index)
 }
 
-/// The pressure at a place, also at one that rounding puts just outside of the map's last pixels.
+/// The pressure at a point; one that rounding puts just outside the map is moved onto its edge.
 fn pressure_at(map: &PressureMap, x: f64, y: f64) -> f64 {
     let within = |at: f64, first: f64, step: f64, count: usize| {
         let last = first + (count - 1) as f64 * step;

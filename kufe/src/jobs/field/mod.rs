@@ -1,5 +1,5 @@
-//! A solved contact's fields as files and pictures: the map of the pressure, the groove, what is in
-//! the bodies.
+//! Files and pictures of a solved contact: the pressure map, the groove, and the fields in the
+//! bodies.
 
 mod exr;
 mod files;

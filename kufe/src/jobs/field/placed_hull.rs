@@ -3,7 +3,7 @@
 use kufe_contact::{Load, Problem, Solution, track_height};
 use kufe_mesh::Hull;
 
-/// Points along and across.
+/// Number of points along and across.
 const POINTS: [usize; 2] = [121, 25];
 
 /// The undeformed underside after approach and tilt, in the frame of `field.vtu`: z = 0 is the ice

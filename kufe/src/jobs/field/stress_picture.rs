@@ -9,8 +9,8 @@ use crate::plot::{
     Axis, Cells, ColourBar, Figure, Layer, PALETTE, Panel, Rgb, Scales, Symbol, extent, number4,
 };
 
-/// The closer view reaches this many times as far around the largest stress as the cells there.
-const CLOSE: f64 = 4.0;
+/// Ratio of the half width of the closer view to the size of the cells at the largest stress.
+const CLOSE_RATIO: f64 = 4.0;
 /// Columns and rows of the picture of a section.
 const CELLS: [usize; 2] = [1200, 400];
 
@@ -27,8 +27,8 @@ const TETRAHEDRA: [[usize; 4]; 6] = [
 /// Place [mm] and stress [MPa] of a corner in a section's own plane.
 type Corner = [f64; 3];
 
-/// The section along and the one across, and of that what is near the largest stress; where mirror
-/// planes were used, with the images.
+/// The longitudinal section, the cross-section, and a closer view of the latter around the largest
+/// stress; with mirror images where mirror planes were used.
 pub fn stress_picture(field: &RunnerField, loads: &RunnerLoads, mirrored: [bool; 2]) -> Figure {
     let section = |axis| Section::new(&field.mesh, loads, axis, mirrored);
     let (along, across) = (section(1), section(0));
@@ -49,12 +49,12 @@ pub fn stress_picture(field: &RunnerField, loads: &RunnerLoads, mirrored: [bool;
     figure.bar(bar.clone()).row(370.0, lower).bar(bar)
 }
 
-/// A section along (y is constant) or across (x is), in millimetres and megapascals.
+/// A section at constant y (along) or at constant x (across), in millimetres and megapascals.
 struct Section {
     triangles: Vec<[Corner; 3]>,
-    /// Where the stress is largest.
+    /// Position of the largest stress in the section.
     largest: [f64; 2],
-    /// The horizontal axis of the section.
+    /// Index of the horizontal axis of the section.
     flat: usize,
 }
 
@@ -62,7 +62,7 @@ impl Section {
     fn new(mesh: &HexMesh, loads: &RunnerLoads, axis: usize, mirrored: [bool; 2]) -> Section {
         let (at, flat) = (loads.at[axis], 1 - axis);
         let place = |node: usize| mesh.points[node][axis];
-        // A plane through nodes belongs to the cells before it; at the first nodes to those behind.
+        // A plane through nodes cuts the cells before it, at the first nodes the cells behind it.
         let first = (0..mesh.points.len()).all(|node| place(node) >= at);
         let behind = |node: usize| place(node) > at || (!first && place(node) == at);
         let corner = |from: usize, to: usize| -> Corner {
@@ -107,7 +107,7 @@ impl Section {
         }
     }
 
-    /// All of it, with a margin: from and to along its first axis and along z [mm].
+    /// Range of the whole section along its horizontal axis and along z, with a margin [mm].
     fn window(&self) -> [[f64; 2]; 2] {
         [0, 1].map(|axis| {
             let places = self.triangles.iter().flatten().map(|corner| corner[axis]);
@@ -117,13 +117,13 @@ impl Section {
         })
     }
 
-    /// What lies around the largest stress, as seen from its cells [mm].
+    /// Range of the closer view around the largest stress [mm].
     fn close(&self, mesh: &HexMesh, loads: &RunnerLoads) -> [[f64; 2]; 2] {
         let near = |cell: &&[usize; 8]| cell.iter().any(|&node| mesh.points[node] == loads.at);
         let corners = || mesh.cells.iter().filter(near).flatten();
         let reach = |axis: usize| {
             let off = corners().map(|&node| (mesh.points[node][axis] - loads.at[axis]).abs());
-            CLOSE * 1e3 * off.fold(0.0, f64::max)
+            CLOSE_RATIO * 1e3 * off.fold(0.0, f64::max)
         };
         let whole = self.window();
         let reach = reach(self.flat).max(reach(2));
@@ -133,7 +133,7 @@ impl Section {
         })
     }
 
-    /// What lies within a window, with a ring around the largest stress.
+    /// The part of the section within a window, with a ring around the largest stress.
     fn panel(&self, title: String, window: [[f64; 2]; 2], bar: &ColourBar) -> Panel {
         let [[u0, u1], [v0, v1]] = window;
         let scale = [CELLS[0] as f64 / (u1 - u0), CELLS[1] as f64 / (v1 - v0)];

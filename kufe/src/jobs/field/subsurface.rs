@@ -7,7 +7,7 @@ use kufe_fem::{maximum_shear, von_mises};
 
 use crate::plot::{Axis, Figure, INK, Layer, PALETTE, Panel, tick_text};
 
-/// One row a depth: normal stresses, maximum shear and von Mises stress.
+/// Writes one row per depth: normal stresses, maximum shear and von Mises stress.
 pub fn write_csv(writer: &mut dyn Write, line: &CentreLine) -> std::io::Result<()> {
     writeln!(
         writer,
@@ -21,10 +21,10 @@ pub fn write_csv(writer: &mut dyn Write, line: &CentreLine) -> std::io::Result<(
     Ok(())
 }
 
-/// Depths are drawn down to this many times that of the largest shear.
-const REACH: f64 = 6.0;
-/// Depths at which a curve is drawn.
-const DRAWN: u32 = 400;
+/// Ratio of the largest depth drawn to the depth of the largest shear.
+const DEPTH_RATIO: f64 = 6.0;
+/// Number of depths at which a curve is drawn.
+const DEPTHS: u32 = 400;
 
 /// Maximum shear, von Mises and vertical stress against the depth: dots at the middles of the
 /// cells, and between them the stress by [`CentreLine::stress_at`].
@@ -32,15 +32,15 @@ pub fn subsurface_picture(line: &CentreLine) -> Figure {
     let last = line.depth.last().copied().unwrap_or(1.0);
     let reach = line
         .largest_shear()
-        .map_or(last, |l| (REACH * l.depth).min(last));
-    // Metres as millimetres, or micrometres for contacts as narrow as a hair.
+        .map_or(last, |l| (DEPTH_RATIO * l.depth).min(last));
+    // Millimetres, or micrometres for very narrow contacts.
     let (scale, unit) = if reach < 1e-3 {
         (1e6, "µm")
     } else {
         (1e3, "mm")
     };
-    type Of = fn([f64; 6]) -> f64;
-    let curves: [(&str, Of); 3] = [
+    type Scalar = fn([f64; 6]) -> f64;
+    let curves: [(&str, Scalar); 3] = [
         ("maximum shear", maximum_shear),
         ("von Mises", von_mises),
         ("pressure downwards, -sigma_zz", |s| -s[2]),
@@ -48,17 +48,17 @@ pub fn subsurface_picture(line: &CentreLine) -> Figure {
     // The last cell that is drawn is the first beyond the reach.
     let cells = (line.depth.partition_point(|&depth| depth < reach) + 1).min(line.depth.len());
     let (first, last) = (line.depth[0], line.depth[cells - 1].min(reach));
-    let depths = || (0..=DRAWN).map(|k| first + (last - first) * f64::from(k) / f64::from(DRAWN));
+    let depths = || (0..=DEPTHS).map(|k| first + (last - first) * f64::from(k) / f64::from(DEPTHS));
     let mut layers = Vec::new();
     let mut highest = 1e-6f64;
-    for ((name, of), colour) in curves.iter().zip(PALETTE) {
+    for ((name, scalar), colour) in curves.iter().zip(PALETTE) {
         let points: Vec<(f64, f64)> = depths()
-            .map(|depth| (scale * depth, 1e-6 * of(line.stress_at(depth))))
+            .map(|depth| (scale * depth, 1e-6 * scalar(line.stress_at(depth))))
             .collect();
         highest = points.iter().map(|point| point.1).fold(highest, f64::max);
         let cells = line.depth.iter().zip(&line.stress);
         let cells = cells.take_while(|(depth, _)| **depth <= reach);
-        let dots = cells.map(|(depth, &stress)| (scale * depth, 1e-6 * of(stress)));
+        let dots = cells.map(|(depth, &stress)| (scale * depth, 1e-6 * scalar(stress)));
         layers.push(Layer::line(2.0, points, colour).named(*name));
         layers.push(Layer::dots(3.0, dots, colour));
     }

@@ -33,15 +33,15 @@ pub fn write_ice(
     let gap: Vec<f64> = surface.gap.iter().copied().map(finite).collect();
     let gap = at_nodes(&gap, f64::NAN);
     let depth = plastic_depth.map(|depth| at_nodes(depth, 0.0));
-    let mut own = vec![("contact_pressure_pa", &pressure[..]), ("gap_m", &gap[..])];
-    own.extend(depth.iter().map(|depth| ("plastic_depth_m", &depth[..])));
+    let mut extra = vec![("contact_pressure_pa", &pressure[..]), ("gap_m", &gap[..])];
+    extra.extend(depth.iter().map(|depth| ("plastic_depth_m", &depth[..])));
     let mirrored = solution.symmetry;
     let moved = &volume.displacement;
-    write(writer, (&mesh, mirrored), moved, &stresses, &own, shear)?;
+    write(writer, (&mesh, mirrored), moved, &stresses, &extra, shear)?;
     Ok(stresses.iter().map(|stress| -stress[2]).fold(0.0, f64::max))
 }
 
-/// Stresses [Pa] at the nodes: from the grid, or where its cells are no plain ones from the mesh.
+/// Stresses at the nodes [Pa]: computed on the grid for plain eight-node cells, else on the mesh.
 fn ice_stresses(volume: &VolumeField, mesh: &HexMesh) -> Result<Vec<[f64; 6]>, Failure> {
     let ice = material(volume.youngs_modulus, volume.poissons_ratio)?;
     let of_bed = |(bed, layers): (Bed, usize)| {
@@ -63,8 +63,8 @@ fn ice_stresses(volume: &VolumeField, mesh: &HexMesh) -> Result<Vec<[f64; 6]>, F
     stresses(mesh, sections, moved)
 }
 
-/// A field on the whole surface at all nodes of the part that was solved, which has the surface's
-/// last columns and rows; `below` the surface.
+/// Extends a field of the surface to all nodes of the solved part, which has the last columns and
+/// rows of the surface. Nodes below the surface get the value `below`.
 fn at_nodes(volume: &VolumeField, surface: &SurfaceField, field: &[f64], below: f64) -> Vec<f64> {
     let [nx, ny, nz] = volume.grid.shape();
     let (all, rows) = (surface.x.len(), surface.y.len());
@@ -75,8 +75,8 @@ fn at_nodes(volume: &VolumeField, surface: &SurfaceField, field: &[f64], below: 
     values
 }
 
-/// The runner, undeformed where it first touches, its displacement against its mount; the part that
-/// was solved, as in [`write_ice`].
+/// Writes the solved part of the runner as [`write_ice`]: undeformed, at first contact, with its
+/// displacement relative to its mount.
 ///
 /// # Errors
 /// As [`write_ice`].
@@ -109,23 +109,23 @@ fn stresses(
     Ok(nodal_stresses(&body, displacement.as_flattened()))
 }
 
-/// Displacement [m], stress tensor, von Mises stress and, with `shear`, maximum shear stress [Pa]
-/// at the nodes, and fields of a body's own.
+/// Writes displacement [m], stress tensor, von Mises stress and, with `shear`, maximum shear stress
+/// [Pa] at the nodes, and the further scalar fields `extra`.
 ///
-/// Stresses are those of the Gauss points continued to the corners and averaged over the cells of a
+/// Stresses are extrapolated from the Gauss points to the corners and averaged over the cells of a
 /// node.
 fn write(
     writer: &mut dyn Write,
     (mesh, mirrored): (&HexMesh, [bool; 2]),
     displacement: &[[f64; 3]],
     stresses: &[[f64; 6]],
-    own: &[(&str, &[f64])],
+    extra: &[(&str, &[f64])],
     shear: bool,
 ) -> Result<(), Failure> {
-    let of = |scalar: fn([f64; 6]) -> f64| -> Vec<f64> {
+    let scalars = |scalar: fn([f64; 6]) -> f64| -> Vec<f64> {
         stresses.iter().map(|&stress| scalar(stress)).collect()
     };
-    let (mises, largest) = (of(von_mises), shear.then(|| of(maximum_shear)));
+    let (mises, largest) = (scalars(von_mises), shear.then(|| scalars(maximum_shear)));
     let tensor = |&[xx, yy, zz, yz, zx, xy]: &[f64; 6]| [xx, xy, zx, xy, yy, yz, zx, yz, zz];
     let tensors: Vec<f64> = stresses.iter().flat_map(tensor).collect();
     let mut fields = vec![
@@ -138,7 +138,7 @@ fn write(
             .as_ref()
             .map(|values| field("max_shear_pa", 1, values)),
     );
-    fields.extend(own.iter().map(|&(name, values)| field(name, 1, values)));
+    fields.extend(extra.iter().map(|&(name, values)| field(name, 1, values)));
     let mirrored = mirrored.map(|used| f64::from(u8::from(used)));
     let planes = [("mirrored_at_x_y", &mirrored[..])];
     Ok(write_vtu(mesh, &fields, &[], &planes, writer)?)
@@ -149,7 +149,7 @@ fn write(
 /// hull) and `uz_m` at the nodes. The pressure integrates to the load `fz` [N].
 ///
 /// # Errors
-/// [`Failure::BadInput`] with the writer's words.
+/// [`Failure::BadInput`] with the message of the writer.
 pub fn write_contact(
     writer: &mut dyn Write,
     surface: &SurfaceField,

@@ -1,4 +1,4 @@
-//! A second answer to compare the first with: boundary elements on the contact plane, where they
+//! Check of a solution by a second method: boundary elements on the contact plane, where they
 //! apply.
 
 use std::time::Instant;
@@ -6,18 +6,18 @@ use std::time::Instant;
 use kufe_contact::{BoundaryElements, CheckUnavailable, Problem, Solution, boundary_elements};
 
 use crate::plot::{quantity, unit_of};
-use crate::results::{Approach, Measured, PeakPressure, Quantity};
+use crate::results::{Approach, Measured, PeakPressure, ResultQuantity};
 
 /// A contact by boundary elements.
 pub struct Check {
-    /// Their figures, or why there are none.
+    /// The contact by boundary elements, or why they do not apply.
     pub found: Result<BoundaryElements, CheckUnavailable>,
     /// Wall time [s].
     pub seconds: f64,
 }
 
 impl Check {
-    /// Solves the problem by boundary elements, unless they gave its solution.
+    /// Solves the problem by boundary elements, unless `solution` is theirs.
     pub(super) fn of(problem: &Problem, solution: &Solution) -> Self {
         let started = Instant::now();
         let found = match solution.volume {
@@ -30,8 +30,9 @@ impl Check {
         }
     }
 
-    /// Widens the errors of peak and approach where the two answers differ by more than both, so
-    /// that they contain the second one with its own error; and a warning for each.
+    /// Widens the errors of peak and approach where the two solutions differ by more than the sum
+    /// of their errors, so that the intervals contain the second value with its error. Returns a
+    /// warning for each.
     pub(super) fn widen(&self, solution: &mut Solution) -> Vec<String> {
         let Ok(found) = &self.found else {
             return Vec::new();
@@ -46,9 +47,9 @@ impl Check {
     }
 }
 
-/// Widens the error of a value so that it contains the second answer with its own error, where the
-/// two differ by more than both errors.
-fn widened<Q: Quantity>(value: f64, error: &mut f64, second: Measured<Q>) -> Option<String> {
+/// Widens the error of a value to contain the second value with its error, if the two differ by
+/// more than the sum of their errors.
+fn widened<Q: ResultQuantity>(value: f64, error: &mut f64, second: Measured<Q>) -> Option<String> {
     let apart = (value - second.value).abs();
     if apart <= *error + second.error {
         return None;

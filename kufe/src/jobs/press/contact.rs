@@ -1,4 +1,5 @@
-//! One contact problem, from its case to its solution, and what contacts of one runner share.
+//! Solution of one contact problem with its checks and warnings; the prepared runner that several
+//! problems share.
 
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
@@ -21,10 +22,10 @@ use crate::results::{
     PeakPressure, RunnerResult, ShearResult, SubsurfaceResult,
 };
 
-/// Where indentation tests see ice near 0 degrees Celsius begin to give way [Pa].
-const ICE_GIVES_WAY: f64 = 10e6;
+/// Pressure at which ice near 0 degrees Celsius begins to yield in indentation tests [Pa].
+const ICE_STRENGTH: f64 = 10e6;
 
-/// One contact problem, stated step by step or by a case.
+/// One contact problem, built step by step or from a case.
 ///
 /// ```
 /// use kufe::Contact;
@@ -76,14 +77,14 @@ impl Contact {
         })
     }
 
-    /// With this normal force [N].
+    /// Sets the normal force [N].
     #[must_use]
     pub fn load(mut self, fz_n: f64) -> Self {
         self.loaded.case.load.fz_n = fz_n;
         self
     }
 
-    /// On a track of this radius in the vertical plane, positive in a valley [m].
+    /// Sets the radius of the track in the vertical plane, positive in a valley [m].
     #[must_use]
     pub fn track_radius(mut self, radius_m: f64) -> Self {
         self.loaded.case.track = TrackTable {
@@ -93,7 +94,7 @@ impl Contact {
         self
     }
 
-    /// Sliding at this speed [m/s] on ice of this temperature [C].
+    /// Lets the runner slide at a speed [m/s] on ice of a temperature [C].
     #[must_use]
     pub fn sliding(mut self, v_mps: f64, ice_c: f64) -> Self {
         self.loaded.case.sliding = Some(SlidingTable {
@@ -104,14 +105,14 @@ impl Contact {
         self
     }
 
-    /// With this relative error of the peak pressure.
+    /// Sets the requested relative error of the peak pressure.
     #[must_use]
     pub fn accuracy(mut self, p_max: f64) -> Self {
         self.loaded.case.accuracy.p_max = p_max;
         self
     }
 
-    /// With these limits and callbacks of the solver; accuracy and stiffness are the case's.
+    /// Sets limits and callbacks of the solver; accuracy and stiffness are taken from the case.
     #[must_use]
     pub fn options(mut self, options: Options) -> Self {
         self.options = options;
@@ -145,29 +146,30 @@ impl Contact {
 pub struct SolvedContact {
     /// The case.
     pub loaded: LoadedCase,
-    /// The problem that it stated.
+    /// The problem of the case.
     pub problem: Problem,
     /// The hull, where the case names one.
     pub hull: Option<FittedHull>,
-    /// Its solution.
+    /// The solution of the problem.
     pub solution: Solution,
     /// Stress and mount loads of an elastic runner.
     pub runner: Option<RunnerLoads>,
-    /// Error by noise of the hull's vertices or the mesh's nodes, in 95 of 100 scans, where
-    /// there is some and it is known.
+    /// 95 % bound of the errors due to noise of the hull's vertices or the mesh's nodes; `None`
+    /// without noise, or where it could not be estimated.
     pub noise_error: Option<HullError>,
-    /// Error by the distances between a hull's vertices or a mesh's nodes, of a runner at rest.
+    /// Errors due to the spacing of a hull's vertices or a mesh's nodes; `None` for a sliding
+    /// runner.
     pub spacing_error: Option<HullError>,
     /// The stress under the peak, where [`Options::subsurface`] requests it.
     pub line: Option<CentreLine>,
-    /// The contact by boundary elements; none where the runner slides.
+    /// The contact by boundary elements; `None` where the runner slides.
     pub check: Option<Check>,
     /// Groove, film and friction, where the case slides.
     pub sliding: Option<SolvedSliding>,
     /// Wall time of the solve [s].
     pub seconds: f64,
-    /// Why the requested accuracy was not reached, where it was not: the solution is the best there
-    /// is, with its error.
+    /// Why the requested accuracy was not reached; the solution is then the best one, with its
+    /// error. `None` where it was reached.
     pub short: Option<Failure>,
     /// The content of the case's files: [`LoadedCase::content`].
     pub content: String,
@@ -175,15 +177,15 @@ pub struct SolvedContact {
     pub warnings: Vec<String>,
 }
 
-/// A case's runner and what is made of its files. Cases that differ in load, track and tilt alone
-/// share one.
+/// A case's runner with its files read and its hull fitted. Cases that differ only in load, track
+/// and tilt share one.
 pub struct Prepared {
     /// The content of the case's files: [`LoadedCase::content`].
     pub(crate) content: String,
     pub(crate) runner: Runner,
     /// The hull, where the case names one.
     pub(crate) hull: Option<FittedHull>,
-    /// The hull as scans with its noise would have it; made where requested.
+    /// Undersides fitted to simulated scans with the hull's noise, computed on first use.
     scans: OnceLock<Option<Vec<Arc<dyn Underside>>>>,
 }
 
@@ -207,7 +209,7 @@ impl Prepared {
         })
     }
 
-    /// The problem that a case of this runner states.
+    /// The problem of a case with this runner.
     ///
     /// # Errors
     /// [`Failure::BadInput`] where the case is out of range.
@@ -222,7 +224,7 @@ impl Prepared {
     }
 }
 
-/// As [`Contact::best`], of a runner that is read and fitted already.
+/// As [`Contact::best`], with a runner that is read and fitted already.
 ///
 /// # Errors
 /// As [`Contact::best`].
@@ -244,7 +246,7 @@ pub fn press_prepared(
         }
         Some(table) => {
             let (solution, slid, short) = solve_sliding(&loaded, table, &problem, &options)?;
-            // Its error does not contain that of the hull.
+            // The stated error of a sliding contact does not include that of the hull.
             loaded.fine_enough(hull, &solution)?;
             (solution, Some(slid), short)
         }
@@ -255,7 +257,7 @@ pub fn press_prepared(
     let noisy = hull.filter(|hull| hull.noise.found > 0.0);
     let by_spacing = resting
         .map(|hull| spacing_error(&problem, hull, patch(&solution.surface), depth(&solution)));
-    // There is a scan where there is noise, or some would not show.
+    // `scan` is present if there is noise, or if noise may be hidden between the vertices.
     let by_noise = resting.filter(|hull| hull.scan.is_some()).and_then(|_| {
         watch.progress("simulating scans, to see how far noise moves the peak");
         noise_error(&problem, || prepared.scans())
@@ -272,12 +274,12 @@ pub fn press_prepared(
     let check = sliding.is_none().then(|| Check::of(&problem, &solution));
     let allowed = solution.p_max_error.max(requested * solution.p_max);
     let checked = check.as_ref().map(|check| check.widen(&mut solution));
-    let mut differ = checked.unwrap_or_default();
+    let mut differences = checked.unwrap_or_default();
     if short.is_none() && solution.p_max_error > allowed {
-        let failure = Failure::NotConverged(differ.remove(0));
+        let failure = Failure::NotConverged(differences.remove(0));
         short = Some(failure.within(&loaded.name));
     }
-    // Not reported now: the command ends with it.
+    // Not reported to `watch`: the command ends with this failure.
     let missed = short.iter();
     warnings.extend(missed.map(|why| format!("the requested accuracy was not reached: {why}")));
     let scanned = hull.filter(|_| loaded.case.runner.hull.is_some());
@@ -296,7 +298,7 @@ pub fn press_prepared(
         missed_scan.and_then(|hull| loaded.turned(hull)),
     ];
     let deep = sliding.as_ref().and_then(SolvedSliding::too_deep);
-    for warning in remarks.into_iter().flatten().chain(differ).chain(deep) {
+    for warning in remarks.into_iter().flatten().chain(differences).chain(deep) {
         watch.warn(&warning);
         warnings.push(warning);
     }
@@ -319,9 +321,9 @@ pub fn press_prepared(
     })
 }
 
-/// The best solution of a contact at rest, and why it is short of the requested accuracy. Where
-/// there is none, the hull may be too coarse for its load, by the contact that boundary elements
-/// find on it.
+/// The best solution of a contact at rest, and why it is short of the requested accuracy. Without
+/// a solution, boundary elements estimate the contact, to report a hull that is too coarse for its
+/// load.
 fn best(
     loaded: &LoadedCase,
     hull: Option<&FittedHull>,
@@ -338,15 +340,15 @@ fn best(
         Error::Stopped => return Err(failure),
         _ => {}
     }
-    if let Ok(found) = boundary_elements_to_compare(problem) {
-        loaded.fine_within(hull, found.approach, found.patch)?;
+    if let Ok(estimate) = boundary_elements_to_compare(problem) {
+        loaded.fine_within(hull, estimate.approach, estimate.patch)?;
     }
     Err(failure)
 }
 
 /// A warning where the elastic peak is above the strength of ice.
 fn above_ice_strength(problem: &Problem, solution: &Solution) -> Option<String> {
-    (problem.ice.hardness.is_none() && solution.p_max > ICE_GIVES_WAY).then(|| {
+    (problem.ice.hardness.is_none() && solution.p_max > ICE_STRENGTH).then(|| {
         format!(
             "the peak of {} is above 10 MPa, from which on ice near 0 °C yields (10-30 MPa): read this linear elastic answer \
              as a pressure test of the runner, or bound the pressure with ice.hardness_pa",
@@ -355,7 +357,7 @@ fn above_ice_strength(problem: &Problem, solution: &Solution) -> Option<String> 
     })
 }
 
-/// The remark that a runner's own hexahedra are not refined.
+/// The remark that a runner mesh given by `runner.mesh` is not refined.
 fn own_hexahedra(loaded: &LoadedCase) -> Option<String> {
     loaded.case.runner.mesh.is_some().then(|| {
         "the runner's own hexahedra are not refined: the stated errors include the discretisation error of hexahedra of their size under a \
@@ -364,7 +366,7 @@ fn own_hexahedra(loaded: &LoadedCase) -> Option<String> {
     })
 }
 
-/// The warning that of the stated errors only the peak's includes the noise of vertices or nodes.
+/// The warning that only the stated error of the peak includes the noise of vertices or nodes.
 fn noise_not_included(hull: &FittedHull, solution: &Solution, error: Option<HullError>) -> String {
     let residual = hull.underside.quality().residual_rms;
     let moved = match error {
@@ -396,7 +398,7 @@ fn undetected_noise(hull: &FittedHull, error: Option<HullError>, approach: f64) 
     ))
 }
 
-/// The error that the distances of vertices cause, where it is more than requested.
+/// The warning that the spacing of the vertices causes a larger error than requested.
 fn coarse_vertices(error: HullError, approach: f64) -> String {
     format!(
         "the distances of the hull's vertices leave the peak uncertain by up to {} (p_max_hull_pa), which its error includes, and the \
@@ -406,7 +408,7 @@ fn coarse_vertices(error: HullError, approach: f64) -> String {
     )
 }
 
-/// That the contact reaches the rim of an open hull: what lies farther out was not scanned.
+/// The warning that the contact reaches the rim of an open hull, beyond which nothing was scanned.
 fn at_rim(hull: &FittedHull, solution: &Solution) -> Option<String> {
     const MARGIN: f64 = 0.1;
     if hull.report.open_edges == 0 {
@@ -436,8 +438,8 @@ fn at_rim(hull: &FittedHull, solution: &Solution) -> Option<String> {
 }
 
 impl SolvedContact {
-    /// The peak pressure with the sum of its errors: of the discretisation, and of a hull's noise and
-    /// vertices.
+    /// The peak pressure with the sum of its errors: discretisation, and noise and spacing of a
+    /// hull's vertices.
     pub(crate) fn peak(&self) -> Measured<PeakPressure> {
         let by_hull = [self.noise_error, self.spacing_error];
         let by_hull = by_hull.into_iter().flatten().map(|error| error.p_max);
@@ -446,11 +448,11 @@ impl SolvedContact {
         Measured::new(solution.p_max, error)
     }
 
-    /// The document of the contact, without what is measured on exported files.
+    /// The document of the contact, without the figures that are computed from exported files.
     pub fn result(&self) -> ContactResult {
         let solution = &self.solution;
         let check = self.check.as_ref();
-        let found = check.and_then(|check| Some((check.found.as_ref().ok()?, check.seconds)));
+        let second = check.and_then(|check| Some((check.found.as_ref().ok()?, check.seconds)));
         let reason = check.and_then(|check| check.found.as_ref().err());
         let (noise, spacing) = (self.noise_error, self.spacing_error);
         let by_surface = solution.volume.is_none();
@@ -466,7 +468,7 @@ impl SolvedContact {
             stress_max_pa: None,
             accuracy_asked: self.loaded.case.accuracy.p_max,
             accuracy_reached: self.short.is_none(),
-            check: found.map(|(bem, check_seconds)| CheckResult {
+            check: second.map(|(bem, check_seconds)| CheckResult {
                 p_max: Measured::new(bem.p_max, bem.p_max_error),
                 approach: Measured::new(bem.approach, bem.approach_error),
                 check_seconds,

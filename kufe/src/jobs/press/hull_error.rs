@@ -1,4 +1,4 @@
-//! Errors of peak pressure and approach by a hull's vertices: their noise and their distances.
+//! Errors of peak pressure and approach due to the noise and the spacing of a hull's vertices.
 
 use std::sync::Arc;
 
@@ -8,26 +8,27 @@ use kufe_contact::{boundary_elements, boundary_elements_to_compare};
 use kufe_mesh::{Noise, Underside};
 use rayon::prelude::*;
 
-/// Simulated scans.
+/// Number of simulated scans.
 const SCANS: u64 = 12;
 
-/// Student's t: so many times the root mean square of twelve deviations hold the next one in 95 of
-/// 100.
-const HOLDS: f64 = 2.179;
+/// Student's t for 95 % and 12 degrees of freedom: ratio of the bound of the next deviation to the
+/// root mean square of the twelve.
+const STUDENT_T: f64 = 2.179;
 
-/// Errors that a hull's vertices cause.
+/// Errors of a contact due to its hull's vertices.
 #[derive(Clone, Copy, Debug)]
 pub struct HullError {
-    /// The peak pressure, over it.
+    /// Relative error of the peak pressure.
     pub p_max: f64,
-    /// The approach [m]: that of the contact, whatever a runner bends by.
+    /// Error of the approach of the contact, without the bending of the runner [m].
     pub approach: f64,
 }
 
-/// The hull scanned again and again: vertices on its fitted surface, moved by noise and fitted on
-/// the scan's knots. None where there is no scan, or no fit of one.
+/// Undersides of simulated scans: vertices on the hull's fitted surface, displaced by noise and
+/// fitted on the knots of the scan. `None` where there is no scan, or a fit fails.
 ///
-/// The noise is the largest of the hull's, of what would not show of it and of the fit's residual.
+/// The noise is the largest of the noise found in the hull, the noise that its spacing may hide,
+/// and the residual of its fit.
 pub(crate) fn bootstrap_scans(hull: &FittedHull) -> Option<Vec<Arc<dyn Underside>>> {
     let scan = hull.scan.as_ref()?;
     let Noise { found, unseen } = hull.noise;
@@ -37,11 +38,12 @@ pub(crate) fn bootstrap_scans(hull: &FittedHull) -> Option<Vec<Arc<dyn Underside
     (0..SCANS).into_par_iter().map(fit).collect()
 }
 
-/// Errors by the noise in `scans`, as [`bootstrap_scans`] of the problem's hull, in 95 of 100 scans.
+/// 95 % bounds of the errors due to noise, from `scans`, which are [`bootstrap_scans`] of the
+/// problem's hull.
 ///
-/// A bootstrap by the fitted surface (B. Efron and R. J. Tibshirani, An Introduction to the
-/// Bootstrap, 1993, 6.5): each is pressed by boundary elements, rigid, on ice that has the
-/// compliance of the steel too. None without scans, or where boundary elements do not apply.
+/// Parametric bootstrap (B. Efron and R. J. Tibshirani, An Introduction to the Bootstrap, 1993,
+/// 6.5): each scan is pressed by boundary elements as a rigid runner on ice whose compliance
+/// includes that of the steel. `None` without scans, or where boundary elements do not apply.
 pub(super) fn noise_error<'a>(
     problem: &Problem,
     scans: impl FnOnce() -> Option<&'a [Arc<dyn Underside>]>,
@@ -52,14 +54,14 @@ pub(super) fn noise_error<'a>(
     let squares: Option<Vec<[f64; 2]>> = scans()?
         .par_iter()
         .map(|scan| {
-            let found = figures(scan.clone())?;
-            Some([0, 1].map(|k| (found[k] - expected[k]).powi(2)))
+            let values = figures(scan.clone())?;
+            Some([0, 1].map(|k| (values[k] - expected[k]).powi(2)))
         })
         .collect();
     let squares = squares?;
     let [p_max, approach] = [0, 1].map(|k| {
         let mean = squares.iter().map(|both| both[k]).sum::<f64>() / SCANS as f64;
-        HOLDS * mean.sqrt()
+        STUDENT_T * mean.sqrt()
     });
     Some(HullError {
         p_max: p_max / expected[0],
@@ -67,9 +69,9 @@ pub(super) fn noise_error<'a>(
     })
 }
 
-/// Errors by the vertices' distances: the differences of the fits with half the knots, by boundary
-/// elements as in [`noise_error`]. Where these do not apply, the fit's own error on the contact's `patch`,
-/// and that over the depth of the ice's surface there, `depth` [m].
+/// Errors due to the spacing of the vertices: the differences to fits with half the knots, by
+/// boundary elements as in [`noise_error`]. Where these do not apply, the error of the fit on the
+/// contact's `patch`, and its ratio to the indentation of the ice, `depth` [m].
 pub(super) fn spacing_error(
     problem: &Problem,
     hull: &FittedHull,
@@ -95,9 +97,9 @@ pub(super) fn spacing_error(
     }
 }
 
-/// Relative error of the peak by the noise in `scans` and the vertices' distances, for a contact
-/// that is not solved otherwise: [`noise_error`] and [`spacing_error`] added in quadrature, `None`
-/// where boundary elements do not apply.
+/// Relative error of the peak due to the noise in `scans` and the spacing of the vertices:
+/// [`noise_error`] and [`spacing_error`] added in quadrature, without a finite element solution.
+/// `None` where boundary elements do not apply.
 pub(crate) fn relative_peak_error(
     problem: &Problem,
     hull: &FittedHull,
@@ -112,7 +114,7 @@ pub(crate) fn relative_peak_error(
     Some(by_spacing.p_max.hypot(by_noise))
 }
 
-/// The problem with a rigid runner, on ice that has the compliance of the steel too.
+/// The problem with a rigid runner, on ice whose compliance includes that of the steel.
 fn rigid(problem: &Problem) -> Problem {
     let mut problem = problem.clone();
     problem.ice.youngs_modulus *= problem.ice.compliance() / problem.compliance();
@@ -120,12 +122,12 @@ fn rigid(problem: &Problem) -> Problem {
     problem
 }
 
-/// Peak pressure [Pa] and approach [m] under another underside, by one of the ways to boundary
-/// elements.
+/// Peak pressure [Pa] and approach [m] under another underside; `solve` is a boundary element
+/// solver.
 fn peak_and_approach(
     problem: &Problem,
     underside: Arc<dyn Underside>,
-    solved: impl Fn(&Problem) -> Result<BoundaryElements, CheckUnavailable>,
+    solve: impl Fn(&Problem) -> Result<BoundaryElements, CheckUnavailable>,
 ) -> Option<[f64; 2]> {
     let runner = Runner {
         underside,
@@ -135,8 +137,8 @@ fn peak_and_approach(
         runner,
         ..problem.clone()
     };
-    let found = solved(&problem).ok()?;
-    Some([found.p_max, found.approach])
+    let solution = solve(&problem).ok()?;
+    Some([solution.p_max, solution.approach])
 }
 
 #[cfg(test)]

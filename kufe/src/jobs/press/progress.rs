@@ -1,4 +1,4 @@
-//! Progress of a contact, and remaining times in words.
+//! Progress messages of a contact's solution, and remaining times in words.
 
 use std::sync::Arc;
 
@@ -9,8 +9,8 @@ use crate::case::Case;
 use crate::jobs::slide::{conditions, film_on};
 use crate::plot::{percent, quantity};
 
-/// Options that report how far the contact of a case is, a line at a time: the mesh in hand and the
-/// error of those before it; of a runner that slides the friction after each correction of a mesh.
+/// Options that report the progress of a case's solution, one line per call: the current mesh and
+/// the error of the meshes before it; for a sliding runner, mu after each correction of a mesh.
 pub fn with_progress(
     options: Options,
     case: &Case,
@@ -44,13 +44,13 @@ pub fn with_progress(
     }
 }
 
-/// The error of the meshes so far, where it is known, and the requested one.
+/// The error of the meshes so far, if it is known, and the requested error.
 fn errors(so_far: Option<f64>, requested: f64) -> String {
     let so_far = so_far.map_or("not known yet".to_owned(), percent);
     format!("error {so_far}, requested {}", percent(requested))
 }
 
-/// One correction of a sliding contact: its mesh, the friction with the film of this moment.
+/// One correction of a sliding contact: its mesh, and the friction with the film on it.
 fn sliding_line(state: &SlidingIterate, film: &FilmConditions, requested: f64) -> String {
     let ploughing = state.ploughing / state.fz;
     let friction = film_on(&state.sections, state.fz, film).map_or_else(
@@ -75,12 +75,12 @@ fn sliding_line(state: &SlidingIterate, film: &FilmConditions, requested: f64) -
     )
 }
 
-/// Waiting that is worth a word [s].
-const WORTH: f64 = 3.0;
+/// Shortest remaining time that is reported [s].
+const MIN_REPORTED: f64 = 3.0;
 
-/// "2 to 4 s remaining" where it is long enough to matter.
+/// A range of remaining time [s] in words, as "2 to 4 s remaining"; `None` if it is NaN or short.
 pub fn time_left([least, most]: [f64; 2]) -> Option<String> {
-    if most.is_nan() || most < WORTH {
+    if most.is_nan() || most < MIN_REPORTED {
         return None;
     }
     let (scale, unit) = match most {

@@ -9,5 +9,5 @@ pub use ploughing::{Hardness, HardnessFrom};
 pub(crate) use ploughing::{Ploughing, SolvedGroove};
 pub use sliding::{FilmAlong, SolvedSliding};
 pub(crate) use sliding::{conditions, film_along, film_on, solve_sliding};
-pub use table::{Optimum, Parameter, SolvedTable, fastest, friction_table, optimise};
-pub(crate) use table::{at, sliding_of};
+pub use table::{Optimum, Parameter, SolvedTable, friction_table, lowest_friction, optimise};
+pub(crate) use table::{sliding_table, with_speed_and_temperature};

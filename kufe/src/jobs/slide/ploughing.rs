@@ -1,4 +1,4 @@
-//! A case's groove, and the pressure at which its ice yields.
+//! The groove of a case, and the hardness of its ice.
 
 use std::path::Path;
 
@@ -21,14 +21,14 @@ pub enum HardnessFrom {
     Given,
     /// [`ice_hardness`] of its temperature.
     TemperatureLaw,
-    /// [`IceHardness`] of its temperature and of the time that it is under the runner.
+    /// [`IceHardness`] of its temperature and its contact time under the runner.
     TimeLaw,
-    /// It would melt before it yields.
+    /// The melting pressure, which is below the hardness.
     Melting,
 }
 
 impl HardnessFrom {
-    /// As `result.json` has it.
+    /// The value of `hardness_from` in `result.json`.
     pub fn name(self) -> &'static str {
         match self {
             HardnessFrom::Given => "given",
@@ -39,7 +39,7 @@ impl HardnessFrom {
     }
 }
 
-/// The law that a case states.
+/// The hardness law of a case.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum HardnessLaw {
     Given(f64),
@@ -48,8 +48,8 @@ pub(crate) enum HardnessLaw {
 }
 
 impl HardnessLaw {
-    /// Of a case with the hardness `stated` in its table of the ice [Pa], the word
-    /// "from-temperature" being none.
+    /// The law of a case. The word "from-temperature" in `ice.hardness_pa` is not a stated
+    /// hardness.
     pub fn of(loaded: &LoadedCase, sliding: &SlidingTable) -> Result<Self, Failure> {
         Ok(match (loaded.case.ice.hardness_pa, &sliding.hardness) {
             (Some(case::Hardness::Stated(pressure)), _) => HardnessLaw::Given(pressure),
@@ -61,13 +61,13 @@ impl HardnessLaw {
         })
     }
 
-    /// Whether the time under the runner counts.
+    /// Whether the hardness depends on the contact time.
     pub fn of_time(&self) -> bool {
         matches!(self, HardnessLaw::OfTime(_))
     }
 
-    /// Hardness [Pa] of ice at `ice_c` [C] that is `contact_time` [s] under the runner, and its
-    /// source.
+    /// Hardness [Pa] of ice at `ice_c` [C] after `contact_time` [s] under the runner, bounded by
+    /// the melting pressure, and its source.
     ///
     /// # Errors
     /// [`kufe_sled::Error::OutOfRange`] for a time that is not positive.
@@ -76,18 +76,18 @@ impl HardnessLaw {
         ice_c: f64,
         contact_time: f64,
     ) -> Result<(f64, HardnessFrom), kufe_sled::Error> {
-        let (own, from) = match self {
+        let (hardness, from) = match self {
             HardnessLaw::Given(pressure) => (*pressure, HardnessFrom::Given),
             HardnessLaw::OfTemperature => (ice_hardness(ice_c), HardnessFrom::TemperatureLaw),
             HardnessLaw::OfTime(law) => {
-                let own = law.at(ice_c, contact_time, &Properties::WATER_AND_ICE)?;
-                (own, HardnessFrom::TimeLaw)
+                let hardness = law.at(ice_c, contact_time, &Properties::WATER_AND_ICE)?;
+                (hardness, HardnessFrom::TimeLaw)
             }
         };
-        // The law of creep has the melting pressure in it already.
+        // The law of creep includes the melting pressure already.
         let melting = ice_melting_pressure(ice_c);
-        Ok(if own < melting {
-            (own, from)
+        Ok(if hardness < melting {
+            (hardness, from)
         } else {
             (melting, HardnessFrom::Melting)
         })
@@ -101,7 +101,7 @@ pub struct SolvedGroove {
     pub solution: SlidingSolution,
     /// Pressure at which the ice yields.
     pub hardness: Hardness,
-    /// Why the requested accuracy was not reached, where it was not.
+    /// Why the requested accuracy was not reached; `None` where it was reached.
     pub short: Option<Failure>,
 }
 
@@ -112,7 +112,7 @@ pub struct Hardness {
     pub value: f64,
     /// Its source.
     pub from: HardnessFrom,
-    /// Time that the ice is under the runner: the patch's length over the speed [s].
+    /// Contact time of the ice under the runner: ratio of the patch's length to the speed [s].
     pub contact_time: Measure,
 }
 
@@ -125,33 +125,33 @@ pub(crate) struct Ploughing<'a> {
     pub law: HardnessLaw,
 }
 
-/// Most grooves until hardness and contact time agree.
-const ROUNDS: usize = 8;
-/// What they may differ by, the hardness over itself: of coarse grooves, and of the last ones over
-/// the requested accuracy, for lengths on two meshes scatter by about that and a third of it is the
-/// hardness's.
-const COARSELY: f64 = 1e-2;
-const CLOSELY: f64 = 0.25;
-/// Share of a change of the hardness that its contact time gives back, where H ~ t^(-1/3) and the
-/// length l ~ H^(-1/2).
-const GIVEN_BACK: f64 = 1.0 / 6.0;
-/// Cells over half the patch of a coarse groove.
-const COARSE: usize = 6;
-/// The patch of a bob runner, from which the search begins [m].
-const USUAL_LENGTH: f64 = 0.05;
+/// Largest number of fixed-point iterations between hardness and contact time.
+const MAX_ITERATIONS: usize = 8;
+/// Relative tolerance of the hardness on coarse grooves.
+const COARSE_RTOL: f64 = 1e-2;
+/// Ratio of the relative tolerance of the hardness on the last grooves to the requested accuracy:
+/// patch lengths on two meshes scatter by about the accuracy, and the hardness by a third of that.
+const RTOL_FACTOR: f64 = 0.25;
+/// Feedback of a change of ln H through the contact time: 1/3 times 1/2, since H ~ t^(-1/3) and the
+/// patch length l ~ H^(-1/2).
+const FEEDBACK: f64 = 1.0 / 6.0;
+/// Number of cells across half the patch of a coarse groove.
+const COARSE_CELLS: usize = 6;
+/// Patch length of a bob runner, with which the iteration starts [m].
+const INITIAL_LENGTH: f64 = 0.05;
 
 impl<'a> Ploughing<'a> {
-    /// The case's, with the groove that it meets.
+    /// The ploughing of a case, with the groove of a previous runner where the case names one.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] for that groove and for an anchor of the law of creep.
+    /// [`Failure::BadInput`] for the previous groove and for an anchor of the law of creep.
     pub fn new(
         loaded: &'a LoadedCase,
         sliding: &'a SlidingTable,
         problem: &'a Problem,
     ) -> Result<Self, Failure> {
-        let remaining = |folder: &std::path::PathBuf| groove_left(&loaded.base.join(folder));
-        let before = sliding.previous.as_ref().map(remaining).transpose();
+        let profile = |folder: &std::path::PathBuf| previous_groove(&loaded.base.join(folder));
+        let before = sliding.previous.as_ref().map(profile).transpose();
         Ok(Ploughing {
             loaded,
             sliding,
@@ -161,8 +161,8 @@ impl<'a> Ploughing<'a> {
         })
     }
 
-    /// The groove, and where the law needs it the hardness that goes with its contact time; the
-    /// best one where the accuracy is not reached.
+    /// The groove; with a hardness that depends on contact time, in ice whose hardness is
+    /// consistent with the groove's length. The best groove where the accuracy is not reached.
     ///
     /// # Errors
     /// [`Failure::BadInput`] for the case and a contact in parts, [`Failure::NotConverged`] where
@@ -173,12 +173,12 @@ impl<'a> Ploughing<'a> {
             return Ok(self.solved(value, options)?.0);
         }
         let coarse = Options {
-            cells: Some(COARSE),
+            cells: Some(COARSE_CELLS),
             ..options.clone()
         };
-        let (first, _) = self.hardness(USUAL_LENGTH / self.sliding.v_mps)?;
-        let first = self.agreed(first, &coarse, COARSELY)?.hardness.value;
-        self.agreed(first, options, CLOSELY * options.p_max_tolerance)
+        let (first, _) = self.hardness(INITIAL_LENGTH / self.sliding.v_mps)?;
+        let first = self.iterate(first, &coarse, COARSE_RTOL)?.hardness.value;
+        self.iterate(first, options, RTOL_FACTOR * options.p_max_tolerance)
     }
 
     /// The groove in ice of this hardness [Pa], and the hardness that the law states for its
@@ -204,29 +204,30 @@ impl<'a> Ploughing<'a> {
         Ok((groove, requested))
     }
 
-    /// Groove after groove, each at the hardness of the contact time of the last one.
-    fn agreed(&self, first: f64, options: &Options, within: f64) -> Result<SolvedGroove, Failure> {
-        let (mut value, mut apart) = (first, f64::INFINITY);
-        for _ in 0..ROUNDS {
+    /// Fixed-point iteration from the hardness `first` [Pa]: each groove is solved at the hardness
+    /// of the previous contact time, until the relative change is at most `rtol`.
+    fn iterate(&self, first: f64, options: &Options, rtol: f64) -> Result<SolvedGroove, Failure> {
+        let (mut value, mut difference) = (first, f64::INFINITY);
+        for _ in 0..MAX_ITERATIONS {
             let (groove, requested) = self.solved(value, options)?;
             let change = (requested / value).ln();
-            apart = change.abs();
-            if apart <= within {
+            difference = change.abs();
+            if difference <= rtol {
                 return Ok(groove);
             }
             value = match groove.hardness.from {
                 HardnessFrom::Melting => requested,
-                _ => value * (change / (1.0 - GIVEN_BACK)).exp(),
+                _ => value * (change / (1.0 - FEEDBACK)).exp(),
             };
         }
         Err(Failure::NotConverged(format!(
-            "{}: sliding.hardness: hardness and contact time still differ by {apart:.1e} of the hardness after {ROUNDS} grooves, requested {within:.1e}",
+            "{}: sliding.hardness: hardness and contact time still differ by {difference:.1e} of the hardness after {MAX_ITERATIONS} grooves, requested {rtol:.1e}",
             self.loaded.name
         )))
     }
 
-    /// The groove in ice of another hardness [Pa], and why it is short of the requested accuracy,
-    /// where it is.
+    /// The groove in ice of another hardness [Pa], and why the requested accuracy was not reached
+    /// (`None` where it was).
     ///
     /// # Errors
     /// As [`groove`](Self::groove).
@@ -263,7 +264,7 @@ impl<'a> Ploughing<'a> {
     }
 }
 
-/// Stretches along x that touch.
+/// Number of separate contact patches along x.
 fn parts(solution: &SlidingSolution) -> usize {
     let field = &solution.contact.surface;
     let nx = field.x.len();
@@ -276,9 +277,9 @@ fn parts(solution: &SlidingSolution) -> usize {
 /// The section at the back of the depth map `groove.exr` in `folder`.
 ///
 /// # Errors
-/// [`Failure::BadInput`] naming the file where it is missing, has no channel `depth`, or holds no
-/// depths.
-fn groove_left(folder: &Path) -> Result<GrooveProfile, Failure> {
+/// [`Failure::BadInput`] naming the file where it is missing, has no channel `depth`, or has
+/// invalid depths.
+fn previous_groove(folder: &Path) -> Result<GrooveProfile, Failure> {
     let path = folder.join(GROOVE_FILE);
     let read = || {
         let image = ExrImage::load(&path)?;

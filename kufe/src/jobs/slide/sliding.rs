@@ -1,4 +1,4 @@
-//! A case's steady sliding: the melt film on its patch, and the friction.
+//! Steady sliding of a case: the melt film on its contact patch, and the friction.
 
 use kufe_contact::{
     Coarser, Groove, Measure, Options, Problem, Section, SlidingSolution, Solution,
@@ -13,35 +13,37 @@ use crate::jobs::failure::Failure;
 use crate::jobs::slide::ploughing::{Hardness, Ploughing, SolvedGroove};
 use crate::results::{Friction, Measured, SensitivityResult, SlidingMeshResult, SlidingResult};
 
-/// The film along the patch, with the places of its stations.
+/// The melt film along the patch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilmAlong {
     /// Front end of the patch along the runner, where the film begins [m].
     pub front: f64,
-    /// The film by its distance from there.
+    /// The film as a function of the distance from the front end.
     pub film: Film,
-    /// Its totals on the patch of coarser solutions; `None` where there are none.
+    /// Totals of the film on the patches of coarser solutions; `None` without such solutions.
     pub coarser: Option<Coarser<FilmTotals>>,
-    /// Relative error of the patch: that of the groove's depth, or where there is none of the peak.
+    /// Relative error of the patch: that of the groove's depth, or without a groove that of the
+    /// peak pressure.
     pub patch_error: f64,
 }
 
 impl FilmAlong {
-    /// A total with its error: of the integration, the stations and the patch, by what coarser
-    /// solutions change and by the error of the groove. Two meshes may agree by chance.
-    pub fn total(&self, of: impl Fn(&FilmTotals) -> f64) -> Measure {
-        let value = of(&self.film.totals);
-        let stations = self.film.sampling.as_ref().map_or(0.0, &of);
+    /// A total of the film with its error: the sum of the errors of the integration, the stations,
+    /// the mesh (by the change to coarser solutions) and the patch. The last is added because two
+    /// meshes may agree by chance.
+    pub fn total(&self, total_of: impl Fn(&FilmTotals) -> f64) -> Measure {
+        let value = total_of(&self.film.totals);
+        let stations = self.film.sampling.as_ref().map_or(0.0, &total_of);
         let meshes = self.coarser.as_ref();
-        let meshes = meshes.map_or(f64::INFINITY, |coarser| coarser.error(value, &of));
+        let meshes = meshes.map_or(f64::INFINITY, |coarser| coarser.error(value, &total_of));
         Measure {
             value,
-            error: of(&self.film.errors) + stations + meshes + self.patch_error * value,
+            error: total_of(&self.film.errors) + stations + meshes + self.patch_error * value,
         }
     }
 }
 
-/// The film under these conditions on the patch of a case's solution.
+/// The melt film under `conditions` on the patch of a case's solution.
 ///
 /// # Errors
 /// [`Failure::BadInput`] and [`Failure::NotConverged`] as [`film_on`].
@@ -51,14 +53,14 @@ pub(crate) fn film_along(
     conditions: &FilmConditions,
 ) -> Result<FilmAlong, Failure> {
     let groove = &solution.groove;
-    let on = |sections: &[Section]| {
+    let solved_film = |sections: &[Section]| {
         let film = film_on(sections, solution.contact.fz, conditions);
         film.map_err(film_failure(loaded))
     };
     let coarser = groove.coarser.as_ref().map(|coarser| {
         Ok::<_, Failure>(Coarser {
-            before: on(&coarser.before)?.totals,
-            plain: on(&coarser.plain)?.totals,
+            before: solved_film(&coarser.before)?.totals,
+            plain: solved_film(&coarser.plain)?.totals,
             refined: coarser.refined,
         })
     });
@@ -70,36 +72,35 @@ pub(crate) fn film_along(
             solution.contact.p_max_error / solution.contact.p_max
         },
         front: groove.sections.first().map_or(0.0, |s| s.x),
-        film: on(&groove.sections)?,
+        film: solved_film(&groove.sections)?,
         coarser: coarser.transpose()?,
     })
 }
 
-/// The film on stations of a patch under `fz` [N], as a strip that carries the whole load.
+/// The melt film on the stations of a patch under `fz` [N], as a strip that carries the whole load.
 ///
-/// The widths are scaled to the load: they are known to a part of a cell only, while pressures are
-/// bounded by the hardness of the ice.
+/// The widths are scaled to the load: they are only known to a fraction of a cell, while pressures
+/// are bounded by the hardness of the ice.
 ///
 /// # Errors
-/// [`kufe_sled::Error`] for conditions out of range, and for a patch that is no strip.
+/// [`kufe_sled::Error`] for conditions out of range, and for a patch that is not a valid strip.
 pub(crate) fn film_on(
     sections: &[Section],
     fz: f64,
     conditions: &FilmConditions,
 ) -> Result<Film, kufe_sled::Error> {
     let front = sections.first().map_or(0.0, |s| s.x);
-    let share = fz / load(sections);
+    let scale = fz / load(sections);
     let strip = Strip::new(
         sections.iter().map(|s| front - s.x).collect(),
-        sections.iter().map(|s| share * s.width).collect(),
+        sections.iter().map(|s| scale * s.width).collect(),
         sections.iter().map(|s| s.pressure).collect(),
     )?;
     let options = FilmOptions::default();
     film(&strip, conditions, &Properties::WATER_AND_ICE, &options)
 }
 
-/// The load of the stations, with pressure and squared width linear in between, by Simpson's rule
-/// [N].
+/// Load of the stations by Simpson's rule, with pressure and squared width linear in between [N].
 fn load(sections: &[Section]) -> f64 {
     let between = |pair: &[Section]| {
         let [a, b] = [pair[0], pair[1]];
@@ -110,7 +111,7 @@ fn load(sections: &[Section]) -> f64 {
     sections.windows(2).map(between).sum()
 }
 
-/// Speed, temperature, viscosity and boundary contact of a case.
+/// Conditions of the film: speed, temperature, viscosity and boundary contact of a case.
 pub(crate) fn conditions(sliding: &SlidingTable) -> FilmConditions {
     FilmConditions {
         viscosity_factor: sliding.viscosity_factor.unwrap_or(1.0),
@@ -122,7 +123,7 @@ pub(crate) fn conditions(sliding: &SlidingTable) -> FilmConditions {
     }
 }
 
-/// Makes the film's error the job's.
+/// Converts an error of the film to a failure of the job.
 pub(crate) fn film_failure(loaded: &LoadedCase) -> impl Fn(kufe_sled::Error) -> Failure {
     |error| {
         let failure = Failure::from(error).within("the melt film");
@@ -131,7 +132,7 @@ pub(crate) fn film_failure(loaded: &LoadedCase) -> impl Fn(kufe_sled::Error) -> 
 }
 
 impl Friction {
-    /// Of a solution and the film on it.
+    /// Friction of a groove and the film on it.
     pub(crate) fn of(solution: &SlidingSolution, along: &FilmAlong) -> Self {
         let fz = solution.contact.fz;
         let film = along.total(|totals| totals.friction);
@@ -146,14 +147,14 @@ impl Friction {
     }
 }
 
-/// What sliding adds to a contact.
+/// The results of sliding in addition to those of the contact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolvedSliding {
     /// The coefficient of friction.
     pub friction: Friction,
-    /// The film.
+    /// The melt film.
     pub film: FilmAlong,
-    /// Change of the coefficient with what it depends on.
+    /// Sensitivity of the coefficient to its parameters.
     pub sensitivity: SensitivityResult,
     /// Pressure at which the ice yielded.
     pub hardness: Hardness,
@@ -161,8 +162,8 @@ pub struct SolvedSliding {
     pub groove: Groove,
 }
 
-/// Depth of a groove over its width above which its sides are steep.
-const STEEP: f64 = 0.2;
+/// Ratio of a groove's depth to its width above which its sides are steep.
+const STEEP_RATIO: f64 = 0.2;
 
 impl SolvedSliding {
     /// The document's part on sliding.
@@ -187,16 +188,16 @@ impl SolvedSliding {
         }
     }
 
-    /// A warning where the groove is too deep for what the model takes a contact to be: a height
-    /// over a plane.
+    /// A warning where the groove is too deep for the model, in which the contact is a height over
+    /// a plane.
     pub(crate) fn too_deep(&self) -> Option<String> {
         let widths = self.groove.sections.iter().map(|s| s.width);
         let widest = widths.fold(0.0, f64::max);
         let depth = self.groove.deepest.value;
-        (depth > STEEP * widest).then(|| {
+        (depth > STEEP_RATIO * widest).then(|| {
             format!(
-                "the groove is {:.2} mm deep and {:.2} mm wide: so steep a contact is no height over a plane, read its figures as those of \
-                 a runner that sinks in",
+                "the groove is {:.2} mm deep and {:.2} mm wide: the model treats the contact as a height over a plane, which holds for \
+                 flat grooves only; read the figures as those of a runner that sinks in",
                 1e3 * depth,
                 1e3 * widest
             )
@@ -204,7 +205,8 @@ impl SolvedSliding {
     }
 }
 
-/// Solves the sliding of a case's problem; with the reason where the accuracy is not reached.
+/// Solves the sliding of a case's problem. The last value is the reason where the accuracy is not
+/// reached.
 pub(crate) fn solve_sliding(
     loaded: &LoadedCase,
     sliding: &SlidingTable,
@@ -220,12 +222,12 @@ pub(crate) fn solve_sliding(
         hardness,
         short,
     } = groove;
-    let slid = SolvedSliding {
+    let sliding = SolvedSliding {
         friction: Friction::of(&solution, &film),
         sensitivity,
         film,
         hardness,
         groove: solution.groove,
     };
-    Ok((solution.contact, slid, short))
+    Ok((solution.contact, sliding, short))
 }

@@ -18,12 +18,12 @@ use crate::results::{
 pub struct SolvedTable {
     /// All points; with a missed accuracy, the best answers and their errors.
     pub points: Vec<FrictionRow>,
-    /// Why the requested accuracy was not reached, at the first point where it was not.
+    /// The first failure to reach the requested accuracy; `None` where all points reached it.
     pub short: Option<Failure>,
 }
 
-/// Friction of a case's runner at every speed [m/s] on ice of every temperature [C]; the case's own
-/// `[sliding]`, where it has one, states the rest.
+/// Friction of a case's runner at every speed [m/s] on ice of every temperature [C]. The other
+/// conditions are those of the case's `[sliding]`, or its defaults.
 ///
 /// # Errors
 /// [`Failure::BadInput`] for the case, a speed and a temperature, [`Failure::NotConverged`] where a
@@ -35,20 +35,21 @@ pub fn friction_table(
     watch: &Watch,
     options: &Options,
 ) -> Result<SolvedTable, Failure> {
-    // Every combination is a case: those that are none are reported before anything is solved.
+    // Every combination is checked before the first is solved.
     let pairs = temperatures
         .iter()
         .flat_map(|ice_c| speeds.iter().map(move |v| (*v, *ice_c)));
-    let cases = pairs.map(|(v_mps, ice_c)| Ok((ice_c, at(loaded, v_mps, ice_c)?)));
+    let cases =
+        pairs.map(|(v_mps, ice_c)| Ok((ice_c, with_speed_and_temperature(loaded, v_mps, ice_c)?)));
     let cases = cases.collect::<Result<Vec<_>, Failure>>()?;
     let (mut points, mut short) = (Vec::new(), None);
     let mut last: Option<(f64, SolvedGroove)> = None;
     for (ice_c, case) in &cases {
-        let table = sliding_of(case);
-        // A hardness over contact time is another at every speed.
+        let table = sliding_table(case);
+        // A hardness that depends on contact time depends on the speed: the groove is not reused.
         let reused = last
             .take()
-            .filter(|(at, _)| at == ice_c && table.hardness.is_none());
+            .filter(|(groove_ice_c, _)| groove_ice_c == ice_c && table.hardness.is_none());
         let groove = match reused {
             Some((_, groove)) => groove,
             None => {
@@ -81,9 +82,13 @@ pub fn friction_table(
     Ok(SolvedTable { points, short })
 }
 
-/// The case at one speed and temperature; where the ice's elasticity follows from its temperature
-/// it follows this one.
-pub(crate) fn at(loaded: &LoadedCase, v_mps: f64, ice_c: f64) -> Result<LoadedCase, Failure> {
+/// The case at another speed [m/s] and ice temperature [C]. Where the case computes the elasticity
+/// of the ice from a temperature, it uses the new one.
+pub(crate) fn with_speed_and_temperature(
+    loaded: &LoadedCase,
+    v_mps: f64,
+    ice_c: f64,
+) -> Result<LoadedCase, Failure> {
     let mut loaded = loaded.clone();
     loaded.case.sliding = Some(SlidingTable {
         v_mps,
@@ -97,18 +102,18 @@ pub(crate) fn at(loaded: &LoadedCase, v_mps: f64, ice_c: f64) -> Result<LoadedCa
     Ok(loaded)
 }
 
-/// The table `[sliding]` of a case that has one.
-pub(crate) fn sliding_of(loaded: &LoadedCase) -> &SlidingTable {
+/// The table `[sliding]` of a case; panics where the case has none.
+pub(crate) fn sliding_table(loaded: &LoadedCase) -> &SlidingTable {
     let table = loaded.case.sliding.as_ref();
     table.expect("a case with [sliding]")
 }
 
-/// A key of `[runner] shape` and what it may be.
+/// A parameter of the search: a key of `[runner] shape` with its bounds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
     /// The key, as `rocker_radius_m`.
     pub key: String,
-    /// Its bounds, those of the rule book.
+    /// Bounds of the search.
     pub span: Span,
 }
 
@@ -117,14 +122,14 @@ pub struct Parameter {
 pub struct Optimum {
     /// The document.
     pub result: FrictionOptimum,
-    /// Friction of the runners that the response was fitted to, in the order of the document, and
-    /// last of the best one.
+    /// Friction of the runners that the response was fitted to, in the order of the document; the
+    /// last is that of the best runner.
     pub points: Vec<FrictionRow>,
-    /// The response, mu over the parameters.
+    /// The fitted response surface: mu as a function of the parameters.
     pub response: Response,
-    /// How much more friction than the least, over it, cannot be distinguished from it: the error
-    /// of mu there and the scatter of the response.
-    pub indistinct: f64,
+    /// Relative difference of mu to its minimum below which two runners cannot be distinguished:
+    /// the relative error of mu at the optimum plus the relative scatter of the response.
+    pub relative_resolution: f64,
 }
 
 /// Least friction at one speed [m/s] on ice of one temperature [C] over one or two parameters of
@@ -135,7 +140,7 @@ pub struct Optimum {
 ///
 /// # Errors
 /// [`Failure::Usage`] for more or fewer parameters, [`Failure::BadInput`] for a case without a
-/// shape, a key that its shape does not have, and a runner within the bounds that is none; else as
+/// shape, a key that its shape does not have, and an invalid runner within the bounds; else as
 /// [`friction_table`].
 pub fn optimise(
     loaded: &LoadedCase,
@@ -150,16 +155,16 @@ pub fn optimise(
         return Err(Failure::Usage(text.into()));
     }
     let spans: Vec<Span> = parameters.iter().map(|p| p.span).collect();
-    let runner = |values: &[f64]| {
-        let mut given = parameters.iter().zip(values);
-        given.try_fold(loaded.clone(), |runner, (parameter, &value)| {
+    let with_parameters = |values: &[f64]| {
+        let mut pairs = parameters.iter().zip(values);
+        pairs.try_fold(loaded.clone(), |runner, (parameter, &value)| {
             runner.with_shape(&parameter.key, value)
         })
     };
     // Every runner is checked before the first is solved.
     let mut runners = Vec::new();
     for values in Response::places(&spans) {
-        let runner = runner(&values)?;
+        let runner = with_parameters(&values)?;
         runner.stated_sliding()?;
         runners.push((values, runner));
     }
@@ -180,17 +185,16 @@ pub fn optimise(
         points.push(point);
         solved.push(SolvedRunner { values, mu });
     }
-    let values: Vec<f64> = solved.iter().map(|runner| runner.mu.value).collect();
-    let response = loaded.valid(Response::fit(&spans, &values))?;
-    let values = response.least();
+    let mus: Vec<f64> = solved.iter().map(|runner| runner.mu.value).collect();
+    let response = loaded.valid(Response::fit(&spans, &mus))?;
+    let optimum = response.least();
     watch.progress("the best runner");
-    let point = friction(&runner(&values)?)?;
-    let friction_there = point.friction;
-    let mu = friction_there.mu;
-    let indistinct = mu.error / mu.value + response.misfit();
-    let flat = response.flat(indistinct);
-    let found = parameters.iter().zip(values.iter().zip(flat));
-    let found = found.map(|(parameter, (&value, [flat_from, flat_to]))| {
+    let best = friction(&with_parameters(&optimum)?)?;
+    let mu = best.friction.mu;
+    let relative_resolution = mu.error / mu.value + response.misfit();
+    let intervals = response.flat(relative_resolution);
+    let optimal = parameters.iter().zip(optimum.iter().zip(intervals));
+    let optimal = optimal.map(|(parameter, (&value, [flat_from, flat_to]))| {
         let [low, high] = parameter.span.bounds();
         OptimalParameter {
             key: parameter.key.clone(),
@@ -203,31 +207,31 @@ pub fn optimise(
         }
     });
     let result = FrictionOptimum {
-        v_mps: point.v_mps,
-        ice_c: point.ice_c,
-        parameters: found.collect(),
+        v_mps: best.v_mps,
+        ice_c: best.ice_c,
+        parameters: optimal.collect(),
         mu,
-        mu_ploughing: friction_there.ploughing.value,
-        mu_viscous: friction_there.viscous.value,
-        mu_boundary: friction_there.boundary.value,
+        mu_ploughing: best.friction.ploughing.value,
+        mu_viscous: best.friction.viscous.value,
+        mu_boundary: best.friction.boundary.value,
         response_scatter: response.misfit(),
-        response_miss: response.at(&values) / mu.value - 1.0,
+        response_miss: response.at(&optimum) / mu.value - 1.0,
         solved,
         version: env!("CARGO_PKG_VERSION").to_owned(),
         case: CaseRecord::of(&loaded.case),
     };
-    points.push(point);
+    points.push(best);
     Ok(Optimum {
         result,
         points,
         response,
-        indistinct,
+        relative_resolution,
     })
 }
 
-/// The runners of `mu` that are not slower than the one with the least friction by more than both
-/// errors: one is the fastest, several cannot be distinguished.
-pub fn fastest(points: &[&FrictionRow]) -> Vec<usize> {
+/// Indices of the points whose mu exceeds the smallest by at most the sum of both errors: these
+/// runners cannot be distinguished.
+pub fn lowest_friction(points: &[&FrictionRow]) -> Vec<usize> {
     let mu = |k: usize| points[k].friction.mu;
     let Some(least) = (0..points.len()).min_by(|&a, &b| mu(a).value.total_cmp(&mu(b).value)) else {
         return Vec::new();

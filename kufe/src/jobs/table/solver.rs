@@ -18,7 +18,9 @@ use crate::case::TrackTable;
 use crate::jobs::case_file::LoadedCase;
 use crate::jobs::failure::Failure;
 use crate::jobs::press::Prepared;
-use crate::jobs::slide::{Ploughing, SolvedGroove, at, conditions, film_along, sliding_of};
+use crate::jobs::slide::{
+    Ploughing, SolvedGroove, conditions, film_along, sliding_table, with_speed_and_temperature,
+};
 use crate::jobs::table::points::{Key, PointStore, key};
 use crate::jobs::table::spec::TableSpec;
 use crate::jobs::watch::Watch;
@@ -204,8 +206,8 @@ impl Solver {
 
     /// Points that differ in speed alone; after a failure the rest is omitted.
     fn slide(&self, points: &[Point], watch: &Watch) -> Vec<Result<Figures, Failure>> {
-        // A hardness over contact time is another at every speed.
-        let of_time = sliding_of(&self.loaded).hardness.is_some();
+        // A hardness that depends on contact time depends on the speed: the groove is not reused.
+        let of_time = sliding_table(&self.loaded).hardness.is_some();
         let mut last: Option<SolvedGroove> = None;
         let mut solved = Vec::with_capacity(points.len());
         for point in points {
@@ -233,7 +235,7 @@ impl Solver {
             Some(_) => case.valid(case.case.runner(&case.base, None))?.0,
         };
         let problem = case.valid(case.case.problem_of(runner, &case.base))?;
-        let ploughing = Ploughing::new(&case, sliding_of(&case), &problem)?;
+        let ploughing = Ploughing::new(&case, sliding_table(&case), &problem)?;
         let options = Options {
             p_max_tolerance: self.tolerance,
             ..case.case.options()
@@ -253,7 +255,7 @@ impl Solver {
     fn film(&self, groove: &SolvedGroove, point: &Point) -> Result<Figures, Failure> {
         let case = case_at(&self.loaded, point)?;
         let solution = &groove.solution;
-        let along = film_along(&case, solution, &conditions(sliding_of(&case)))?;
+        let along = film_along(&case, solution, &conditions(sliding_table(&case)))?;
         let friction = Friction::of(solution, &along);
         Ok(figures(&solution.contact)
             .with(Quantity::Mu, friction.mu.value)
@@ -453,7 +455,7 @@ fn case_at(loaded: &LoadedCase, point: &Point) -> Result<LoadedCase, Failure> {
     }
     if let Some(own) = &loaded.case.sliding {
         let speed = point.speed.unwrap_or(own.v_mps);
-        return at(&loaded, speed, point.ice_c.unwrap_or(own.ice_c));
+        return with_speed_and_temperature(&loaded, speed, point.ice_c.unwrap_or(own.ice_c));
     }
     loaded.valid(loaded.case.check())?;
     Ok(loaded)
