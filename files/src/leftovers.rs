@@ -1,15 +1,15 @@
-//! What processes that were killed left behind.
+//! Removal of temporary files of processes that were killed.
 
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
 use crate::whole::TEMPORARY;
 
-/// Temporaries that nothing has written to for so long are nobody's any more.
+/// Age since the last write from which a temporary file counts as abandoned.
 const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 
-/// Removes hidden files and folders of this crate's writers from `folder` that nobody has touched
-/// for a day: those of processes that were killed. What cannot be removed stays.
+/// Removes temporary files and folders of this crate from `folder` that were last written more than a
+/// day ago, by processes that were killed. Failures to remove them are ignored.
 pub fn clear_temporaries(folder: &Path) {
     clear_older_than(folder, ABANDONED);
 }

@@ -469,7 +469,7 @@ impl WindowContact {
         // Cells in contact are too many, as a rim has it in part of the outermost; ends of short
         // chords by shape and load lie too far inside. The truth is between them.
         let counted = all.force.iter().filter(|f| **f > 0.0).count() as f64 * dx * dy;
-        figures.off[0] = (0.5 * (counted - figures.area).abs()).max(figures.off[0]);
+        figures.uncertainty[0] = (0.5 * (counted - figures.area).abs()).max(figures.uncertainty[0]);
         figures.area = 0.5 * (counted + figures.area);
         Read { all, figures }
     }
