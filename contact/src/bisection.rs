@@ -1,7 +1,7 @@
 //! Bisection of intervals.
 
-/// The ends of an interval after `steps` bisections, each of which keeps the upper half if `below` is
-/// true in the middle.
+/// The ends of an interval after `steps` bisections, each of which keeps the upper half if `below`
+/// is true in the middle.
 pub(crate) fn bisect(ends: [f64; 2], steps: usize, below: impl Fn(f64) -> bool) -> [f64; 2] {
     halve(ends, steps, |low, high| 0.5 * (low + high), below)
 }

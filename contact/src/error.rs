@@ -78,8 +78,8 @@ pub enum Error {
         /// Its admissible range.
         expected: &'static str,
     },
-    /// A problem that has no solution, or none by this method; the text gives its numbers and what is
-    /// expected.
+    /// A problem that has no solution, or none by this method; the text gives its numbers and what
+    /// is expected.
     #[error("{0}")]
     Unsuitable(String),
     /// A problem that may have a solution, which no mesh gave; the text says what is expected.

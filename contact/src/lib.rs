@@ -23,10 +23,10 @@
 //! 6. `mesh`: one mesh of both bodies (`discretise`) and the contact on it (`contact_mesh`).
 //! 7. `active_set`: projected SOR with minimisation on the active set (L. Banz and A. Schroeder,
 //!    Comp. Appl. Math. 2024, doi 10.1007/s40314-024-03066-x). Sweeps over the contact forces find
-//!    the nodes in contact (`plane_problem`); an acceleration solves on that set (`constrained_cg`).
+//!    the contact set (`plane_problem`); an acceleration solves on that set (`constrained_cg`).
 //! 8. `result`: pressures and figures from nodal forces.
 //! 9. `accuracy`: `find_patch` finds the patch with contact problems on the plane alone; `meshes`
-//!    refines; `estimators` extrapolates the figures of several meshes to their limits, with errors.
+//!    refines; `estimators` extrapolates the figures of several meshes to limits, with errors.
 //! 10. `map`: the solution on the pixels of a regular grid.
 //! 11. `boundary_elements`: a second method, on the contact plane alone; the only one for contacts
 //!     of many asperities (`asperities`).

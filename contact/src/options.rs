@@ -21,8 +21,8 @@ pub enum StiffnessForm {
     /// Applied cell by cell, without being stored.
     #[default]
     MatrixFree,
-    /// Assembled, one matrix per body. Takes about ten times the memory, and a product several times
-    /// the time; the solution is the same up to rounding. The preconditioners are the same.
+    /// Assembled, one matrix per body. Takes about ten times the memory, and a product several
+    /// times the time; the solution is the same up to rounding. The preconditioners are the same.
     Assembled,
 }
 
@@ -67,15 +67,15 @@ pub struct Options {
     /// Largest memory for assembling the stiffness of all bodies of a mesh [bytes].
     pub max_stiffness_bytes: u64,
     /// Whether the shear under the peak pressure is estimated
-    /// ([`Solution::under_peak`](crate::Solution::under_peak)). The ice is then always solved in its
-    /// volume, never by boundary elements.
+    /// ([`Solution::under_peak`](crate::Solution::under_peak)). The ice is then always solved in
+    /// its volume, never by boundary elements.
     pub subsurface: bool,
     /// Called after every update of the contact set, in order, with the present values.
     pub progress: Option<Watcher>,
     /// Called before each mesh is solved, which may take longer than all meshes before it.
     pub next_mesh: Option<MeshWatcher>,
-    /// Called in the solution of sliding: on each mesh with the solution on the contact plane alone,
-    /// and after every correction by the bodies.
+    /// Called in the solution of sliding: on each mesh with the solution on the contact plane
+    /// alone, and after every correction by the bodies.
     pub sliding_progress: Option<SlidingWatcher>,
     /// When set to true, the solve ends with [`Error::Stopped`](crate::Error::Stopped) within about
     /// one iteration.

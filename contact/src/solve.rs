@@ -18,8 +18,8 @@ use crate::{Error, Load, Options, Problem, Solution, Tilt};
 /// - [`Error::OutOfRange`], [`Error::Unsuitable`] and [`Error::LoadExceedsHardness`]: the problem
 ///   has no solution.
 /// - [`Error::NotConverged`]: the equations of a mesh are not solved.
-/// - [`Error::AccuracyNotReached`]: the largest mesh allowed is not accurate enough; the error holds
-///   the best solution.
+/// - [`Error::AccuracyNotReached`]: the largest mesh allowed is not accurate enough; the error
+///   holds the best solution.
 /// - [`Error::TooFine`] and [`Error::Unsolved`]: no mesh can be made, or the solution of the last
 ///   mesh violates the contact conditions.
 /// - [`Error::NoAnswer`]: the meshes give no contact under the load.
@@ -92,8 +92,8 @@ const BALANCED: f64 = 1e-6;
 /// contact sets that cycled.
 const MAX_VIOLATION: f64 = 2e-5;
 
-/// Checks that a solution satisfies equilibrium and contact conditions on all nodes of the plane (to
-/// ten times the requested residual if that is larger), and [`check_answer`].
+/// Checks that a solution satisfies equilibrium and contact conditions on all nodes of the plane
+/// (to ten times the requested residual if that is larger), and [`check_answer`].
 fn verify(problem: &Problem, options: &Options, solution: &Solution) -> Result<(), Error> {
     let most = MAX_VIOLATION.max(10.0 * options.residual);
     let violation = solution.kkt_residual;

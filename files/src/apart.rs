@@ -7,8 +7,8 @@ use std::path::{Component, Path, PathBuf};
 
 use crate::place::replaceable;
 
-/// Checks that every output may be written: it is not an input, no other output is the same file, and
-/// a regular file or nothing is at its path.
+/// Checks that every output may be written: it is not an input, no other output is the same file,
+/// and a regular file or nothing is at its path.
 ///
 /// # Errors
 /// [`ErrorKind::InvalidInput`] with the first output that fails, and the reason.
@@ -58,8 +58,8 @@ pub fn leads_out(folder: &Path, file: &Path) -> bool {
 
 /// The path from the root without `.`, `..` and links, as far as the file system has it.
 ///
-/// Each existing part is resolved before `..` removes it: `link/..` is the parent of the folder that
-/// the link leads to. Parts that do not exist are not resolved: `new/../FILE` is `FILE`.
+/// Each existing part is resolved before `..` removes it: `link/..` is the parent of the folder
+/// that the link leads to. Parts that do not exist are not resolved: `new/../FILE` is `FILE`.
 pub fn resolved(path: &Path) -> PathBuf {
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     let mut clean = PathBuf::new();

@@ -8,8 +8,8 @@ use crate::whole::TEMPORARY;
 /// Age since the last write from which a temporary file counts as abandoned.
 const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 
-/// Removes temporary files and folders of this crate from `folder` that were last written more than a
-/// day ago, by processes that were killed. Failures to remove them are ignored.
+/// Removes temporary files and folders of this crate from `folder` that were last written more than
+/// a day ago, by processes that were killed. Failures to remove them are ignored.
 pub fn clear_temporaries(folder: &Path) {
     clear_older_than(folder, ABANDONED);
 }

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 /// The file that writing to `path` replaces or creates: `path` itself, or the target of a link.
 ///
 /// # Errors
-/// [`ErrorKind::InvalidInput`] if that is a folder, a device, a pipe or a socket, or if the target of
-/// the link does not exist.
+/// [`ErrorKind::InvalidInput`] if that is a folder, a device, a pipe or a socket, or if the target
+/// of the link does not exist.
 pub(crate) fn replaceable(path: &Path) -> Result<PathBuf> {
     let failure = |reason: &str| Error::new(ErrorKind::InvalidInput, reason.to_owned());
     let place = match path.symlink_metadata() {

@@ -12,8 +12,8 @@ use crate::place::kind;
 /// The bytes of a regular file of at max_bytes `max_bytes`.
 ///
 /// # Errors
-/// [`ErrorKind::InvalidInput`] for a folder, a device, a pipe and a longer file; the system's error if
-/// the file cannot be read.
+/// [`ErrorKind::InvalidInput`] for a folder, a device, a pipe and a longer file; the system's error
+/// if the file cannot be read.
 pub fn read_regular(path: &Path, max_bytes: u64) -> Result<Vec<u8>> {
     bytes_of(open_regular(path)?, max_bytes).map_err(unreadable)
 }

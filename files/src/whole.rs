@@ -10,8 +10,8 @@ use crate::place::{folder_of, replaceable};
 /// Prefix of the names of temporary files and folders.
 pub const TEMPORARY: &str = ".kufe-";
 
-/// Writes `path` atomically: through a temporary file in its folder, which is flushed to the disk and
-/// renamed when it is complete.
+/// Writes `path` atomically: through a temporary file in its folder, which is flushed to the disk
+/// and renamed when it is complete.
 ///
 /// Several processes, on several machines, may write one path at a time: the file of the last to
 /// finish remains. The process's umask determines the permissions, as for any other new file. If
@@ -19,8 +19,8 @@ pub const TEMPORARY: &str = ".kufe-";
 ///
 /// # Errors
 /// Those of `write`; [`ErrorKind::InvalidInput`](std::io::ErrorKind::InvalidInput) for a folder, a
-/// device, a pipe and a link whose target does not exist; the system's error if the folder is missing
-/// or the file cannot be written. No temporary file remains.
+/// device, a pipe and a link whose target does not exist; the system's error if the folder is
+/// missing or the file cannot be written. No temporary file remains.
 pub fn write_whole(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
     let path = &replaceable(path)?;
     let temporary = temporary_in(folder_of(path))?;

@@ -15,8 +15,8 @@ pub(crate) struct MeshValue {
 
 /// Formal order of trilinear cells, which is also the highest accepted order.
 const FORMAL_ORDER: f64 = 2.0;
-/// Highest accepted order of values that depend on the position of a rim or a ridge between nodes. It
-/// is above the order of smooth figures whose second-order part vanishes.
+/// Highest accepted order of values that depend on the position of a rim or a ridge between nodes.
+/// It is above the order of smooth figures whose second-order part vanishes.
 pub(crate) const MAX_ORDER: f64 = 3.0;
 /// Lowest accepted order: with a lower one the limit is far from every mesh.
 const MIN_ORDER: f64 = 0.5;
@@ -30,13 +30,13 @@ const RANGE_FACTOR: f64 = 3.0;
 impl Measure {
     /// The limit of three similar meshes, from coarse to fine.
     ///
-    /// With errors c h^p, the order p follows from the three values, and with it the limit f3 + d, d
-    /// = (f3 - f2) h3^p / (h2^p - h3^p) (P. J. Roache, Annu. Rev. Fluid Mech. 29, 1997). The error of
-    /// the limit is (SAFETY_FACTOR - 1) |d| plus the difference between the d of the observed and of
-    /// the formal order. An observed order above the formal one is replaced by it; the difference of
-    /// d from the value that the coarser two meshes predict is then part of the error. Meshes
-    /// without an order between [`MIN_ORDER`] and infinity (they oscillate or do not converge) have
-    /// [`Measure::of_range`], and at least the error of the lowest order.
+    /// With errors c h^p, the order p follows from the three values, and with it the limit f3 + d,
+    /// d = (f3 - f2) h3^p / (h2^p - h3^p) (P. J. Roache, Annu. Rev. Fluid Mech. 29, 1997). The
+    /// error of the limit is (SAFETY_FACTOR - 1) |d| plus the difference between the d of the
+    /// observed and of the formal order. An observed order above the formal one is replaced by it;
+    /// the difference of d from the value that the coarser two meshes predict is then part of the
+    /// error. Meshes without an order between [`MIN_ORDER`] and infinity (they oscillate or do not
+    /// converge) have [`Measure::of_range`], and at least the error of the lowest order.
     pub(crate) fn richardson(meshes: [MeshValue; 3]) -> Self {
         let [h1, h2, h3] = meshes.map(|mesh| 1.0 / mesh.cells);
         let [f1, f2, f3] = meshes.map(|mesh| mesh.value);
@@ -78,9 +78,9 @@ impl Measure {
         }
     }
 
-    /// [`Measure::richardson`] for a figure that depends on the position of a rim or a ridge between
-    /// nodes as much as on the size of the cells: values that converge with more than the order
-    /// `highest` do so by chance, and have [`Measure::of_range`].
+    /// [`Measure::richardson`] for a figure that depends on the position of a rim or a ridge
+    /// between nodes as much as on the size of the cells: values that converge with more than the
+    /// order `highest` do so by chance, and have [`Measure::of_range`].
     pub(crate) fn richardson_at_rim(meshes: [MeshValue; 3], highest: f64) -> Self {
         let [h1, h2, h3] = meshes.map(|mesh| mesh.cells.powf(-highest));
         let [f1, f2, f3] = meshes.map(|mesh| mesh.value);
@@ -123,7 +123,8 @@ impl Measure {
         }
     }
 
-    /// The last of some values; its error is a multiple of their range, infinite for a single value.
+    /// The last of some values; its error is a multiple of their range, infinite for a single
+    /// value.
     pub(crate) fn of_range(values: &[f64]) -> Self {
         Measure {
             value: values.last().copied().unwrap_or(f64::NAN),
@@ -173,19 +174,19 @@ fn order_of(observed: f64, ratio: impl Fn(f64) -> f64) -> f64 {
 
 // The limit of a figure from all meshes, and the resolution of the next one.
 
-/// How a figure settles as cells get smaller.
+/// Convergence of a figure with the size of the cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Settling {
-    /// By an order, or not at all.
+    /// With an order, or not at all.
     #[default]
     ByOrder,
-    /// By an order, or oscillating: the peak of a smooth contact.
+    /// With an order, or oscillating: the peak of a smooth contact.
     Alternating,
-    /// By an order, or oscillating with errors of one sign or either: a peak at a ridge, as along a
+    /// With an order, or oscillating with errors of one sign or both: a peak at a ridge, as along a
     /// rounded edge, which lies anywhere between nodes.
     AtRidge,
-    /// Oscillating: the highest of many peaks, each of few cells, is sometimes one and sometimes
-    /// another.
+    /// Oscillating: the highest of many peaks of few cells each, which may differ from mesh to
+    /// mesh.
     Scatter,
 }
 
@@ -237,9 +238,9 @@ impl Sequence {
 
     /// The limit of fine meshes; `None` for less than three meshes, or if all have the same cells.
     ///
-    /// With three similar meshes the limit follows from their order. A peak that oscillates over all
-    /// similar meshes has the last value, with the error of [`Measure::of_alternating`], or at a
-    /// ridge and with many peaks that of [`Measure::of_scatter`] of the last three. Without three
+    /// With three similar meshes the limit follows from their order. A peak that oscillates over
+    /// all similar meshes has the last value, with the error of [`Measure::of_alternating`], or at
+    /// a ridge and with many peaks that of [`Measure::of_scatter`] of the last three. Without three
     /// similar meshes it is the last value with the spread of the last three meshes and of those
     /// between them and the last coarser one.
     pub fn limit(&self) -> Option<Measure> {
@@ -273,8 +274,8 @@ impl Sequence {
         let [coarser @ .., _, third] = similar else {
             return None;
         };
-        // The wider the ratio of cells, the smaller the effect of scatter; but the coarsest mesh must
-        // be in the asymptotic range.
+        // The wider the ratio of cells, the smaller the effect of scatter; but the coarsest mesh
+        // must be in the asymptotic range.
         let near = |mesh: &MeshValue| mesh.cells >= third.cells / MAX_RATIO;
         let last = coarser.len().checked_sub(1)?;
         let start = coarser.iter().position(near).unwrap_or(last);
@@ -324,16 +325,16 @@ fn is_monotone(meshes: &[MeshValue]) -> bool {
     values.clone().is_sorted() || values.rev().is_sorted()
 }
 
-/// Most times finer that the last of three meshes is than the first.
+/// Largest refinement ratio between the first and the last of three meshes.
 const MAX_RATIO: f64 = 3.0;
 
-/// How much finer the second and third mesh of a sequence are than the one before: the third has
-/// twice the cells of the first.
+/// Refinement ratio of the second and third mesh of a sequence: the third has twice the cells of
+/// the first.
 pub(crate) const REFINEMENT: f64 = std::f64::consts::SQRT_2;
 
-/// Cells of the first of three meshes that should reach the tolerance on a smooth contact. Where the
-/// pressure peaks at the hull's ends, meshes of fewer than [`ENDS`] cells are not in the asymptotic
-/// range. [`MAX_CELLS`] is enough for 0.01 %.
+/// Cells of the first of three meshes that should reach the tolerance on a smooth contact. Where
+/// the pressure peaks at the hull's ends, meshes of fewer than [`ENDS`] cells are not in the
+/// asymptotic range. [`MAX_CELLS`] is enough for 0.01 %.
 pub(crate) fn first_resolution(tolerance: f64, smooth: bool) -> f64 {
     const ENDS: f64 = 4.0;
     const MAX_CELLS: f64 = 20.0;
@@ -341,12 +342,11 @@ pub(crate) fn first_resolution(tolerance: f64, smooth: bool) -> f64 {
     (0.175 / tolerance.sqrt() + 1.25).clamp(least, MAX_CELLS)
 }
 
-/// Least ratio of cells of a mesh and the one before that gives information.
+/// Smallest refinement ratio of two meshes that gives information.
 pub(crate) const MIN_REFINEMENT: f64 = 1.25;
 
-/// How much finer than a mesh of so many times the tolerance's error the next one is to be: errors
-/// of second order, some room, and neither so near that it gives no information nor so far that it
-/// costs all.
+/// Refinement ratio of the next mesh if the error exceeds the tolerance by the factor `excess`: for
+/// errors of second order, with a margin, and within limits.
 pub(crate) fn next_refinement(excess: f64) -> f64 {
     (1.05 * excess.sqrt()).clamp(MIN_REFINEMENT, 1.6)
 }

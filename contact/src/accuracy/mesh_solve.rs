@@ -107,8 +107,8 @@ impl MeshSolve<'_> {
     }
 
     /// [`MAX_ITERATIONS`], more for nearly incompressible materials: the condition number of K with
-    /// its preconditioner, which does not couple components, is about (lambda + 2 mu) / mu, 4 at 1/3,
-    /// and iterations are proportional to its root.
+    /// its preconditioner, which does not couple components, is about (lambda + 2 mu) / mu, 4 at
+    /// 1/3, and iterations are proportional to its root.
     fn max_iterations(&self) -> usize {
         let materials = self.mesh.contact.bodies.iter().flat_map(|body| {
             let lower = body.stiffness.grid().and_then(TensorOperator::lower_layer);

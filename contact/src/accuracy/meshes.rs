@@ -3,9 +3,7 @@
 use std::cell::RefCell;
 
 use crate::accuracy::answer::SolvedMesh;
-use crate::accuracy::estimators::{
-    MIN_REFINEMENT, REFINEMENT, first_resolution, next_refinement,
-};
+use crate::accuracy::estimators::{MIN_REFINEMENT, REFINEMENT, first_resolution, next_refinement};
 use crate::accuracy::find_patch::find_patch;
 use crate::accuracy::mesh_solve::{Forces, MeshSolve};
 use crate::accuracy::own_cells::OwnCells;
@@ -28,10 +26,10 @@ pub(crate) const REGRADINGS: usize = 6;
 /// Largest number of times that the patch is widened; each time by all places found.
 const WIDENINGS: usize = 4;
 
-/// Fewest cells over half the patch where the limit of unknowns leaves no more.
+/// Smallest number of cells over half the patch, if the limit of unknowns does not allow more.
 pub(crate) const MIN_CELLS: f64 = 2.0;
 
-/// What is known of a problem, mesh by mesh.
+/// The solution of a problem on a sequence of meshes.
 pub(crate) struct Meshes<'a> {
     checked: CheckedProblem<'a>,
     /// The expected contact, and the last forces.
@@ -260,8 +258,8 @@ pub(crate) enum Verdict {
     Refine(Plan),
     /// The runner touches where contact was not expected.
     Widen(Vec<Penetration>),
-    /// Another mesh is needed and would have too many unknowns, or finer cells than the runner's own
-    /// hexahedra; with the limits of the meshes, if known.
+    /// Another mesh is needed and would have too many unknowns, or finer cells than the runner's
+    /// own hexahedra; with the limits of the meshes, if known.
     OutOfReach(Option<Limits>),
 }
 
@@ -269,7 +267,8 @@ impl Meshes<'_> {
     /// The decision after the last mesh, `contact`.
     pub fn judge(&self, contact: &SolvedMesh) -> Verdict {
         let verdict = self.judge_accuracy(contact);
-        // Uneven ice is in contact at many places, which are added before the first ones are refined.
+        // Uneven ice is in contact at many places, which are added before the first ones are
+        // refined.
         let early = self.solved.similar() <= 1 && self.checked.problem.ice_surface.is_some();
         if matches!(verdict, Verdict::Refine(_)) && !early {
             return verdict;

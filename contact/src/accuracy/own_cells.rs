@@ -16,9 +16,9 @@ pub(crate) struct OwnCells {
 }
 
 /// Bound of the ratio of a peak's relative error to w / (1 - w) / n^2. For 25 contacts of a
-/// paraboloid with the exact peak by Hankel transforms (2 to 6 cells over half the patch, runners of
-/// 6 to 75 GPa on ice of 9, an edge or a face's middle at the lowest point) the ratio is at most 0.95
-/// at two cells, 0.7 at three, 0.5 from four on.
+/// paraboloid with the exact peak by Hankel transforms (2 to 6 cells over half the patch, runners
+/// of 6 to 75 GPa on ice of 9, an edge or a face's middle at the lowest point) the ratio is at most
+/// 0.95 at two cells, 0.7 at three, 0.5 from four on.
 const MAX_ERROR_RATIO: f64 = 1.0;
 /// Weight of a cell's height relative to its length and width: the error of cells twice as high is
 /// 2.5 times that of cubes, of cells three times as high four times.
@@ -45,15 +45,15 @@ impl OwnCells {
     }
 
     /// Number of cells of ice over half the patch with the same error as the runner's own n: with
-    /// errors proportional to 1 / cells^2 and to each body's fraction of the compliance, the runner's
-    /// is w / n^2, the same as with n / sqrt(w) cells of ice. Finer ice gives no information on the
-    /// runner's error, and resolves the edges of its faces as ridges.
+    /// errors proportional to 1 / cells^2 and to each body's fraction of the compliance, the
+    /// runner's is w / n^2, the same as with n / sqrt(w) cells of ice. Finer ice gives no
+    /// information on the runner's error, and resolves the edges of its faces as ridges.
     pub fn ice_cells(self) -> f64 {
         (self.cells / self.share.sqrt()).max(MIN_CELLS)
     }
 
-    /// Relative errors due to faces that cannot follow the runner's deformation: C w / (1 - w) / n^2
-    /// of the peak.
+    /// Relative errors due to faces that cannot follow the runner's deformation: C w / (1 - w) /
+    /// n^2 of the peak.
     ///
     /// The runner takes the fraction w of a contact's curvature 1 / R, and n cells over half the
     /// patch a have an error of the surface of w h^2 / (4 R), h = a / n. The ice alone flattens it,

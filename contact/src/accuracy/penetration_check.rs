@@ -1,4 +1,4 @@
-//! Where the runner touches outside of where contact was expected.
+//! Search for contact outside the expected patch.
 
 use kufe_fem::boussinesq;
 use rayon::prelude::*;
@@ -12,7 +12,7 @@ use crate::mesh::discretise::expected;
 use crate::motion::dot;
 use crate::problem::check::CheckedProblem;
 
-/// A place where runner and ice would lie in one another.
+/// A place where runner and ice penetrate each other.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Penetration {
     /// x and y [m].
@@ -26,16 +26,18 @@ const STATIONS: usize = 400;
 const POINTS: usize = 60;
 /// Steps of a search between two of them.
 const STEPS: usize = 40;
-/// Depth over the approach that counts: what is less carries a thousandth of the load at most.
+/// Smallest ratio of a penetration's depth to the approach that counts: smaller ones carry at most
+/// a thousandth of the load.
 const MIN_DEPTH: f64 = 1e-2;
-/// The same between nodes where contact is expected: what remains of a scan's noise there is less.
+/// Smallest such ratio between nodes of the expected contact: the remaining noise of a scan is
+/// below.
 const MIN_DEPTH_BETWEEN: f64 = 0.2;
-/// A place of contact shorter than this part of a stretch's half has cells of its own: the
-/// stretch's may all miss it.
+/// Largest ratio of a place of contact to half of its stretch for which it has cells of its own:
+/// all nodes of the stretch might miss it.
 const NARROW: f64 = 0.35;
 
-/// How far a curved surface may lie below what is interpolated between the corners of a cell, over
-/// the range of its values there.
+/// Largest depth of a curved surface below the interpolation between the corners of a cell,
+/// relative to the range of its values there.
 const CURVED: f64 = 0.5;
 
 /// The gap of a solved mesh anywhere on the plane.
@@ -109,9 +111,9 @@ impl<'a> DeformedGap<'a> {
         undeformed - closing
     }
 
-    /// Penetrations outside the expected contact: on a bounded hull the deepest place of each valley
-    /// along it, in order, and the minima of measured surfaces, the latter also between nodes of the
-    /// expected contact.
+    /// Penetrations outside the expected contact: on a bounded hull the deepest place of each
+    /// valley along it, in order, and the minima of measured surfaces, the latter also between
+    /// nodes of the expected contact.
     pub fn penetrations(&self) -> Vec<Penetration> {
         let mut found = if self.checked.problem.runner.is_bounded() {
             self.valleys()
@@ -182,7 +184,9 @@ impl<'a> DeformedGap<'a> {
                 depth: -height(at[0], at[1]),
             }
         });
-        found.filter(|at| at.depth > MIN_DEPTH * self.depth).collect()
+        found
+            .filter(|at| at.depth > MIN_DEPTH * self.depth)
+            .collect()
     }
 
     /// The patch extended by these places of contact.
@@ -254,8 +258,8 @@ fn resolve(stretch: &mut Stretch, part: &Stretch) {
     }
 }
 
-/// The place of the smallest value within `reach` of `middle` and within the ends, by golden-section
-/// search (J. Kiefer, 1953).
+/// The place of the smallest value within `reach` of `middle` and within the ends, by
+/// golden-section search (J. Kiefer, 1953).
 fn least(value: impl Fn(f64) -> f64, middle: f64, reach: f64, ends: [f64; 2]) -> f64 {
     let golden = 0.5 * (5f64.sqrt() - 1.0);
     let (mut low, mut high) = ((middle - reach).max(ends[0]), (middle + reach).min(ends[1]));

@@ -26,14 +26,14 @@ pub(crate) struct FigureHistory {
     floor: ErrorFloor,
 }
 
-/// Relative errors that refinement does not reduce; independent of those estimated from meshes,
-/// they are added as root sum square.
+/// Relative errors that refinement does not reduce. They are independent of the errors estimated
+/// from meshes and added in quadrature.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ErrorFloor {
-    /// Of the peak and of the area, which depend on the compliance by the same power. Lengths have
-    /// half of it.
+    /// Error of the peak and of the area, which depend on the compliance by the same power; that of
+    /// lengths is half of it.
     pub peak: f64,
-    /// Of the approach.
+    /// Error of the approach.
     pub approach: f64,
 }
 
@@ -70,8 +70,8 @@ pub(crate) struct Place {
     pub at_ridge: bool,
 }
 
-/// Uncertainty of a rim without yielding ice next to it, in cells: rims of 141 elliptic contacts have
-/// errors of up to 0.11 cells, of one sign on all meshes.
+/// Uncertainty of a rim without yielding ice next to it, in cells: rims of 141 elliptic contacts
+/// have errors of up to 0.11 cells, of one sign on all meshes.
 const RIM_SHARE: f64 = 0.125;
 
 impl FigureHistory {
@@ -192,9 +192,9 @@ impl FigureHistory {
         }
     }
 
-    /// Difference of the last mesh's area between two estimators of the rim. Next to yielding ice they
-    /// can agree by chance on one mesh, so the largest difference on three meshes is used, scaled by
-    /// the ratio of their cells.
+    /// Difference of the last mesh's area between two estimators of the rim. Next to yielding ice
+    /// they can agree by chance on one mesh, so the largest difference on three meshes is used,
+    /// scaled by the ratio of their cells.
     fn area_off(&self) -> f64 {
         let meshes = if self.is_fixed() { 3 } else { 1 };
         let off = |mesh: &MeshValue| mesh.value * mesh.cells / self.area.cells();
@@ -220,10 +220,10 @@ impl FigureHistory {
 
     /// The error of the last mesh's length or width.
     ///
-    /// The error is at least [`RIM_SHARE`] of a cell at each end without yielding ice, even if meshes
-    /// agree. At an end with yielding ice it is between one third and two thirds of a cell: the root
-    /// mean square error of the widths and lengths of 180 contacts was a third of that, three of
-    /// these 360 exceeded it, and the worst was 1.3 times as large.
+    /// The error is at least [`RIM_SHARE`] of a cell at each end without yielding ice, even if
+    /// meshes agree. At an end with yielding ice it is between one third and two thirds of a cell:
+    /// the root mean square error of the widths and lengths of 180 contacts was a third of that,
+    /// three of these 360 exceeded it, and the worst was 1.3 times as large.
     fn extent_error(&self, extent: &Sequence, off: f64) -> f64 {
         let cell = 0.5 * extent.value() / extent.cells();
         let found = if self.is_fixed() {
@@ -248,7 +248,8 @@ impl FigureHistory {
             (self.hardness, 0.0, AREA_WEIGHT * area_error / last.area)
         } else {
             let value = peak.value.min(self.hardness);
-            // This error has one sign on all meshes and is not seen by their comparison: it is added.
+            // This error has one sign on all meshes and is not seen by their comparison: it is
+            // added.
             let error = peak.error.hypot(self.floor.peak * value) + self.missed * value;
             (value, error, error / value)
         };
@@ -273,9 +274,9 @@ impl FigureHistory {
     }
 }
 
-/// The error of the last mesh's area, length or width: the distance from the limit, and at least the
-/// range of the meshes and the difference of two estimators of the rim, since rims of coarse meshes
-/// can seem to converge.
+/// The error of the last mesh's area, length or width: the distance from the limit, and at least
+/// the range of the meshes and the difference of two estimators of the rim, since rims of coarse
+/// meshes can seem to converge.
 fn rims_error(figure: &Sequence, off: f64) -> f64 {
     let by_limit = figure.last().error_of(figure.value());
     by_limit.max(figure.range()).max(off)
@@ -310,8 +311,8 @@ impl ShearHistory {
     }
 
     /// The limit of the shear, and the last mesh's depth, with their errors. These include the
-    /// relative errors that refinement does not reduce: `floor`, which is independent, and `missed`,
-    /// which has one sign on all meshes. `None` if the last mesh gives no value.
+    /// relative errors that refinement does not reduce: `floor`, which is independent, and
+    /// `missed`, which has one sign on all meshes. `None` if the last mesh gives no value.
     pub fn under_peak(&self, floor: f64, missed: f64) -> Option<UnderPeak> {
         let depth = self.depth.value();
         if depth.is_nan() {

@@ -1,5 +1,5 @@
-//! An elastic body under or over the contact plane: forces from displacements, and displacements
-//! from forces.
+//! An elastic body under or over the contact plane: its stiffness, preconditioner and trace on the
+//! plane.
 
 use std::sync::Arc;
 
@@ -15,8 +15,8 @@ use crate::precondition::factored::{FactoredInverse, Mortar};
 use crate::precondition::mounted::MountedInverse;
 use crate::precondition::planewise::{Columns, InverseWork, PlanewiseInverse, Side};
 
-/// A body with its stiffness K, a preconditioner M of it, and the trace B with which it meets the
-/// contact plane.
+/// A body with its stiffness K, a preconditioner M of K, and the trace B from its displacements to
+/// the closing of the gap on the contact plane.
 ///
 /// Plane values have one number for each node of the contact plane, x fastest; displacement vectors
 /// hold component after component.
@@ -57,8 +57,8 @@ macro_rules! each {
     };
 }
 
-/// Vectors that one body's products and preconditioner reuse: displacements and forces by nodes, and
-/// the forces of cells on their corners.
+/// Vectors that one body's products and preconditioner reuse: displacements and forces by nodes,
+/// and the forces of cells on their corners.
 pub(crate) struct BodyWork {
     displacement: Vec<f64>,
     force: Vec<f64>,

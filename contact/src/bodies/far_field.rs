@@ -20,8 +20,8 @@ pub(crate) struct PointForce {
 const LUMPS: f64 = 8.0;
 
 /// Gathers nodal forces into lumps at their centres of force, mirrored where symmetry was used: 8
-/// along the longer side, fewer along the shorter in proportion. The error of a lump is proportional
-/// to the square of the ratio of its size to the distance.
+/// along the longer side, fewer along the shorter in proportion. The error of a lump is
+/// proportional to the square of the ratio of its size to the distance.
 pub(crate) fn lumps(x: &[f64], y: &[f64], force: &[f64], symmetry: [bool; 2]) -> Vec<PointForce> {
     let touched = |i: usize, j: usize| force[j * x.len() + i] > 0.0;
     let columns = (0..x.len()).filter(|&i| (0..y.len()).any(|j| touched(i, j)));
@@ -64,8 +64,8 @@ pub(crate) fn lumps(x: &[f64], y: &[f64], force: &[f64], symmetry: [bool; 2]) ->
 /// Writes the half-space's displacements under `lumps` onto the outer faces of the grid.
 ///
 /// Outer faces are the end of z away from the contact, and the ends of x and y that are not mirror
-/// planes. `displacement` holds component after component. A half-space above the plane is the mirror
-/// image of one below.
+/// planes. `displacement` holds component after component. A half-space above the plane is the
+/// mirror image of one below.
 pub(crate) fn prescribe(
     grid: &TensorGrid,
     symmetry: [bool; 2],

@@ -12,18 +12,19 @@ use crate::problem::check::solid_material;
 use crate::problem::mount::{LoadedPlace, spread_along};
 use crate::{ElasticRunner, Error, Load, Mount, Problem};
 
-/// Cells in the runner are this much larger than in the ice under them: steel's share of the
-/// approach is small.
+/// Ratio of the size of cells in the runner to those in the ice: steel contributes little to the
+/// approach.
 const COARSER: f64 = 2.0;
-/// In a runner that bends layers grow up to this part of its height. Without end, its approach on
-/// two bridges is 3 % less with 3 cells over half the patch, 1.6 % with 6.
+/// In a bending runner, layers grow up to its height divided by this number. With unlimited growth,
+/// the approach of a runner on two bridges is 3 % too small with 3 cells over half the patch, 1.6 %
+/// with 6.
 const GROWING: f64 = 3.0;
-/// Fewest and most knots of a whole runner's beam motions.
+/// Smallest and largest number of knots of a whole runner's beam motions.
 const KNOTS: [f64; 2] = [25.0, 61.0];
-/// Share of the consistent mass that keeps the averaged one definite.
+/// Fraction of the consistent mass that keeps the averaged one definite.
 const MASS_FRACTION: f64 = 1e-6;
 
-/// What an elastic runner is meshed from.
+/// Input for the mesh of an elastic runner.
 pub(crate) struct RunnerPlan<'a> {
     pub problem: &'a Problem,
     pub elastic: &'a ElasticRunner,
@@ -40,9 +41,9 @@ pub(crate) struct RunnerPlan<'a> {
 impl RunnerPlan<'_> {
     /// The runner as a body of the contact problem, with its mesh.
     ///
-    /// An unbounded hull is a half-space above the plane, on the mirrored grid of the ice. A bounded
-    /// hull is meshed on the columns under it; its ends and sides are free, and its mount fixes its
-    /// top.
+    /// An unbounded hull is a half-space above the plane, on the mirrored grid of the ice. A
+    /// bounded hull is meshed on the columns under it; its ends and sides are free, and its mount
+    /// fixes its top.
     pub fn body(&self) -> Result<(ElasticBody, HexMesh), Error> {
         let elastic = self.elastic;
         let (modulus, ratio) = (elastic.youngs_modulus, elastic.poissons_ratio);
@@ -122,8 +123,8 @@ impl RunnerPlan<'_> {
         let length = extent[1] - extent[0];
         let faces = fixed_faces(symmetry, false, [false; 2]);
         let mut operator = TensorOperator::new(grid, section.material, faces);
-        // The body is not constrained on faces: its rigid motions get a small stiffness in P, and the
-        // mount is a constraint.
+        // The body is not constrained on faces: its rigid motions get a small stiffness in P, and
+        // the mount is a constraint.
         let axis = &mut operator.axes[0];
         for (k, m) in axis.stiffness.iter_mut().zip(&axis.mass) {
             for d in 0..3 {
@@ -153,8 +154,8 @@ impl RunnerPlan<'_> {
     }
 }
 
-/// The solid's hexahedra over the columns of `grid`, and the box with as many layers that represents
-/// it in the preconditioner.
+/// The solid's hexahedra over the columns of `grid`, and the box with as many layers that
+/// represents it in the preconditioner.
 fn mapped(
     problem: &Problem,
     elastic: &ElasticRunner,
@@ -257,7 +258,8 @@ fn beam_space(
 /// The nodes (i, j) of the top that the mount fixes, by component, except those that mirror planes
 /// fix already.
 ///
-/// A runner without fixed nodes gets three points with zero reaction, which fix its six rigid motions.
+/// A runner without fixed nodes gets three points with zero reaction, which fix its six rigid
+/// motions.
 pub(crate) fn fixed_nodes(
     mount: &Mount,
     grid: &TensorGrid,
@@ -301,7 +303,8 @@ pub(crate) fn load_of(
     let Load::Force { fz, offset_y, .. } = problem.load else {
         return forces;
     };
-    // Distributed to the two rows of nodes next to the line of action; half of it on a mirror plane.
+    // Distributed to the two rows of nodes next to the line of action; half of it on a mirror
+    // plane.
     let row = grid.y.partition_point(|&y| y <= offset_y).clamp(1, ny - 1) - 1;
     let part = ((offset_y - grid.y[row]) / (grid.y[row + 1] - grid.y[row])).clamp(0.0, 1.0);
     let half = if symmetry[1] { 0.5 } else { 1.0 };

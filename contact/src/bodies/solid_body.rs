@@ -8,8 +8,8 @@ use crate::RunnerSolid;
 use crate::bodies::elastic_body::{ElasticBody, Inverse, Stiffness, Trace};
 use crate::precondition::factored::{FactoredInverse, Mortar, mortar_rows};
 
-/// A solid with its factor as exact preconditioner, connected by a mortar with the plane of the ice's
-/// `grid`.
+/// A solid with its factor as exact preconditioner, connected by a mortar with the plane of the
+/// ice's `grid`.
 pub(crate) fn solid_body(solid: &Arc<RunnerSolid>, grid: &TensorGrid) -> ElasticBody {
     let place = |node: usize| solid.surface.partition_point(|&s| s < node);
     let faces: Vec<_> = solid

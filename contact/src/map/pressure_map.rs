@@ -240,8 +240,8 @@ fn pressure(field: &SurfaceField, fz: f64, bound: f64, along: &Axis, across: &Ax
 
 /// Scales the pressures to the requested sum, p <- p (1 + c (1 - (p / p_top)^2)).
 ///
-/// The error of the interpolation lies near the rim; the peak and a plateau at the ice's hardness do
-/// not change. The factor c is limited to a tenth.
+/// The error of the interpolation lies near the rim; the peak and a plateau at the ice's hardness
+/// do not change. The factor c is limited to a tenth.
 fn carry(pressure: &mut [f64], sum: f64) {
     let top = pressure.iter().copied().fold(0.0, f64::max);
     let share = |p: f64| 1.0 - (p / top).powi(2);
@@ -258,9 +258,10 @@ fn carry(pressure: &mut [f64], sum: f64) {
 /// A piecewise cubic through values on increasing nodes; NaN marks nodes without a value.
 ///
 /// Slopes come from the parabola through a node and its neighbours (one-sided next to a gap), so
-/// parabolas are reproduced exactly. A cell with a NaN end is a gap. Between two values that are not
-/// positive the value is not positive; between two positive ones it is not lower than both; and from
-/// a positive to a non-positive one it falls monotonically, however steep the adjacent cells are.
+/// parabolas are reproduced exactly. A cell with a NaN end is a gap. Between two values that are
+/// not positive the value is not positive; between two positive ones it is not lower than both; and
+/// from a positive to a non-positive one it falls monotonically, however steep the adjacent cells
+/// are.
 pub struct Hermite<'a> {
     nodes: &'a [f64],
     values: &'a [f64],

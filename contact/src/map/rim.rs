@@ -27,15 +27,15 @@ const MIN_OVERLAP: f64 = 0.1;
 /// not at a node. The pressure of a node next to the rim is a mean over its hat function, which
 /// reaches out of the contact.
 ///
-/// - Nodes with an open node among their eight neighbours, and these open nodes, take the value of a
-///   paraboloid through the nodes around them (weighted least squares), which the inner nodes
+/// - Nodes with an open node among their eight neighbours, and these open nodes, take the value of
+///   a paraboloid through the nodes around them (weighted least squares), which the inner nodes
 ///   dominate.
-/// - If the paraboloid does not fall outwards (at an edge of the hull) or has too few nodes, the rim
-///   lies half-way between nodes.
+/// - If the paraboloid does not fall outwards (at an edge of the hull) or has too few nodes, the
+///   rim lies half-way between nodes.
 /// - Next to nodes at the hardness, `bound` [Pa], the rim lies where the ice begins to yield: where
 ///   the overlap with the elastic surface is zero or, in sliding, where the groove begins.
-/// - A node there with a pressure below the hardness, in ice that has not yielded, is crossed by the
-///   rim: at half the hardness, half of its hat function is in contact.
+/// - A node there with a pressure below the hardness, in ice that has not yielded, is crossed by
+///   the rim: at half the hardness, half of its hat function is in contact.
 pub fn squared_pressure(field: &SurfaceField, bound: f64) -> Vec<f64> {
     let square: Vec<f64> = field.pressure.iter().map(|p| p * p).collect();
     let nodes = Nodes::new(field, &square);
@@ -69,7 +69,8 @@ pub fn squared_pressure(field: &SurfaceField, bound: f64) -> Vec<f64> {
     let ended = |n: usize| {
         nodes.place[n] == Place::Open && fitted[n] < 0.5 * mean(n) && !jumps(n) && !walled(n)
     };
-    // The gap over the ice before it yields; a groove behind the runner is not the beginning of a rim.
+    // The gap over the ice before it yields; a groove behind the runner is not the beginning of a
+    // rim.
     let before = |n: usize| match field.gap[n] - field.yielded[n] {
         gap if gap >= 0.0 => gap,
         _ => f64::NAN,

@@ -34,8 +34,8 @@ impl Problem {
         }
     }
 
-    /// Compliance of both bodies as half-spaces, 1 / E* [1/Pa]: (1 - nu^2) / E of the ice plus, where
-    /// it is elastic, that of the runner.
+    /// Compliance of both bodies as half-spaces, 1 / E* [1/Pa]: (1 - nu^2) / E of the ice plus,
+    /// where it is elastic, that of the runner.
     pub fn compliance(&self) -> f64 {
         let runner = self.runner.elastic.as_ref();
         self.ice.compliance() + runner.map_or(0.0, ElasticRunner::compliance)
@@ -147,8 +147,8 @@ pub struct ElasticRunner {
     /// Largest slope of the meshed solid's underside; `None` for the default of its mount
     /// ([`Mount::flank`]).
     ///
-    /// Where the hull is steeper, the solid continues straight at this slope: it has more steel next
-    /// to the contact, the gap does not change.
+    /// Where the hull is steeper, the solid continues straight at this slope: it has more steel
+    /// next to the contact, the gap does not change.
     pub flank: Option<f64>,
     /// Unstructured hexahedra of the runner; `None` if it is meshed on the ice's columns.
     pub solid: Option<Arc<RunnerSolid>>,

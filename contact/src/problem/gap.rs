@@ -94,9 +94,9 @@ impl<'a> Gap<'a> {
             + roll * (y - y0)
     }
 
-    /// Height [m] of the tilted underside at (x, y), relative to the line of action [m]: the hull is
-    /// rotated about the line of action on the contact plane by the fixed roll about x, then by the
-    /// fixed pitch about y.
+    /// Height [m] of the tilted underside at (x, y), relative to the line of action [m]: the hull
+    /// is rotated about the line of action on the contact plane by the fixed roll about x, then by
+    /// the fixed pitch about y.
     ///
     /// The point of the underside that is rotated to (x, y) is found by fixed-point iteration. It
     /// contracts where slope times tilt is below 1; steeper flanks are not near the ice.

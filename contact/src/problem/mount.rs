@@ -42,8 +42,8 @@ pub enum Mount {
     Loads(Vec<LoadedPlace>),
 }
 
-/// Smallest number of cells along a mounted runner per cell over half the patch, so that its bending
-/// is resolved and converges with the contact.
+/// Smallest number of cells along a mounted runner per cell over half the patch, so that its
+/// bending is resolved and converges with the contact.
 const CELLS_ALONG: f64 = 10.0;
 /// Number of cells over a place per cell over half the patch.
 const CELLS_A_PLACE: f64 = 1.0;
@@ -51,10 +51,10 @@ const CELLS_A_PLACE: f64 = 1.0;
 impl Mount {
     /// Default limit of the slope of the meshed underside.
     ///
-    /// A runner that is fixed all over its top does not bend, and a gentle flank does no harm. Where
-    /// the runner bends, the limit adds steel: 0.35 adds 4.1 per cent to the bending stiffness of a
-    /// runner with a half circle for its section, 10 mm x 30 mm, and 0.5 takes up to a fifth more
-    /// iterations.
+    /// A runner that is fixed all over its top does not bend, and a gentle flank does no harm.
+    /// Where the runner bends, the limit adds steel: 0.35 adds 4.1 per cent to the bending
+    /// stiffness of a runner with a half circle for its section, 10 mm x 30 mm, and 0.5 takes up to
+    /// a fifth more iterations.
     pub fn flank(&self) -> f64 {
         match self {
             Mount::Top => 0.25,

@@ -27,8 +27,8 @@ pub struct RunnerSolid {
     heights: Vec<f64>,
     /// Nodes of the underside.
     pub(crate) surface: Vec<usize>,
-    /// Vertical displacements of the underside's nodes under 1 N on one of them, by that node: those
-    /// requested so far [m/N].
+    /// Vertical displacements of the underside's nodes under 1 N on one of them, by that node:
+    /// those requested so far [m/N].
     responses: Mutex<HashMap<usize, Vec<f64>>>,
 }
 

@@ -16,8 +16,8 @@ pub struct Asperity {
 }
 
 impl SurfaceField {
-    /// The asperities in contact, the largest force first. Two nodes with pressure belong to the same
-    /// asperity if they are neighbours on a line of the grid.
+    /// The asperities in contact, the largest force first. Two nodes with pressure belong to the
+    /// same asperity if they are neighbours on a line of the grid.
     ///
     /// ```
     /// use kufe_contact::SurfaceField;

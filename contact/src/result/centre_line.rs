@@ -47,8 +47,8 @@ impl CentreLine {
         self.stress.iter().map(|&s| maximum_shear(s)).collect()
     }
 
-    /// The largest maximum shear stress and its depth, with stresses cubic between depths; `None` if
-    /// it is largest at an end of the line.
+    /// The largest maximum shear stress and its depth, with stresses cubic between depths; `None`
+    /// if it is largest at an end of the line.
     ///
     /// Under a circular Hertz contact of radius a it is 0.310 p_max at 0.481 a, under a line
     /// contact of half-width b 0.300 p_max at 0.786 b, for a Poisson's ratio of 0.3 (K. L. Johnson,
@@ -203,8 +203,8 @@ impl SubsurfaceField<'_> {
         }
     }
 
-    /// The node of the highest pressure; of several equal ones, as in yielding ice, the node nearest
-    /// to their middle.
+    /// The node of the highest pressure; of several equal ones, as in yielding ice, the node
+    /// nearest to their middle.
     fn highest(&self, pressure: &[f64]) -> [usize; 2] {
         let nx = self.grid.x.len();
         let highest = HIGHEST * pressure.iter().copied().fold(0.0, f64::max);
@@ -227,8 +227,8 @@ impl SubsurfaceField<'_> {
         nearest.map_or([0, 0], |&n| [n % nx, n / nx])
     }
 
-    /// Vertex of the parabola through the pressures of a node and its neighbours; the node itself if
-    /// a neighbour is open or all three are equal.
+    /// Vertex of the parabola through the pressures of a node and its neighbours; the node itself
+    /// if a neighbour is open or all three are equal.
     fn vertex(&self, nodes: &[f64], k: usize, axis: usize, pressure: impl Fn(usize) -> f64) -> f64 {
         let inside = k > 0 && k + 1 < nodes.len();
         if !inside || (self.symmetry[axis] && nodes[k] == 0.0) {

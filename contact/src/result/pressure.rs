@@ -61,10 +61,10 @@ impl<'a> Field<'a> {
 
     /// Gaps at the nodes, negative where the runner overlaps with the ice's elastic surface [m].
     ///
-    /// A node at a fraction s of the hardness H has no gap of its own. Next to a jump of the pressure
-    /// its surface sinks by its own load; raised by half of that, as at a rim through the node, the
-    /// gap is (1/2 - s) H w, with w the depth of a half-space under unit pressure on the node's own
-    /// part of the plane ([`love_depth`]).
+    /// A node at a fraction s of the hardness H has no gap of its own. Next to a jump of the
+    /// pressure its surface sinks by its own load; raised by half of that, as at a rim through the
+    /// node, the gap is (1/2 - s) H w, with w the depth of a half-space under unit pressure on the
+    /// node's own part of the plane ([`love_depth`]).
     fn gaps(&self, state: &State) -> Vec<f64> {
         let contact = &self.mesh.contact;
         let mut gaps = contact.gaps(state);
@@ -116,8 +116,8 @@ impl<'a> Field<'a> {
     /// The patch that a pressure field covers, with the cell sizes that resolve it.
     ///
     /// Sizes start from those of the patch that the mesh was made for. They are kept where no mesh
-    /// resolves the pressure: it is singular where the contact ends at a sharp edge of the hull, and
-    /// jumps from the hardness to 0 at a rim where the ice yields.
+    /// resolves the pressure: it is singular where the contact ends at a sharp edge of the hull,
+    /// and jumps from the hardness to 0 at a rim where the ice yields.
     fn found_patch(&self, field: &PressureField, pressure: &[f64], state: &State) -> Patch {
         let before = self.patch;
         let [mut x, mut y] = [0, 1].map(|axis| {

@@ -14,8 +14,8 @@ pub(crate) enum RimEstimator {
     Cells,
 }
 
-/// Zero of p^2 outside the outermost node in contact; `None` if it is no parabola there, or a rising
-/// one.
+/// Zero of p^2 outside the outermost node in contact; `None` if it is no parabola there, or a
+/// rising one.
 ///
 /// p^2 of a Hertz contact is a parabola along every line. The mean of the outermost node is biased
 /// (its hat reaches out of the contact), so the parabola goes through the next three nodes inside;
@@ -148,9 +148,9 @@ const GAUSS: [(f64, f64); 5] = [
 /// pressure), and the two open nodes (place, gap) outside them.
 ///
 /// Next to a smooth contact the gap grows with the distance to the power 3/2 (K. L. Johnson,
-/// Contact Mechanics, 1985, section 5.1), so that its power 2/3 is a line. The force on the outermost
-/// node needs a contact of at least its ratio to the `bound`.
-/// [`Line::rim_of_yielding`] treats a pressure that jumps next to the node.
+/// Contact Mechanics, 1985, section 5.1), so that its power 2/3 is a line. The force on the
+/// outermost node needs a contact of at least its ratio to the `bound`. [`Line::rim_of_yielding`]
+/// treats a pressure that jumps next to the node.
 fn rim_by_gap(
     inside: [(f64, f64); 2],
     open: [Option<(f64, f64)>; 2],
@@ -183,8 +183,8 @@ impl Line<'_> {
     /// Stretches of positive pressure with sub-cell resolution.
     ///
     /// If the estimator `by` finds no end, the end is the outer one of [`rim_by_gap`] and
-    /// [`Line::rim_of_yielding`]; if neither exists, it is half-way to the next node. A mirror plane
-    /// at the first node is the start of a stretch that touches it.
+    /// [`Line::rim_of_yielding`]; if neither exists, it is half-way to the next node. A mirror
+    /// plane at the first node is the start of a stretch that touches it.
     pub fn chords(&self, by: RimEstimator) -> Vec<[f64; 2]> {
         let touching = |k: &usize| self.pressure[*k] > 0.0;
         let touching: Vec<usize> = (0..self.nodes.len()).filter(touching).collect();
@@ -252,8 +252,8 @@ impl Line<'_> {
         by_gap.into_iter().chain(yields).reduce(farther)
     }
 
-    /// End of yielding outside `end`, the outermost node in contact; `None` if neither that node nor
-    /// the next one inside is at the hardness.
+    /// End of yielding outside `end`, the outermost node in contact; `None` if neither that node
+    /// nor the next one inside is at the hardness.
     ///
     /// The pressure is the hardness wherever the runner overlaps with the elastic surface of the
     /// ice. The overlap crosses zero steeply at a rim; the pressure shows only between which nodes.
@@ -282,8 +282,8 @@ impl Line<'_> {
     }
 }
 
-/// Zero of the overlap with the elastic surface of the ice between the outermost node, which yields,
-/// and the `open` one (place, overlap): that of the parabola through both and the next node
+/// Zero of the overlap with the elastic surface of the ice between the outermost node, which
+/// yields, and the `open` one (place, overlap): that of the parabola through both and the next node
 /// `within`, or of the line if that node's overlap is unknown. `None` if the open node has no gap
 /// or, outside the hull, an infinite one.
 pub(crate) fn rim_by_overlap(
@@ -307,8 +307,8 @@ pub(crate) fn rim_by_overlap(
     Some(outermost.0 + step * crossing(inside, outside, bend * step * step))
 }
 
-/// Zero in [0, 1] of the parabola with the values `inside` >= 0 at 0 and `-outside` < 0 at 1 and the
-/// quadratic coefficient `bend`.
+/// Zero in [0, 1] of the parabola with the values `inside` >= 0 at 0 and `-outside` < 0 at 1 and
+/// the quadratic coefficient `bend`.
 fn crossing(inside: f64, outside: f64, bend: f64) -> f64 {
     if inside <= 0.0 {
         return 0.0;

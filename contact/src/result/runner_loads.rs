@@ -108,8 +108,8 @@ fn on_mount(elastic: &ElasticRunner, field: &RunnerField) -> Vec<bool> {
     points.iter().map(fixed).collect()
 }
 
-/// Groups of `on` nodes that are connected over faces with all corners `on`; the remaining nodes are
-/// grouped by cells.
+/// Groups of `on` nodes that are connected over faces with all corners `on`; the remaining nodes
+/// are grouped by cells.
 fn parts(mesh: &HexMesh, on: &[bool]) -> Vec<Vec<usize>> {
     let mut above: Vec<usize> = (0..on.len()).collect();
     let mut join = |nodes: &[usize]| {
@@ -150,8 +150,8 @@ fn root(above: &mut [usize], mut node: usize) -> usize {
 /// Place of a node and force on the mount there [m], [N].
 type NodeForce = [[f64; 3]; 2];
 
-/// The forces on a part of the mount and its mirror images: one force if the part touches the mirror
-/// plane, separate ones otherwise.
+/// The forces on a part of the mount and its mirror images: one force if the part touches the
+/// mirror plane, separate ones otherwise.
 fn unfolded(part: &[NodeForce], von_mises: f64, symmetry: [bool; 2]) -> Vec<MountForce> {
     let meets =
         [0, 1].map(|axis| symmetry[axis] && part.iter().any(|[place, _]| place[axis] == 0.0));

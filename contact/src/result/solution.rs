@@ -80,8 +80,8 @@ pub struct Solution {
     pub runner_volume: Option<RunnerField>,
     /// The mirror planes that were used, x = 0 and y = 0.
     pub symmetry: [bool; 2],
-    /// Assembled stiffness of the finest mesh, first of the ice, then of an elastic runner; empty if
-    /// the stiffness was not assembled.
+    /// Assembled stiffness of the finest mesh, first of the ice, then of an elastic runner; empty
+    /// if the stiffness was not assembled.
     pub assembled: Vec<AssembledBody>,
 }
 
@@ -149,8 +149,8 @@ impl SurfaceField {
     /// Nodal pressures that integrate to `fz` [N], bilinear between nodes [Pa].
     ///
     /// The pressure of a node inside the contact is the one at its place; that of a node at the rim
-    /// is a mean over its hat function, which reaches out of the contact. Together they integrate to
-    /// about 1 % more than the load. The difference is subtracted at the nodes with an open
+    /// is a mean over its hat function, which reaches out of the contact. Together they integrate
+    /// to about 1 % more than the load. The difference is subtracted at the nodes with an open
     /// neighbour; the others, the peak and nodes at the ice's hardness are unchanged.
     pub fn balanced_pressure(&self, fz: f64) -> Vec<f64> {
         let nx = self.x.len();

@@ -38,8 +38,9 @@ impl Downward {
     pub fn of(hull: &Hull) -> Result<Self, MeshError> {
         let facets = hull.triangles.iter();
         let facets = facets.map(|t| (t, Vector3::from(hull.normal(t))));
-        let downward: Vec<(&[u32; 3], Vector3<f64>)> =
-            facets.filter(|(_, n)| -n.z > MIN_FACET_COSINE * n.norm()).collect();
+        let downward: Vec<(&[u32; 3], Vector3<f64>)> = facets
+            .filter(|(_, n)| -n.z > MIN_FACET_COSINE * n.norm())
+            .collect();
         let height = |facet: &usize| {
             let corners = downward[*facet].0.map(|i| hull.positions[i as usize][2]);
             corners.into_iter().fold(f64::INFINITY, f64::min)
@@ -224,11 +225,11 @@ impl Outline {
         best.map(|(rectangle, _)| rectangle)
     }
 
-    /// The outline after bridging gaps in its sides that are not longer along x than it is wide: the
-    /// hull is taken to continue across a notch, as across a hole.
+    /// The outline after bridging gaps in its sides that are not longer along x than it is wide:
+    /// the hull is taken to continue across a notch, as across a hole.
     ///
-    /// A morphological closing (J. Serra, Image Analysis and Mathematical Morphology, 1982); it adds
-    /// nothing at the ends.
+    /// A morphological closing (J. Serra, Image Analysis and Mathematical Morphology, 1982); it
+    /// adds nothing at the ends.
     pub fn bridged(mut self) -> Self {
         let widths = self.sides.iter().map(|side| side[1] - side[0]);
         let mut widths: Vec<f64> = widths.filter(|width| *width > 0.0).collect();

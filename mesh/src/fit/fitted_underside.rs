@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::error::MeshError;
-use crate::fit::downward::{Downward, Outline, MIN_VERTEX_COSINE, arc_length};
+use crate::fit::downward::{Downward, MIN_VERTEX_COSINE, Outline, arc_length};
 use crate::fit::judgement::{FitQuality, Judgement, STATIONS};
 use crate::fit::knots::{balanced_sides, break_places, refined_fit};
 use crate::fit::scans::{Scans, moves, projected_height};
@@ -71,8 +71,8 @@ impl FittedUnderside {
         self.coarser.clone().map(|surface| surface as _)
     }
 
-    /// A synthetic scan of `hull`: its vertices moved vertically onto this surface, plus new noise of
-    /// standard deviation `noise` [m] in z.
+    /// A synthetic scan of `hull`: its vertices moved vertically onto this surface, plus new noise
+    /// of standard deviation `noise` [m] in z.
     ///
     /// Vertices farther from the surface than six standard deviations belong to other parts of the
     /// hull; they only get the noise.
@@ -188,7 +188,9 @@ fn symmetrise(
             s.weight * (surface.value(s.at) - surface.value(image)).abs()
         };
         // The steepest vertices are supported from one side only.
-        let mut gentle = samples.iter().filter(|s| s.weight > 3.0 * MIN_VERTEX_COSINE);
+        let mut gentle = samples
+            .iter()
+            .filter(|s| s.weight > 3.0 * MIN_VERTEX_COSINE);
         let symmetric = mirrored[axis] && gentle.all(|s| lopsided(s) <= tolerance);
         if symmetric {
             surface.symmetrise(axis);

@@ -24,18 +24,18 @@ pub struct FitQuality {
     pub resolution_error: f64,
     /// Knot intervals along x and across.
     pub intervals: [usize; 2],
-    /// Number of vertices of the whole underside that are farther from the surface than six standard
-    /// deviations of the noise; 0 without noise.
+    /// Number of vertices of the whole underside that are farther from the surface than six
+    /// standard deviations of the noise; 0 without noise.
     pub outliers: usize,
     /// The farthest outlier: its x and its distance [m].
     pub farthest: [f64; 2],
 }
 
-/// Smallest ratio of an outlier's distance to the standard deviation of the noise: of a million normal
-/// values none is as far.
+/// Smallest ratio of an outlier's distance to the standard deviation of the noise: of a million
+/// normal values none is as far.
 const OUTLIER: f64 = 6.0;
-/// Largest fraction of outliers among the vertices; more of them mean that the fit does not follow the
-/// surface.
+/// Largest fraction of outliers among the vertices; more of them mean that the fit does not follow
+/// the surface.
 const MAX_OUTLIERS: f64 = 0.01;
 
 impl FitQuality {
@@ -56,13 +56,13 @@ impl FitQuality {
     }
 }
 
-/// Factor by which noise times spacing, or without noise the spacing, must decrease for the error of a
-/// fit to decrease by `factor`.
+/// Factor by which noise times spacing, or without noise the spacing, must decrease for the error
+/// of a fit to decrease by `factor`.
 ///
-/// The error of a smooth surface fitted to n vertices with noise is proportional to
-/// (noise / sqrt(n))^(2p/(2p + d)), p = 4 for cubic splines, d = 2 (C.J. Stone, Ann. Statist. 10,
-/// 1040, 1982). n is proportional to 1 / spacing^2, so the error is proportional to
-/// (noise times spacing)^(4/5). Without noise it is proportional to the fourth power of the spacing.
+/// The error of a smooth surface fitted to n vertices with noise is proportional to (noise /
+/// sqrt(n))^(2p/(2p + d)), p = 4 for cubic splines, d = 2 (C.J. Stone, Ann. Statist. 10, 1040,
+/// 1982). n is proportional to 1 / spacing^2, so the error is proportional to (noise times
+/// spacing)^(4/5). Without noise it is proportional to the fourth power of the spacing.
 pub fn smaller_by(factor: f64, noisy: bool) -> f64 {
     factor.powf(if noisy { 1.25 } else { 0.25 })
 }
@@ -141,7 +141,8 @@ impl Judgement {
             outliers: if few { outliers.len() } else { 0 },
             farthest: farthest.copied().unwrap_or_default(),
         };
-        // Noise contributes its standard error to the fit; residuals above the stated noise are misfit.
+        // Noise contributes its standard error to the fit; residuals above the stated noise are
+        // misfit.
         let unknowns = surface.spline.coefficients.len() as f64;
         let standard_error = noise * (unknowns / samples.len() as f64).min(1.0).sqrt();
         let square = quality.residual_rms.powi(2) - noise * noise;

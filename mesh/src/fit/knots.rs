@@ -3,8 +3,8 @@
 use crate::fit::downward::Downward;
 use crate::fit::spline::{Bicubic, Sample, fit};
 
-/// Candidate breaks along each axis: the vertices' columns if they form columns, otherwise quantiles
-/// as dense as the vertices.
+/// Candidate breaks along each axis: the vertices' columns if they form columns, otherwise
+/// quantiles as dense as the vertices.
 pub(crate) fn break_places(
     part: &Downward,
     samples: &[Sample],
@@ -59,8 +59,8 @@ pub(crate) fn break_places(
     })
 }
 
-/// Number of parts of half the hull, with equally many vertices, in which the vertices on both sides
-/// of the middle are counted.
+/// Number of parts of half the hull, with equally many vertices, in which the vertices on both
+/// sides of the middle are counted.
 const PARTS: usize = 16;
 /// Largest ratio of the vertices of one side of a part to those of the other for symmetric knots:
 /// above it, knots of the finer side would lie between the vertices of the other.
@@ -93,10 +93,10 @@ pub(crate) fn balanced_sides(mut places: Vec<f64>) -> bool {
 const MAX_WORK: f64 = 1e10;
 /// Largest number of rounds of refinement.
 const MAX_ROUNDS: usize = 24;
-/// Intervals whose misfit is below this fraction of the largest are not yet split. Where the curvature
-/// jumps, the spline oscillates in the intervals nearby and along the other axis until the jump is
-/// resolved. Misfits are squares: in residuals the fraction is a thirtieth, about three intervals
-/// away.
+/// Intervals whose misfit is below this fraction of the largest are not yet split. Where the
+/// curvature jumps, the spline oscillates in the intervals nearby and along the other axis until
+/// the jump is resolved. Misfits are squares: in residuals the fraction is a thirtieth, about three
+/// intervals away.
 const RINGING: f64 = 1e-3;
 
 /// Fit with breaks from `candidates` (sorted, ends included). Intervals are split at their middle
@@ -104,8 +104,8 @@ const RINGING: f64 = 1e-3;
 /// `noise`.
 ///
 /// The test of an interval uses the means of the residuals over its quarters (and over thirds along
-/// the other axis): with noise alone, the sum of their squares divided by `noise^2/n` is about their
-/// number. If `mirrored`, an interval is split together with its mirror image.
+/// the other axis): with noise alone, the sum of their squares divided by `noise^2/n` is about
+/// their number. If `mirrored`, an interval is split together with its mirror image.
 pub(crate) fn refined_fit(
     samples: &[Sample],
     candidates: &[Vec<f64>; 2],
@@ -182,8 +182,8 @@ fn symmetric(values: Vec<f64>) -> Vec<f64> {
     all
 }
 
-/// Misfit of each interval along `axis`: ratio of the test statistic of its residuals to the largest
-/// value that noise explains.
+/// Misfit of each interval along `axis`: ratio of the test statistic of its residuals to the
+/// largest value that noise explains.
 fn misfits(
     samples: &[Sample],
     residuals: &[f64],

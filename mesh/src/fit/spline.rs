@@ -146,8 +146,8 @@ const WIDTH: usize = 2 * REACH + 1;
 pub(crate) struct NormalEquations {
     rows: usize,
     columns: usize,
-    /// For each coefficient (i, j) its entries with (i, j - 3) to (i + 3, j + 3), row by row; entries
-    /// with coefficients that do not exist, or precede it, are not used.
+    /// For each coefficient (i, j) its entries with (i, j - 3) to (i + 3, j + 3), row by row;
+    /// entries with coefficients that do not exist, or precede it, are not used.
     entries: Vec<[f64; (REACH + 1) * WIDTH]>,
     right: Vec<f64>,
 }

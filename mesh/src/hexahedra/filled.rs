@@ -9,7 +9,8 @@ use crate::shapes::underside::Underside;
 /// Numbers of columns along and across in which the space over an underside is measured.
 const COLUMNS: [usize; 2] = [512, 128];
 /// Largest relative difference between the volumes of the hull and of the columns. The bending
-/// stiffness is proportional to the cube of the height, so its error is at most three times as large.
+/// stiffness is proportional to the cube of the height, so its error is at most three times as
+/// large.
 const MAX_DIFFERENCE: f64 = 0.02;
 
 /// The space between a hull's fitted underside and its flat top, as upright columns over a
@@ -32,9 +33,9 @@ impl Filled {
     /// space over the underside by undercuts, holes and a top that is not flat.
     ///
     /// # Errors
-    /// [`MeshError::Invalid`] for an open hull without `top`, if more than 2 per cent of the outline's
-    /// rectangle lies outside the hull, or if the volume of a closed hull and the space differ by
-    /// more than that. The volume of an open hull is not known.
+    /// [`MeshError::Invalid`] for an open hull without `top`, if more than 2 per cent of the
+    /// outline's rectangle lies outside the hull, or if the volume of a closed hull and the space
+    /// differ by more than that. The volume of an open hull is not known.
     pub fn of(
         hull: &Hull,
         report: &HullReport,
@@ -175,8 +176,8 @@ mod tests {
         assert_eq!(filled(&open, Some(0.020)).unwrap().top, 0.020);
     }
 
-    /// An underside alone, with a ragged side, a hole, and one that the rim cuts: the body ends where
-    /// the scan does, nothing is extrapolated, and the notch is filled.
+    /// An underside alone, with a ragged side, a hole, and one that the rim cuts: the body ends
+    /// where the scan does, nothing is extrapolated, and the notch is filled.
     #[test]
     fn a_ragged_scan_with_holes_is_filled_within_its_rims() {
         let mut scan = bob();

@@ -112,8 +112,8 @@ impl HexMesh {
     /// reorders the corners of cells that are inside out (upper and lower face exchanged).
     ///
     /// # Errors
-    /// [`MeshError::Invalid`] if there is no cell, a corner has no point, or a point that a cell uses
-    /// is not finite.
+    /// [`MeshError::Invalid`] if there is no cell, a corner has no point, or a point that a cell
+    /// uses is not finite.
     pub fn checked(points: &[[f64; 3]], cells: &[[usize; 8]]) -> Result<Self, MeshError> {
         if cells.is_empty() {
             return Err(MeshError::Invalid("the mesh has no hexahedra".into()));

@@ -9,8 +9,8 @@ use crate::hull::text::unreadable;
 
 /// Gmsh's number for an eight-node hexahedron.
 const HEXAHEDRON: u64 = 5;
-/// Numbers of nodes of Gmsh's element types that may occur together with hexahedra: lines, triangles,
-/// quadrangles, points.
+/// Numbers of nodes of Gmsh's element types that may occur together with hexahedra: lines,
+/// triangles, quadrangles, points.
 const LOWER_DIMENSIONS: [(u64, usize); 8] = [
     (1, 2),
     (2, 3),

@@ -13,7 +13,8 @@ use crate::error::MeshError;
 use crate::hexahedra::hex_mesh::HexMesh;
 use crate::hexahedra::read_vtu::HEXAHEDRON;
 
-/// Version of the program that writes a file, as numbers: some readers refuse strings as field data.
+/// Version of the program that writes a file, as numbers: some readers refuse strings as field
+/// data.
 const VERSION: [&str; 3] = [
     env!("CARGO_PKG_VERSION_MAJOR"),
     env!("CARGO_PKG_VERSION_MINOR"),
@@ -23,9 +24,9 @@ const VERSION: [&str; 3] = [
 /// Number of values per compressed block; each block is compressed by one thread.
 const BLOCK: usize = 1 << 15;
 
-/// One in this number of bytes of a block is compressed first, to decide whether compression is worth
-/// its time. Stresses and displacements, whose last digits are random, would shrink by 17 % at most
-/// and are stored uncompressed.
+/// One in this number of bytes of a block is compressed first, to decide whether compression is
+/// worth its time. Stresses and displacements, whose last digits are random, would shrink by 17 %
+/// at most and are stored uncompressed.
 const SAMPLE: usize = 16;
 
 /// A named array with one value, vector or tensor per point or cell. In the file its numbers have
@@ -42,8 +43,8 @@ pub struct VtuField<'a> {
 }
 
 /// Writes `mesh` with `point_data` and `cell_data` as a VTU file that VTK, pyvista and meshio read;
-/// `field_data` holds numbers of the whole file by name, to which `kufe_version` (such as 0, 1, 0) is
-/// added.
+/// `field_data` holds numbers of the whole file by name, to which `kufe_version` (such as 0, 1, 0)
+/// is added.
 ///
 /// # Errors
 /// [`MeshError::Invalid`] where an array does not fit the mesh, or where it cannot be written.
@@ -213,9 +214,9 @@ fn write_array<T: Copy + Sync, const N: usize>(
     writeln!(out, "\n</DataArray>")
 }
 
-/// Writes quadrilaterals over `points` [m], each with the indices of its four points in order around
-/// it, and `point_data` as a VTP file (polygons) that VTK and pyvista read; `kufe_version` is added as
-/// field data.
+/// Writes quadrilaterals over `points` [m], each with the indices of its four points in order
+/// around it, and `point_data` as a VTP file (polygons) that VTK and pyvista read; `kufe_version`
+/// is added as field data.
 ///
 /// # Errors
 /// [`MeshError::Invalid`] where an array does not fit the points, or where it cannot be written.
@@ -241,8 +242,8 @@ pub fn write_vtp(
     write_file("PolyData", &[], &counts, piece, writer)
 }
 
-/// Writes a PVD file, which ParaView opens as a time series, from pairs of time (or load, or another
-/// parameter) and file.
+/// Writes a PVD file, which ParaView opens as a time series, from pairs of time (or load, or
+/// another parameter) and file.
 ///
 /// # Errors
 /// Those of the writer.

@@ -233,7 +233,8 @@ impl Reader {
         let data_type = accessor.data_type();
         let size = data_type.size();
         let four = |b: &[u8]| [b[0], b[1], b[2], b[3]];
-        // A component, and the largest value of its type, to which normalized integers are relative.
+        // A component, and the largest value of its type, to which normalized integers are
+        // relative.
         let component = |b: &[u8]| match data_type {
             DataType::I8 => (f64::from(b[0] as i8), f64::from(i8::MAX)),
             DataType::U8 => (f64::from(b[0]), f64::from(u8::MAX)),

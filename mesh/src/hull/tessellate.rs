@@ -9,8 +9,8 @@ use crate::shapes::underside::Underside;
 /// Largest change of the section's direction over one facet [rad].
 const LARGEST_TURN: f64 = 0.25;
 /// Largest difference of the lengths of two adjacent facets across, relative to their mean: the
-/// smooth surface that is fitted to them cannot follow a sharp edge next to a facet that is a hundred
-/// times as wide.
+/// smooth surface that is fitted to them cannot follow a sharp edge next to a facet that is a
+/// hundred times as wide.
 const GRADING: f64 = 0.25;
 /// Number of samples of the section from which the facets are spaced.
 const SAMPLES: usize = 4000;

@@ -21,8 +21,9 @@ pub struct Hull {
 }
 
 impl Hull {
-    /// The underside of a height map: vertices at every `x` and `y` with the `heights` [m], `y.len()`
-    /// rows of `x.len()`, and two triangles per cell that face down. NaN heights leave holes.
+    /// The underside of a height map: vertices at every `x` and `y` with the `heights` [m],
+    /// `y.len()` rows of `x.len()`, and two triangles per cell that face down. NaN heights leave
+    /// holes.
     ///
     /// # Panics
     /// If there is not one height per vertex.
@@ -52,8 +53,8 @@ impl Hull {
     /// transformed by the matrix `rows`.
     ///
     /// # Errors
-    /// [`MeshError::Invalid`] if no triangle remains, a corner has no position, or a position that a
-    /// triangle uses is not finite.
+    /// [`MeshError::Invalid`] if no triangle remains, a corner has no position, or a position that
+    /// a triangle uses is not finite.
     pub(crate) fn welded(
         positions: &[[f64; 3]],
         triangles: impl Iterator<Item = [usize; 3]>,
@@ -384,8 +385,8 @@ pub fn size_warnings(extent: [f64; 3]) -> Vec<String> {
 /// # Errors
 /// [`MeshError::Invalid`] where a closed hull's triangles face inwards.
 pub fn check_hull(hull: &Hull) -> Result<HullReport, MeshError> {
-    // Each triangle's edges, from the lower to the higher index, and whether the triangle has them in
-    // this direction.
+    // Each triangle's edges, from the lower to the higher index, and whether the triangle has them
+    // in this direction.
     let mut edges: Vec<([u32; 2], bool)> = hull
         .triangles
         .iter()

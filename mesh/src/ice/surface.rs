@@ -12,8 +12,8 @@ pub trait IceSurface: Send + Sync {
     /// Whether the height is even in x and even in y, to rounding.
     fn mirror_symmetric(&self) -> [bool; 2];
 
-    /// Distances along x and y over which the height is smooth [m]: the spacing of a map's points, an
-    /// eighth of a wavelength; infinite if not known.
+    /// Distances along x and y over which the height is smooth [m]: the spacing of a map's points,
+    /// an eighth of a wavelength; infinite if not known.
     fn spacing(&self) -> [f64; 2] {
         [f64::INFINITY; 2]
     }

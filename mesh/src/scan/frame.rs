@@ -53,10 +53,10 @@ impl ScanFrame {
     ///
     /// `hull` is in the coordinates of its file: scale 1, x forward, z up. The longest axis is
     /// forward. The underside is the one of the four sides along it with the largest product of the
-    /// curvatures of its lowest line (rocker) and of its section there (edge), both by least squares.
-    /// Sides with a significant rocker come first, as a ragged rim of an open scan is curved by
-    /// chance. The unit is the first in which length and section are those of a runner, otherwise
-    /// the first in which the length is. `None` if no side is rounded both ways.
+    /// curvatures of its lowest line (rocker) and of its section there (edge), both by least
+    /// squares. Sides with a significant rocker come first, as a ragged rim of an open scan is
+    /// curved by chance. The unit is the first in which length and section are those of a runner,
+    /// otherwise the first in which the length is. `None` if no side is rounded both ways.
     ///
     /// # Errors
     /// [`MeshError::Invalid`] for a hull without vertices.
@@ -87,7 +87,8 @@ impl ScanFrame {
         Ok(sides.next().or_else(by_length))
     }
 
-    /// The side along the axis `forward` that is rounded like an underside, in a unit of `scale` [m].
+    /// The side along the axis `forward` that is rounded like an underside, in a unit of `scale`
+    /// [m].
     fn lowest_side(hull: &Hull, forward: usize, scale: f64) -> Option<Self> {
         let sides = (0..3)
             .filter(|axis| *axis != forward)
@@ -121,8 +122,8 @@ const MIN_RADIUS_RATIO: f64 = 10.0;
 /// Largest ratio of the width of a runner to its length.
 const MAX_WIDTH_RATIO: f64 = 0.5;
 
-/// The reason why a hull, x forward and z up, is unlike a runner, given its estimated `frame`; `None`
-/// if it is like one.
+/// The reason why a hull, x forward and z up, is unlike a runner, given its estimated `frame`;
+/// `None` if it is like one.
 pub fn unlike_runner(hull: &Hull, frame: Option<&ScanFrame>) -> Option<String> {
     let unlike = |reason: String| Some(format!("this seems not to be a runner: {reason}"));
     let Some(frame) = frame else {

@@ -15,8 +15,8 @@ const DOWN: f64 = 0.2;
 const STEEPEST: f64 = 4.9;
 /// Number of nodes of a fit: one per term of the polynomial, and twenty degrees of freedom.
 const NEAR: usize = POWERS.len() + 20;
-/// Ratios of length to width of the neighbourhoods. A runner is straighter along than across, but its
-/// direction and the ratio of its curvatures are not known beforehand.
+/// Ratios of length to width of the neighbourhoods. A runner is straighter along than across, but
+/// its direction and the ratio of its curvatures are not known beforehand.
 const ASPECT_RATIOS: [f64; 7] = [1.0 / 64.0, 1.0 / 8.0, 1.0, 4.0, 16.0, 64.0, 256.0];
 /// Residual ratio (2n against n nodes) above which the residual is curvature, not noise.
 const CURVATURE_RATIO: f64 = 2.0;
@@ -83,12 +83,12 @@ fn faces_down(hull: &Hull, t: &[u32; 3]) -> bool {
 ///
 /// At the lowest node of each station a polynomial of fourth order is fitted to the nearest nodes,
 /// in neighbourhoods of several [`ASPECT_RATIOS`]. The residual consists of noise and of the
-/// surface's higher orders. A fit to twice as many nodes, s times as far away, has the same noise and
-/// s^5 times the higher orders, which are subtracted. If the residual grows by more than
-/// [`CURVATURE_RATIO`], as at a jump of the curvature, the noise is reported as 0. Each aspect ratio
-/// gives medians over the stations. Curvature only adds to a residual, so the ratio with the smallest
-/// residual of 2n nodes is used; of ratios that agree within [`EQUAL_RESIDUAL`], the one with the
-/// smallest subtraction.
+/// surface's higher orders. A fit to twice as many nodes, s times as far away, has the same noise
+/// and s^5 times the higher orders, which are subtracted. If the residual grows by more than
+/// [`CURVATURE_RATIO`], as at a jump of the curvature, the noise is reported as 0. Each aspect
+/// ratio gives medians over the stations. Curvature only adds to a residual, so the ratio with the
+/// smallest residual of 2n nodes is used; of ratios that agree within [`EQUAL_RESIDUAL`], the one
+/// with the smallest subtraction.
 pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]]) -> Option<Noise> {
     let mut nodes = nodes_of(points, faces);
     nodes.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]));
@@ -131,8 +131,8 @@ fn size_of<const N: usize>(corners: [[f64; 3]; N]) -> [f64; 2] {
     })
 }
 
-/// The lowest of the points at each station along the hull; `share` is the fraction of its length up
-/// to x.
+/// The lowest of the points at each station along the hull; `share` is the fraction of its length
+/// up to x.
 pub(crate) fn lowest_of_stations<T: Copy>(
     points: impl Iterator<Item = (T, [f64; 3])>,
     share: impl Fn(f64) -> f64,
@@ -211,8 +211,8 @@ fn residuals_at(nodes: &[Node], node: usize, ratio: f64) -> Option<[f64; 3]> {
     Some([residual, (inner / outer).powf(2.5) * farther, farther])
 }
 
-/// Standard deviation of the residuals of a polynomial fitted to some nodes [m]; `None` if the nodes
-/// do not determine it, or if it is steeper than the underside.
+/// Standard deviation of the residuals of a polynomial fitted to some nodes [m]; `None` if the
+/// nodes do not determine it, or if it is steeper than the underside.
 ///
 /// Noise may also move the nodes of one line sideways, in proportion to their heights. As positions
 /// across, these would be fitted by a surface that is steeper than any underside.
@@ -346,9 +346,9 @@ const LONG: f64 = 0.01;
 /// Ratio of half its width to the radius of the section.
 const WIDE: f64 = 0.3;
 
-/// Median length of the triangles' edges near the keel [m], of a hull in metres, x forward and z up,
-/// whose section has this radius [m] where it is lowest; `None` if no triangle touches the examined
-/// places along the keel.
+/// Median length of the triangles' edges near the keel [m], of a hull in metres, x forward and z
+/// up, whose section has this radius [m] where it is lowest; `None` if no triangle touches the
+/// examined places along the keel.
 pub fn keel_spacing(hull: &Hull, section_radius: f64) -> Option<f64> {
     let [low, high] = hull.bounds();
     let length = high[0] - low[0];

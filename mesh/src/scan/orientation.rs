@@ -75,8 +75,8 @@ pub struct Orientation {
     pub rotation: [f64; 3],
 }
 
-/// Number of unknowns of the registration: roll, pitch and yaw of the runner in the scan, and x and y
-/// of its middle.
+/// Number of unknowns of the registration: roll, pitch and yaw of the runner in the scan, and x and
+/// y of its middle.
 const UNKNOWNS: usize = 5;
 type Unknowns = SVector<f64, UNKNOWNS>;
 const ROLL: usize = 0;
@@ -84,22 +84,22 @@ const PITCH: usize = 1;
 const YAW: usize = 2;
 const X: usize = 3;
 const Y: usize = 4;
-/// The unknowns that each mirror image determines: in the x-z plane (left and right), and in the y-z
-/// plane (front and rear).
+/// The unknowns that each mirror image determines: in the x-z plane (left and right), and in the
+/// y-z plane (front and rear).
 const SHOWN: [[usize; 3]; 2] = [[ROLL, YAW, Y], [PITCH, YAW, X]];
 
 impl Orientation {
-    /// Estimates the rotation of `hull`, in metres, whose vertices have the `noise` [m]. `start` is an
-    /// approximate roll, pitch and yaw [rad] after which x points forward and z up.
+    /// Estimates the rotation of `hull`, in metres, whose vertices have the `noise` [m]. `start` is
+    /// an approximate roll, pitch and yaw [rad] after which x points forward and z up.
     ///
-    /// A runner's underside equals its image in the x-z plane, and most also equal their image in the
-    /// y-z plane. The surface fitted to the vertices is registered with both images of the vertices
-    /// by least squares of the distance along the normal. The middle between the hull's ends is one
-    /// more equation, since a rocker of constant radius is the same at every pitch. An image that
-    /// differs by more than 2 per cent of the heights' standard deviation is not used; yaw then
-    /// follows from the lowest line. Errors are those of a jackknife over ten parts of the length
-    /// (B. Efron, The Jackknife, 1982), times Student's t. If the shape does not determine roll, the
-    /// errors of yaw and pitch include the effect of an unknown roll.
+    /// A runner's underside equals its image in the x-z plane, and most also equal their image in
+    /// the y-z plane. The surface fitted to the vertices is registered with both images of the
+    /// vertices by least squares of the distance along the normal. The middle between the hull's
+    /// ends is one more equation, since a rocker of constant radius is the same at every pitch. An
+    /// image that differs by more than 2 per cent of the heights' standard deviation is not used;
+    /// yaw then follows from the lowest line. Errors are those of a jackknife over ten parts of the
+    /// length (B. Efron, The Jackknife, 1982), times Student's t. If the shape does not determine
+    /// roll, the errors of yaw and pitch include the effect of an unknown roll.
     ///
     /// # Errors
     /// As [`FittedUnderside::new`].
@@ -162,8 +162,8 @@ pub(crate) fn rows(rotation: &Rotation3<f64>) -> [[f64; 3]; 3] {
     [0, 1, 2].map(|row| [0, 1, 2].map(|column| rotation[(row, column)]))
 }
 
-/// Direction of the line through the lowest vertices of the stations along x, seen from above; `None`
-/// if they do not form a line.
+/// Direction of the line through the lowest vertices of the stations along x, seen from above;
+/// `None` if they do not form a line.
 pub(crate) fn keel_yaw(points: &[[f64; 3]]) -> Option<Estimate> {
     let [low, high] = range(points.iter().map(|p| p[0]));
     let each = points.iter().map(|p| (*p, *p));
@@ -350,8 +350,8 @@ fn allowed(vertices: &[Vertex], axis: usize, noise: f64) -> f64 {
     ALIKE[0] * deviation + ALIKE[1] * noise
 }
 
-/// Mirror plane of left and right (0) or of front and rear (1) of a runner that is rotated and placed
-/// by the unknowns.
+/// Mirror plane of left and right (0) or of front and rear (1) of a runner that is rotated and
+/// placed by the unknowns.
 struct Mirror {
     axis: usize,
     runner: Rotation3<f64>,
@@ -462,8 +462,8 @@ impl Equations {
         })
     }
 
-    /// The least-squares step, 0 for unknowns that are in no row; `None` if the rows do not determine
-    /// the others. Columns are scaled first, as the unknowns are angles and lengths.
+    /// The least-squares step, 0 for unknowns that are in no row; `None` if the rows do not
+    /// determine the others. Columns are scaled first, as the unknowns are angles and lengths.
     fn solve(&self, right: &Unknowns) -> Option<Unknowns> {
         let diagonal = self.normal.diagonal();
         let scale = diagonal.map(|d| if d == 0.0 { 1.0 } else { 1.0 / d.sqrt() });

@@ -9,9 +9,9 @@ use crate::parameter::expect;
 /// A smooth curve `z(x)` through points: a cubic spline that keeps convex data convex.
 ///
 /// The slopes at the points are those of the not-a-knot cubic spline (C2, curvature accurate to
-/// second order). Where that spline would not be convex (concave) although the points are, the slope
-/// is replaced by that of the parabola through three neighbouring points, and the piece by two
-/// parabolas that meet with the secant's slope (after Schumaker 1983, doi 10.1137/0720057). The
+/// second order). Where that spline would not be convex (concave) although the points are, the
+/// slope is replaced by that of the parabola through three neighbouring points, and the piece by
+/// two parabolas that meet with the secant's slope (after Schumaker 1983, doi 10.1137/0720057). The
 /// curve is C1 there. Outside the points it continues straight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
@@ -156,8 +156,8 @@ impl Profile {
     }
 }
 
-/// Sign of the data's curvature over the points `from..=to` (the end points have no curvature), 0 if
-/// it changes.
+/// Sign of the data's curvature over the points `from..=to` (the end points have no curvature), 0
+/// if it changes.
 fn bend(secants: &[f64], from: usize, to: usize) -> f64 {
     let (mut up, mut down) = (false, false);
     for i in from.max(1)..=to.min(secants.len() - 1) {

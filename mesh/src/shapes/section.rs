@@ -158,7 +158,8 @@ impl Section {
     }
 }
 
-/// Height of a circle of `radius` over its lowest point, at `y`; |y| may exceed `radius` by rounding.
+/// Height of a circle of `radius` over its lowest point, at `y`; |y| may exceed `radius` by
+/// rounding.
 fn arc_height(radius: f64, y: f64) -> f64 {
     if radius.is_infinite() {
         return 0.0;

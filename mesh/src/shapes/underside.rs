@@ -30,8 +30,8 @@ pub trait Underside: Send + Sync {
 /// Largest number of minima that are returned, the lowest ones.
 const MAX_LOWS: usize = 20_000;
 
-/// Points of a grid whose heights are below the adjacent ones along x or along y, the lowest first: a
-/// burr over its whole length, and every keel.
+/// Points of a grid whose heights are below the adjacent ones along x or along y, the lowest first:
+/// a burr over its whole length, and every keel.
 pub(crate) fn lows([xs, ys]: [&[f64]; 2], height: impl Fn(usize, usize) -> f64) -> Vec<[f64; 2]> {
     let (nx, ny) = (xs.len(), ys.len());
     let heights: Vec<f64> = (0..nx * ny).map(|k| height(k % nx, k / nx)).collect();
