@@ -94,8 +94,7 @@ impl Patch {
         self
     }
 
-    /// Smallest ratio of the spacing of this patch to that of `other` at the same place; 1 if this
-    /// patch has even cells.
+    /// Smallest ratio of the spacing of this patch to that of `other` at the same place, at most 1.
     pub fn finest_over(&self, other: &Patch) -> f64 {
         let over = |mine: &Stretch, theirs: &Stretch| {
             mine.spacings()

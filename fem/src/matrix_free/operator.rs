@@ -177,7 +177,7 @@ struct Task<'a> {
     forces: &'a mut [f64],
 }
 
-/// Runs a task with vectors of four numbers, or of fewer if the machine has none.
+/// Runs a task with vectors of four numbers, or with single numbers if the machine has none.
 #[cfg(target_arch = "x86_64")]
 fn dispatch(task: Task<'_>) {
     match V3::try_new() {

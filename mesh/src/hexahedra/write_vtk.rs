@@ -24,7 +24,7 @@ const VERSION: [&str; 3] = [
 /// Number of values per compressed block; each block is compressed by one thread.
 const BLOCK: usize = 1 << 15;
 
-/// One in this number of bytes of a block is compressed first, to decide whether compression is
+/// Ratio of a block to its beginning that is compressed first, to decide whether compression is
 /// worth its time. Stresses and displacements, whose last digits are random, would shrink by 17 %
 /// at most and are stored uncompressed.
 const SAMPLE: usize = 16;
