@@ -21,9 +21,9 @@ use crate::{Error, Iterate, Solution, StiffnessForm, SurfaceField};
 const MANY: f64 = 4000.0;
 /// Number of nodes in contact below which the surroundings of a contact are not searched.
 const FEW: f64 = 0.5 * MANY;
-/// Fewest cells along an axis of a window that contact is looked for in, and most cells in all: of
-/// the first windows, and of those that asperities are counted on.
-const FEWEST: f64 = 20.0;
+/// Smallest number of cells along an axis of a window in the search for contact.
+const MIN_CELLS: f64 = 20.0;
+/// Largest total number of cells of the first windows, and of those on which asperities are counted.
 const FIRST: f64 = 4096.0;
 const SCOUTED: f64 = 65_536.0;
 /// Convergence criteria in the search, and for the solution.
@@ -35,10 +35,10 @@ const FINE: Criteria = Criteria {
     residual: 1e-8,
     slack: 1e-7,
 };
-/// Open cells around the contact in a window that is refined, where it is made and where it has to
-/// be made anew.
+/// Open cells around the contact in a window that is refined: initially, and the smallest number,
+/// below which the window is fitted again.
 const AROUND: f64 = 2.0;
-const LEAST_AROUND: f64 = 1.0;
+const MIN_AROUND: f64 = 1.0;
 /// Ratio of the depth of a place outside the window to the approach that counts as contact.
 const DEEP: f64 = 1e-3;
 /// Number of unknowns that a cell counts for: transforms work on a grid padded to twice the cells
@@ -142,8 +142,8 @@ impl<'a> Asperities<'a> {
                 return Ok(None);
             };
             let touched = contact.touched();
-            if !window.contains(&contact.window.around(touched, LEAST_AROUND)) {
-                window = contact.window.around(touched, FEWEST);
+            if !window.contains(&contact.window.around(touched, MIN_AROUND)) {
+                window = contact.window.around(touched, MIN_CELLS);
                 windows += 1;
                 before = Some(contact);
                 continue;
@@ -261,7 +261,7 @@ impl<'a> Asperities<'a> {
         let cells = [0, 1].map(|axis| {
             let CellAxis { mirrored, .. } = window.axes[axis];
             let least = wanted * window.axes[axis].length() / self.half[axis];
-            let cells = fast(least.ceil().max(FEWEST) as usize, mirrored);
+            let cells = fast(least.ceil().max(MIN_CELLS) as usize, mirrored);
             finer *= cells as f64 / least;
             cells
         });
@@ -378,7 +378,7 @@ fn fast(least: usize, even: bool) -> usize {
 impl Search<'_> {
     /// The contact on few cells, of the size of the surface's structure if these are few enough.
     fn near(&self, spacing: [f64; 2]) -> Result<WindowContact, CheckUnavailable> {
-        self.fitted(FEWEST as usize, |window| of_size(window, spacing, FIRST))
+        self.fitted(MIN_CELLS as usize, |window| of_size(window, spacing, FIRST))
     }
 
     /// The contact on more cells of that size, in a window outside of which there is no contact.
@@ -443,7 +443,7 @@ impl Search<'_> {
 /// than `most`.
 fn of_size(window: Window, size: [f64; 2], most: f64) -> Window {
     let cells = |coarser: f64| {
-        [0, 1].map(|axis| (window.axes[axis].length() / (coarser * size[axis])).max(FEWEST))
+        [0, 1].map(|axis| (window.axes[axis].length() / (coarser * size[axis])).max(MIN_CELLS))
     };
     // If one axis has its smallest number of cells, only the other is coarsened.
     let mut coarser = 1.0;

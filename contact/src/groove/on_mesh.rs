@@ -262,32 +262,32 @@ impl LoadBalance<'_> {
     pub fn from(&self, motion: [f64; 3], kinds: Vec<Kind>) -> Option<PlasticState> {
         let start = self.plane.at(motion, &kinds)?;
         let free: Vec<usize> = (0..3).filter(|&axis| self.motion.free[axis]).collect();
-        let near = self.near(start, &free);
-        self.balanced(near, &free)
+        let start = self.newton(start, &free);
+        self.balanced(start, &free)
     }
 
     /// Newton's method for the balance of all motions at once on the present sets, while the
     /// imbalance decreases.
-    fn near(&self, start: PlasticState, free: &[usize]) -> PlasticState {
-        let mut at = start;
+    fn newton(&self, start: PlasticState, free: &[usize]) -> PlasticState {
+        let mut state = start;
         for _ in 0..NEWTON_STEPS {
-            let imbalance = self.imbalance(&at, free);
+            let imbalance = self.imbalance(&state, free);
             if imbalance <= BALANCE_RTOL {
                 break;
             }
-            let slopes = self.plane.slopes(&at.kinds);
+            let slopes = self.plane.slopes(&state.kinds);
             let identity = |a: usize, b: usize| if a == b { 1.0 } else { 0.0 };
             let is_free = |a: usize| free.contains(&a);
             let matrix = Matrix3::from_fn(|a, b| {
                 if is_free(a) && is_free(b) {
-                    slopes[a][b] / self.size(a) * self.unit(b, &at)
+                    slopes[a][b] / self.size(a) * self.unit_motion(b, &state)
                 } else {
                     identity(a, b)
                 }
             });
-            let out = Vector3::from_fn(|a, _| {
+            let excess = Vector3::from_fn(|a, _| {
                 if is_free(a) {
-                    self.out(&at, a) / self.size(a)
+                    self.excess(&state, a) / self.size(a)
                 } else {
                     0.0
                 }
@@ -295,7 +295,7 @@ impl LoadBalance<'_> {
             let Some(inverse) = matrix.try_inverse() else {
                 break;
             };
-            let step = -(inverse * out);
+            let step = -(inverse * excess);
             // NaN steps are not accepted either.
             if step
                 .iter()
@@ -303,26 +303,26 @@ impl LoadBalance<'_> {
             {
                 break;
             }
-            let motion = [0, 1, 2].map(|a| at.motion[a] + step[a] * self.unit(a, &at));
-            match self.plane.at(motion, &at.kinds) {
-                Some(next) if self.imbalance(&next, free) < 0.7 * imbalance => at = next,
+            let motion = [0, 1, 2].map(|a| state.motion[a] + step[a] * self.unit_motion(a, &state));
+            match self.plane.at(motion, &state.kinds) {
+                Some(next) if self.imbalance(&next, free) < 0.7 * imbalance => state = next,
                 _ => break,
             }
         }
-        at
+        state
     }
 
     /// Largest relative imbalance.
     fn imbalance(&self, state: &PlasticState, free: &[usize]) -> f64 {
         let parts = free
             .iter()
-            .map(|&axis| self.out(state, axis).abs() / self.size(axis));
+            .map(|&axis| self.excess(state, axis).abs() / self.size(axis));
         parts.fold(0.0, f64::max)
     }
 
     /// The motion that moves the farthest node by the contact's depth.
-    fn unit(&self, axis: usize, state: &PlasticState) -> f64 {
-        self.deep(state) / self.scale(axis)
+    fn unit_motion(&self, axis: usize, state: &PlasticState) -> f64 {
+        self.depth(state) / self.scale(axis)
     }
 
     /// Balances the last of the `free` motions with those before it.
@@ -332,46 +332,46 @@ impl LoadBalance<'_> {
         };
         let scale = self.scale(axis);
         let slack = BALANCE_RTOL * 10f64.powi(axis.min(1) as i32) * self.size(axis);
-        let mut at = self.balanced(start, inner)?;
-        let mut out = self.out(&at, axis);
-        let mut step = FIRST * self.deep(&at) / scale * if out > 0.0 { -1.0 } else { 1.0 };
+        let mut state = self.balanced(start, inner)?;
+        let mut excess = self.excess(&state, axis);
+        let mut step = FIRST * self.depth(&state) / scale * if excess > 0.0 { -1.0 } else { 1.0 };
         // The motion and the weighted imbalance of a state on the other side of the balance.
         let mut other: Option<(f64, f64)> = None;
         for _ in 0..MAX_TRIALS {
             if self.options.stopped() {
                 return None;
             }
-            if out.abs() <= slack {
-                return Some(at);
+            if excess.abs() <= slack {
+                return Some(state);
             }
-            let here = at.motion[axis];
+            let current = state.motion[axis];
             let next = match other {
-                None => here + step,
-                Some((there, there_out)) => {
-                    let share = (out / (out - there_out)).clamp(0.05, 0.95);
-                    here + share * (there - here)
+                None => current + step,
+                Some((opposite, opposite_excess)) => {
+                    let weight = (excess / (excess - opposite_excess)).clamp(0.05, 0.95);
+                    current + weight * (opposite - current)
                 }
             };
-            if next == here || other.is_some_and(|(there, _)| next == there) {
-                return Some(at);
+            if next == current || other.is_some_and(|(opposite, _)| next == opposite) {
+                return Some(state);
             }
-            let mut motion = at.motion;
+            let mut motion = state.motion;
             motion[axis] = next;
-            let moved = self.balanced(self.plane.at(motion, &at.kinds)?, inner)?;
-            let now = self.out(&moved, axis);
-            if now * out <= 0.0 {
-                other = Some((here, out));
+            let trial = self.balanced(self.plane.at(motion, &state.kinds)?, inner)?;
+            let trial_excess = self.excess(&trial, axis);
+            if trial_excess * excess <= 0.0 {
+                other = Some((current, excess));
             } else {
-                other = other.map(|(there, there_out)| (there, 0.5 * there_out));
+                other = other.map(|(opposite, opposite_excess)| (opposite, 0.5 * opposite_excess));
                 step *= 2.0;
             }
-            (at, out) = (moved, now);
+            (state, excess) = (trial, trial_excess);
         }
         None
     }
 
     /// Excess of a state's resultant along a motion.
-    fn out(&self, state: &PlasticState, axis: usize) -> f64 {
+    fn excess(&self, state: &PlasticState, axis: usize) -> f64 {
         self.plane.resultant(&state.force)[axis] - self.motion.balance[axis]
     }
 
@@ -387,7 +387,7 @@ impl LoadBalance<'_> {
     }
 
     /// Deepest place of the runner in the undeformed ice [m].
-    fn deep(&self, state: &PlasticState) -> f64 {
+    fn depth(&self, state: &PlasticState) -> f64 {
         let below = |i: usize| dot(self.plane.rows[i], state.motion) - self.plane.gap[i];
         (0..state.force.len())
             .filter(|&i| state.force[i] > 0.0)
