@@ -1,12 +1,12 @@
 //! Bisection of intervals.
 
-/// The ends that remain of an interval after `steps` halvings, of which the upper half remains where
-/// `below` holds in the middle.
+/// The ends of an interval after `steps` bisections, each of which keeps the upper half if `below`
+/// is true in the middle.
 pub(crate) fn bisect(ends: [f64; 2], steps: usize, below: impl Fn(f64) -> bool) -> [f64; 2] {
     halve(ends, steps, |low, high| 0.5 * (low + high), below)
 }
 
-/// As [`bisect`] of positive ends, by geometric means.
+/// [`bisect`] for positive ends, with geometric means.
 pub(crate) fn bisect_scales(ends: [f64; 2], steps: usize, below: impl Fn(f64) -> bool) -> [f64; 2] {
     halve(ends, steps, |low, high| (low * high).sqrt(), below)
 }

@@ -1,4 +1,4 @@
-//! Hertz's closed form for smooth bodies that touch at a point.
+//! Hertz's closed form of smooth point contacts.
 
 use crate::Error;
 use crate::bisection::bisect;
@@ -33,8 +33,8 @@ pub struct Hertz {
 /// ```
 ///
 /// # Errors
-/// [`Error::OutOfRange`] where a radius, the modulus or the force is not positive and finite,
-/// `radius_x < radius_y`, or they are so far apart that no figure of the contact is a number.
+/// [`Error::OutOfRange`] if a radius, the modulus or the force is not positive and finite, if
+/// `radius_x < radius_y`, or if the radii are so far apart that a figure of the contact overflows.
 pub fn hertz(
     radius_x: f64,
     radius_y: f64,

@@ -1,10 +1,10 @@
-//! What can go wrong in a contact solve.
+//! Errors of a contact solve.
 
 use crate::grid::patch::COARSE;
 use crate::options::AREA_WEIGHT;
 use crate::{SlidingSolution, Solution};
 
-/// A number in no more digits than it needs.
+/// A number with the fewest digits that represent it.
 pub(crate) fn plain(value: f64) -> String {
     if value == 0.0 || (1e-4..1e9).contains(&value.abs()) {
         return value.to_string();
@@ -31,8 +31,8 @@ fn percent(share: f64) -> String {
     }
 }
 
-/// The figure whose error a solve is judged by, and how much larger than the peak's that error may
-/// be.
+/// The figure whose error is compared with the tolerance, and the factor by which its error may
+/// exceed that of the peak.
 fn watched(best: &Solution) -> (&'static str, f64) {
     match best.hardness {
         Some(hardness) if best.p_max >= hardness => (
@@ -43,7 +43,7 @@ fn watched(best: &Solution) -> (&'static str, f64) {
     }
 }
 
-/// The size of cells that cannot be.
+/// The required size of cells, in words.
 fn size(spacing: f64) -> String {
     if spacing > 0.0 {
         format!("{spacing:.3e} m or less")
@@ -52,13 +52,13 @@ fn size(spacing: f64) -> String {
     }
 }
 
-/// Why the requested error is reached and the solution still refused.
+/// The reason why a solution is refused although the requested error is reached.
 fn coarse(reached: bool, finest: f64) -> String {
     if reached {
         format!(
-            ", but somewhere the pressure needs cells of {finest:.2} times the size of those there, \
-             less than the {COARSE} that pass; finer ones have too many unknowns, or the mesh was \
-             graded anew too often"
+            ", but somewhere the pressure needs cells of {finest:.2} times the present size, less \
+             than the accepted {COARSE}; finer cells have too many unknowns, or the mesh was graded \
+             too often"
         )
     } else {
         String::new()
@@ -71,34 +71,35 @@ pub enum Error {
     /// A number of the problem is outside its range.
     #[error("{name} = {}: expected {expected}", plain(*value))]
     OutOfRange {
-        /// What the number is.
+        /// Name of the number.
         name: &'static str,
         /// Its value.
         value: f64,
-        /// What it must be.
+        /// Its admissible range.
         expected: &'static str,
     },
-    /// A problem that has no answer, or none by this method, with its numbers and what is expected.
+    /// A problem that has no solution, or none by this method; the text gives its numbers and what
+    /// is expected.
     #[error("{0}")]
     Unsuitable(String),
-    /// A problem that may have an answer, which no mesh gave; with what is expected instead.
+    /// A problem that may have a solution, which no mesh gave; the text says what is expected.
     #[error("{0}")]
     Unsolved(String),
     /// The problem is not one of steady sliding.
     #[error("steady sliding does not take {reason}")]
     NotSliding {
-        /// What it does not take.
+        /// The part of the problem that steady sliding excludes.
         reason: &'static str,
     },
-    /// The load exceeds what the hull bears: at rest its whole underside, sliding what lies ahead
-    /// of its lowest point and a little behind.
+    /// The load exceeds the hull's capacity at this hardness: at rest that of the whole underside,
+    /// in sliding that of the part ahead of its lowest point and a little behind.
     #[error(
         "a load of {fz} N needs more than the {capacity} N that the hull bears on ice of this hardness"
     )]
     LoadExceedsHardness {
         /// Normal force [N].
         fz: f64,
-        /// Most load that it bears [N].
+        /// Largest load of the hull [N].
         capacity: f64,
     },
     /// The contact needs cells that are too small.
@@ -112,17 +113,17 @@ pub enum Error {
         from: f64,
         /// Its end [m].
         to: f64,
-        /// Requested spacing, or the least that rounding allows there [m].
+        /// Requested spacing, or the smallest that rounding allows there [m].
         spacing: f64,
     },
     /// The meshes give no contact that carries the load.
     #[error("no contact was found: {name} = {value:.6e}, expected {expected}")]
     NoAnswer {
-        /// The figure that cannot be.
+        /// Name of the figure that is out of range.
         name: &'static str,
-        /// What the meshes give.
+        /// Its value on the meshes.
         value: f64,
-        /// What it must be.
+        /// Its admissible range.
         expected: &'static str,
     },
     /// The caller stopped the solve.
@@ -146,7 +147,7 @@ pub enum Error {
         "the force under the given approach still changes by {change:.2e} (relative) after {rounds} far fields"
     )]
     FarField {
-        /// Far fields that were made.
+        /// Number of far fields computed.
         rounds: usize,
         /// Relative change of the force between the last two.
         change: f64,
@@ -164,7 +165,7 @@ pub enum Error {
         estimate: f64,
         /// Requested relative error.
         tolerance: f64,
-        /// Smallest cells that the pressure needs somewhere, over those there.
+        /// Smallest ratio anywhere of the cell size that the pressure needs to the present one.
         finest: f64,
         /// The solution of the finest mesh, with that error.
         best: Box<Solution>,
@@ -183,7 +184,7 @@ pub enum Error {
         /// The solution of the finest mesh, with its error.
         best: Box<SlidingSolution>,
     },
-    /// The assembled stiffness does not fit into the memory that it may take.
+    /// The assembled stiffness does not fit into the allowed memory.
     #[error(
         "the assembled stiffness of a body of {dofs} displacements needs {:.2} GB, {:.2} GB remain of the limit; expected \
          a matrix-free one or a coarser mesh",
@@ -193,24 +194,24 @@ pub enum Error {
     StiffnessTooLarge {
         /// Displacements of the body.
         dofs: usize,
-        /// Memory that its matrix needs while it is made [bytes].
+        /// Memory that assembling its matrix needs [bytes].
         needed: u64,
-        /// Memory that remains after the bodies before it [bytes].
+        /// Memory that remains after the previous bodies [bytes].
         limit: u64,
     },
 }
 
 impl Error {
-    /// A runner that cannot be meshed, in the mesher's own words.
+    /// A runner that cannot be meshed, with the mesher's reason.
     pub(crate) fn runner_mesh<E: std::fmt::Display>(reason: E) -> Self {
         Error::Unsuitable(format!("the elastic runner cannot be meshed: {reason}"))
     }
 
-    /// No patch settled in this many solutions of the contact plane.
+    /// The patch did not converge in this many solutions of the contact plane.
     pub(crate) fn no_patch(rounds: usize) -> Self {
         Error::Unsolved(format!(
-            "no patch settles under the load in {rounds} rounds: expected a line of action farther \
-             from the hull's ends, or gentler ice"
+            "the contact patch under the load did not converge in {rounds} rounds: expected a line of \
+             action farther from the hull's ends, or less uneven ice"
         ))
     }
 

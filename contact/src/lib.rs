@@ -8,40 +8,41 @@
 //! | [`Solution`] | pressure field, figures, history |
 //! | [`runner_loads()`], [`RunnerLoads`] | stresses in an elastic runner and the forces on its mounts |
 //! | [`slide`], [`SlidingSolution`], [`Groove`] | sliding on ice that yields: groove, ploughing force |
-//! | [`boundary_elements()`], [`BoundaryElements`] | a second answer by another method, where it applies |
+//! | [`boundary_elements()`], [`BoundaryElements`] | the contact solved independently by boundary elements, where they apply |
 //! | [`VerifiedBem`] | boundary elements for a family of contacts, verified at its ends by finite elements |
 //! | [`hertz`] | the closed form of smooth point contacts |
 //!
-//! The folders are the steps of a solve. Each imports from those above it only.
+//! The folders are the steps of a solve. Each imports only from the folders above it.
 //!
 //! 1. `problem`: the problem, its checks, and the undeformed gap.
 //! 2. `grid`: the patch in contact, guessed from the gap, and the axes graded to it.
-//! 3. `precondition`: cheap inverses of the stiffness on tensor grids.
+//! 3. `precondition`: approximate inverses of the stiffness on tensor grids.
 //! 4. `bodies`: the ice and the runner. On a half-space the outer faces have the half-space's own
 //!    displacements (`far_field`).
 //! 5. `green`: the Green's matrix of the contact plane.
 //! 6. `mesh`: one mesh of both bodies (`discretise`) and the contact on it (`contact_mesh`).
-//! 7. `active_set`: accelerated projective SOR (L. Banz and A. Schroeder, Comp. Appl. Math. 2024,
-//!    doi 10.1007/s40314-024-03066-x). Sweeps over the contact forces find the nodes that touch
-//!    (`plane_problem`); an acceleration solves on that set (`constrained_cg`).
-//! 8. `result`: nodal forces to pressures and figures.
+//! 7. `active_set`: projected SOR with minimisation on the active set (L. Banz and A. Schroeder,
+//!    Comp. Appl. Math. 2024, doi 10.1007/s40314-024-03066-x). Sweeps over the contact forces find
+//!    the contact set (`plane_problem`); an acceleration solves on that set (`constrained_cg`).
+//! 8. `result`: pressures and figures from nodal forces.
 //! 9. `accuracy`: `find_patch` finds the patch with contact problems on the plane alone; `meshes`
-//!    refines; `estimators` makes limits with errors of the figures of several meshes.
+//!    refines; `estimators` extrapolates the figures of several meshes to limits, with errors.
 //! 10. `map`: the solution on the pixels of a regular grid.
-//! 11. `boundary_elements`: a second method, on the contact plane alone; the only one of contacts of
-//!     many asperities (`asperities`).
+//! 11. `boundary_elements`: a second method, on the contact plane alone; the only one for contacts
+//!     of many asperities (`asperities`).
 //! 12. `groove`: steady sliding on ice that yields.
 //!
 //! The iteration minimises the complementary energy of the contact forces, D(f) = 1/2 f^T S f + g^T
-//! f, with S the response of the bodies and g the gap without forces, over forces between 0 and
-//! what the ice bears that balance the load and its moments. Its minimum is minus the total
-//! potential energy, including the work of the load. Sweeps are projected onto bounds and balance
-//! together (`balance`) and go as far as D falls. An acceleration is accepted where D falls;
-//! otherwise it ends where the first force meets its bound, or sweeps go on. On the contact plane
-//! no set's minimiser occurs twice, so the iteration ends from any start. On the bodies the same
-//! holds where the equations of each set are solved exactly; they are stopped as soon as signs
-//! contradict the set, with D known to the residual. [`Solution::history`] has sweeps,
-//! accelerations and energies.
+//! f, with S the compliance of the bodies and g the gap without forces. The forces lie between 0
+//! and the hardness of the ice times the area of their node, and balance the load and its moments.
+//! The minimum of D is minus the total potential energy, which includes the work of the load.
+//!
+//! Sweeps are projected onto bounds and balance together (`balance`), with the step length that
+//! minimises D. An acceleration is accepted where D falls; otherwise it ends where the first force
+//! meets its bound, or sweeps follow. On the contact plane no set's minimiser occurs twice, so the
+//! iteration ends from any start. On the bodies this holds if the equations of each set are solved
+//! exactly; their solution is stopped as soon as signs contradict the set, with D known to the
+//! residual. [`Solution::history`] has sweeps, accelerations and energies.
 //!
 //! ```
 //! use std::sync::Arc;

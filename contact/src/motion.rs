@@ -3,19 +3,18 @@
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 
-/// Approach, pitch and roll: which are free, what they start from, and the balance each free one
-/// answers to.
+/// Approach, pitch and roll: which of them are free, and the balance that determines each free one.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
     /// Whether approach, pitch and roll follow from balance.
     pub free: [bool; 3],
-    /// N^T f for the free ones: the normal force [N] and the two moments [N m].
+    /// Required N^T f of the free ones: the normal force [N] and the two moments [N m].
     pub balance: [f64; 3],
 }
 
-/// The forces f = (G^-1 N) q - G^-1 g, and the motion q for which N^T f meets the balance.
+/// The forces f = (G^-1 N) q - G^-1 g, and the motion q for which N^T f is the balance.
 ///
-/// Arguments as of [`solve_motion`].
+/// The arguments are those of [`solve_motion`].
 pub(crate) fn forces_and_motion(
     motion: &Motion,
     rows: &[[f64; 3]],
@@ -31,10 +30,10 @@ pub(crate) fn forces_and_motion(
     ((0..rows.len()).map(force).collect(), turn)
 }
 
-/// The motion for which N^T f meets the balance, where f = (G^-1 N) q - G^-1 g.
+/// The motion q for which N^T f is the balance, with f = (G^-1 N) q - G^-1 g.
 ///
-/// `solved` holds G^-1 g and G^-1 N, node by row. Motions that the contact set cannot feel (the
-/// roll of a single row of nodes) keep the value they have in `current`.
+/// `solved` holds G^-1 g and G^-1 N, one row per node. Motions that do not change the gaps of the
+/// contact set (the roll of a single row of nodes) keep their value in `current`.
 fn solve_motion(
     motion: &Motion,
     rows: &[[f64; 3]],

@@ -1,28 +1,28 @@
-//! How accurate a solve is to be, and what it may cost.
+//! Accuracy and limits of a solve.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::{Error, Iterate, SlidingIterate};
 
-/// Version of the numerics: it rises whenever the same problem and options give other figures, so
-/// that results stored by an older version are not taken for this one's.
+/// Version of the numerics. It rises whenever the same problem and options give other figures, so
+/// that stored results of an older version are not reused.
 pub const NUMERICS: u32 = 22;
 
-/// Weight of the relative error of the area where the ice's hardness fixes the peak and the area is
-/// what is refined.
+/// Weight of the relative error of the area where the ice's hardness fixes the peak and the mesh is
+/// refined for the area.
 ///
-/// The area's error is of first order and scatters with the place of the rim between nodes.
+/// The area's error is of first order and scatters with the position of the rim between nodes.
 pub(crate) const AREA_WEIGHT: f64 = 0.25;
 
-/// The form in which the stiffness of the bodies is multiplied with.
+/// Representation of the stiffness of the bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StiffnessForm {
     /// Applied cell by cell, without being stored.
     #[default]
     MatrixFree,
-    /// Assembled, one matrix a body: some ten times the memory and several times the time of a
-    /// product, the same answer to rounding. The preconditioners are the same.
+    /// Assembled, one matrix per body. Takes about ten times the memory, and a product several
+    /// times the time; the solution is the same up to rounding. The preconditioners are the same.
     Assembled,
 }
 
@@ -33,9 +33,9 @@ pub type Watcher = Arc<dyn Fn(&Iterate) + Send + Sync>;
 /// first mesh have its number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NextMesh {
-    /// Its number, counted from the coarsest.
+    /// Number of the mesh, counted from the coarsest.
     pub level: usize,
-    /// Its unknowns.
+    /// Number of unknowns.
     pub dofs: usize,
     /// As in [`Iterate::error_before`].
     pub error_before: Option<f64>,
@@ -54,39 +54,37 @@ pub struct Options {
     pub p_max_tolerance: f64,
     /// Relative energy-norm residual of the equations on each mesh.
     pub residual: f64,
-    /// Largest number of unknowns that a mesh is expected to have when its resolution is chosen:
-    /// 1.5^3 times those of the last one. The mesh itself may have about a tenth more, and the
-    /// coarsest one is solved whatever it has. A cell of boundary elements counts four times, as
-    /// their transforms work on twice the cells along either axis.
+    /// Largest number of unknowns of a mesh, as expected when its resolution is chosen: 1.5^3 times
+    /// the number of the previous mesh. The mesh itself may have about a tenth more. The coarsest
+    /// mesh is solved whatever its size. A cell of boundary elements counts four times, as their
+    /// transforms work on twice the cells along either axis.
     pub max_dofs: usize,
-    /// Where given, one mesh with this many cells over half the patch is solved instead of refining
-    /// to `p_max_tolerance`; the reported error is then infinite. Of many asperities on uneven ice,
-    /// solved by boundary elements, the patch is that of one: half of their mean size.
+    /// Number of cells over half the patch of a single mesh. If given, this mesh is solved instead
+    /// of refining to `p_max_tolerance`, and the reported error is infinite. For contacts of many
+    /// asperities, solved by boundary elements, the patch is half the mean size of an asperity.
     pub cells: Option<usize>,
-    /// The form of the stiffness.
+    /// Representation of the stiffness.
     pub stiffness: StiffnessForm,
-    /// Memory that assembled stiffness may take while it is made, all bodies of a mesh together
-    /// [bytes].
+    /// Largest memory for assembling the stiffness of all bodies of a mesh [bytes].
     pub max_stiffness_bytes: u64,
-    /// Whether the shear under the peak pressure is followed over the meshes:
-    /// [`Solution::under_peak`](crate::Solution::under_peak). The ice is solved in its volume then,
-    /// whatever it touches.
+    /// Whether the shear under the peak pressure is estimated
+    /// ([`Solution::under_peak`](crate::Solution::under_peak)). The ice is then always solved in
+    /// its volume, never by boundary elements.
     pub subsurface: bool,
-    /// Called after every update of the contact set, as it happens and in order, with the values of
-    /// that moment.
+    /// Called after every update of the contact set, in order, with the present values.
     pub progress: Option<Watcher>,
-    /// Called before each mesh is solved, which may take longer than all before it.
+    /// Called before each mesh is solved, which may take longer than all meshes before it.
     pub next_mesh: Option<MeshWatcher>,
-    /// Called while a runner slides: on each mesh with what the contact plane alone makes of it,
-    /// and after every correction by the bodies.
+    /// Called in the solution of sliding: on each mesh with the solution on the contact plane
+    /// alone, and after every correction by the bodies.
     pub sliding_progress: Option<SlidingWatcher>,
-    /// Once true, the solve ends with [`Error::Stopped`](crate::Error::Stopped), within about an
-    /// iteration.
+    /// When set to true, the solve ends with [`Error::Stopped`](crate::Error::Stopped) within about
+    /// one iteration.
     pub stop: Option<Arc<AtomicBool>>,
 }
 
 impl Options {
-    /// Whether the solve is to end.
+    /// Whether the stop flag is set.
     pub(crate) fn stopped(&self) -> bool {
         self.stop
             .as_ref()
@@ -104,7 +102,7 @@ impl Options {
         }
     }
 
-    /// An error where the solve is to end.
+    /// [`Error::Stopped`](crate::Error::Stopped) if the stop flag is set.
     pub(crate) fn check_stop(&self) -> Result<(), Error> {
         if self.stopped() {
             return Err(Error::Stopped);

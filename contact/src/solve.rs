@@ -1,29 +1,31 @@
-//! From a problem to a pressure field of the requested accuracy.
+//! Solution of a contact problem to the requested accuracy.
 
 use crate::accuracy::meshes::{Meshes, Verdict};
 use crate::boundary_elements::asperities::Asperities;
-use crate::problem::check::{CheckedProblem, MOST_TILT, within};
+use crate::problem::check::{CheckedProblem, MAX_TILT, within};
 use crate::{Error, Load, Options, Problem, Solution, Tilt};
 
 /// Solves a contact problem.
 ///
 /// Linear elasticity on trilinear hexahedra, frictionless unilateral contact; see the crate's page
 /// for the method. The mesh is refined until the estimated discretisation error of the peak
-/// pressure is below `options.p_max_tolerance`. A rigid runner that touches uneven ice at some
+/// pressure is below `options.p_max_tolerance`. A rigid runner that touches uneven ice at about a
 /// thousand nodes or more is solved by boundary elements on the contact plane instead, whose cost
-/// grows with n log n; [`Solution::volume`] is empty then. Where their contact set does not settle,
-/// finite elements follow, with the grids before them in [`Solution::history`].
+/// grows with n log n; [`Solution::volume`] is then `None`. If their contact set does not converge,
+/// finite elements follow, with the previous grids in [`Solution::history`].
 ///
 /// # Errors
-/// [`Error::OutOfRange`], [`Error::Unsuitable`] and [`Error::LoadExceedsHardness`] for problems
-/// without an answer; [`Error::NotConverged`] where a mesh's equations are not solved, and
-/// [`Error::AccuracyNotReached`], with the best solution in it, where the largest mesh allowed does
-/// not do; [`Error::TooFine`] and [`Error::Unsolved`] where no mesh can be had, or where the solution
-/// of the last one violates the contact conditions; [`Error::NoAnswer`] where the meshes give no
-/// contact under the load.
+/// - [`Error::OutOfRange`], [`Error::Unsuitable`] and [`Error::LoadExceedsHardness`]: the problem
+///   has no solution.
+/// - [`Error::NotConverged`]: the equations of a mesh are not solved.
+/// - [`Error::AccuracyNotReached`]: the largest mesh allowed is not accurate enough; the error
+///   holds the best solution.
+/// - [`Error::TooFine`] and [`Error::Unsolved`]: no mesh can be made, or the solution of the last
+///   mesh violates the contact conditions.
+/// - [`Error::NoAnswer`]: the meshes give no contact under the load.
 pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
-    // Among the workers from the start: every parallel loop begun outside would wait for one to
-    // wake up.
+    // On a worker thread from the start: every parallel loop begun outside would wait for a worker
+    // to wake up.
     rayon::scope(|_| {
         let checked = CheckedProblem::bearable(problem, options)?;
         let mut history = Vec::new();
@@ -41,9 +43,9 @@ pub fn solve(problem: &Problem, options: &Options) -> Result<Solution, Error> {
     })
 }
 
-/// Adds what it changes that a free tilt is taken as small. The curvature of a section that is round
-/// is off by 1.5 times the square of the tilt; pressures, areas and lengths of smooth contacts go
-/// at most with its power 2/3.
+/// Adds the error of the small-angle approximation of a free tilt. The curvature of a round section
+/// is wrong by 1.5 times the square of the tilt; pressures, areas and lengths of smooth contacts
+/// depend on the curvature at most with the power 2/3.
 pub(crate) fn add_tilt_error(problem: &Problem, s: &mut Solution) {
     let Load::Force {
         tilt: Tilt::Free, ..
@@ -62,7 +64,7 @@ pub(crate) fn add_tilt_error(problem: &Problem, s: &mut Solution) {
     s.approach_error += share * s.approach;
 }
 
-/// Solves mesh after mesh, from what is known of the problem.
+/// Solves mesh after mesh to the requested accuracy.
 fn refined(mut meshes: Meshes) -> Result<Solution, Error> {
     loop {
         let contact = meshes.solve_next()?;
@@ -75,7 +77,7 @@ fn refined(mut meshes: Meshes) -> Result<Solution, Error> {
     }
 }
 
-/// Checks a problem as far as that goes without solving it.
+/// Checks a problem as far as possible without solving it.
 ///
 /// # Errors
 /// [`Error::OutOfRange`], [`Error::Unsuitable`], [`Error::LoadExceedsHardness`].
@@ -83,18 +85,17 @@ pub fn check_problem(problem: &Problem, options: &Options) -> Result<(), Error> 
     CheckedProblem::bearable(problem, options).map(|_| ())
 }
 
-/// Relative difference of the force carried from the requested one that a balanced contact may
-/// have.
+/// Largest relative difference between the resultant of a balanced contact and the load.
 const BALANCED: f64 = 1e-6;
 
-/// What equilibrium and contact conditions may be violated by at the end, relative: the sets' own
-/// slack where they went in circles.
-const LARGEST_VIOLATION: f64 = 2e-5;
+/// Largest relative violation of equilibrium and contact conditions in a solution: the slack of
+/// contact sets that cycled.
+const MAX_VIOLATION: f64 = 2e-5;
 
-/// Checks that a solution holds equilibrium and contact conditions on all nodes of the plane, or
-/// to ten times a residual that was requested looser, and is an answer.
+/// Checks that a solution satisfies equilibrium and contact conditions on all nodes of the plane
+/// (to ten times the requested residual if that is larger), and [`check_answer`].
 fn verify(problem: &Problem, options: &Options, solution: &Solution) -> Result<(), Error> {
-    let most = LARGEST_VIOLATION.max(10.0 * options.residual);
+    let most = MAX_VIOLATION.max(10.0 * options.residual);
     let violation = solution.kkt_residual;
     if violation.is_nan() || violation > most {
         return Err(Error::Unsolved(format!(
@@ -107,12 +108,13 @@ fn verify(problem: &Problem, options: &Options, solution: &Solution) -> Result<(
 
 const POSITIVE: &str = "a positive number";
 const FINITE: &str = "a finite number";
-const SMALL: &str = "a load under which the runner turns by at most 0.12 either way";
+const SMALL: &str = "a load under which the runner turns by at most 0.12 rad either way";
 
-/// Checks that an answer is one: finite, with a contact, under the requested load.
+/// Checks that the figures of a solution are finite, that there is a contact, and that it carries
+/// the load.
 pub(crate) fn check_answer(problem: &Problem, s: &Solution) -> Result<(), Error> {
     let positive = |value: f64| value.is_finite() && value > 0.0;
-    let small = |tilt: f64| tilt.abs() <= MOST_TILT;
+    let small = |tilt: f64| tilt.abs() <= MAX_TILT;
     let carried = match problem.load {
         Load::Force { fz, .. } => (s.fz / fz - 1.0).abs() <= BALANCED,
         Load::Approach { .. } => true,

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-/// Numbers that one task handles.
+/// Number of entries that one task handles.
 pub(crate) const CHUNK: usize = 16384;
 
 /// Scalar product, summed chunk by chunk in order.
@@ -11,7 +11,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
         .par_chunks(CHUNK)
         .zip(b.par_chunks(CHUNK))
         .map(|(a, b)| {
-            // For the widest vector unit that this machine has, here and below.
+            // Compiled for the widest vector unit of this machine, here and below.
             pulp::Arch::new().dispatch(
                 #[inline(always)]
                 || chunk_dot(a, b),

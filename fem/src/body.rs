@@ -28,11 +28,11 @@ pub struct Body {
 }
 
 impl Body {
-    /// A body with one section a cell.
+    /// A body with one section per cell.
     ///
-    /// Fails where there are no cells, a cell names a missing node, a Jacobian determinant at a
-    /// Gauss point or at a cell's centre is not positive, the number of sections differs from that
-    /// of cells, or the nodes exceed 32 bits.
+    /// Fails if there are no cells, a cell names a missing node, a Jacobian determinant at a Gauss
+    /// point or at a cell's centre is not positive, the number of sections differs from that of
+    /// cells, or the number of nodes exceeds 32 bits.
     pub fn new(mesh: HexMesh, sections: Vec<Section>) -> Result<Self, Error> {
         let node_count = mesh.points.len();
         let limit = (u32::MAX / 3) as usize;
@@ -79,7 +79,7 @@ impl Body {
         &self.mesh
     }
 
-    /// The sections, one a cell.
+    /// The sections, one per cell.
     pub fn sections(&self) -> &[Section] {
         &self.sections
     }
@@ -89,7 +89,7 @@ impl Body {
         self.mesh.points.len()
     }
 
-    /// Number of displacements, three a node.
+    /// Number of displacements, three per node.
     pub fn dofs(&self) -> usize {
         3 * self.mesh.points.len()
     }
@@ -106,10 +106,10 @@ impl Body {
     }
 }
 
-/// Which eight-node hexahedron.
+/// Kind of an eight-node hexahedron.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ElementKind {
-    /// Trilinear, 2 x 2 x 2 Gauss points. Locks where a thin body bends.
+    /// Trilinear, 2 x 2 x 2 Gauss points. Locks in bending of thin bodies.
     #[default]
     Hex8,
     /// Trilinear with incompatible modes, for bodies that bend.
@@ -122,8 +122,9 @@ pub enum ElementKind {
 }
 
 impl ElementKind {
-    /// The element of a block that does not bend: the plain one, or that with the mean change of
-    /// volume from a Poisson's ratio of [`hex8_dilatation::NEARLY_INCOMPRESSIBLE`] on.
+    /// The element of a block that does not bend: [`ElementKind::Hex8`], or
+    /// [`ElementKind::Hex8Dilatation`] from a Poisson's ratio of
+    /// [`hex8_dilatation::NEARLY_INCOMPRESSIBLE`] on.
     pub fn of_block(poissons_ratio: f64) -> Self {
         if poissons_ratio >= hex8_dilatation::NEARLY_INCOMPRESSIBLE {
             ElementKind::Hex8Dilatation

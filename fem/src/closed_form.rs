@@ -39,8 +39,8 @@ pub fn boussinesq(point: [f64; 3], load: f64, material: Material) -> [f64; 3] {
     ]
 }
 
-/// Depth to which a half-space sinks under a uniform pressure on a rectangle, times E / (1 - nu^2)
-/// over the pressure [m]:
+/// Downward displacement of a half-space under a uniform pressure on a rectangle, times E / (1 -
+/// nu^2) and divided by the pressure [m]:
 ///
 /// ```text
 /// d = [ F(x+a, y+b) - F(x+a, y-b) - F(x-a, y+b) + F(x-a, y-b) ] / pi,

@@ -1,4 +1,4 @@
-//! Prescribed displacements, symmetry planes, and the free displacements that they leave.
+//! Prescribed displacements, symmetry planes, and the numbering of the free displacements.
 
 use std::collections::BTreeMap;
 
@@ -31,7 +31,7 @@ impl Constraints {
 
     /// Prescribes one component (0, 1, 2 for x, y, z) of a node's displacement [m].
     ///
-    /// Fails where node or component do not exist, the value is not finite, or the displacement
+    /// Fails if node or component do not exist, the value is not finite, or the displacement
     /// already has another value.
     pub fn prescribe(&mut self, node: usize, component: usize, value: f64) -> Result<(), Error> {
         if node >= self.node_count || component > 2 || !value.is_finite() {
@@ -57,7 +57,7 @@ impl Constraints {
         Ok(())
     }
 
-    /// Holds all three components of these nodes at zero. Fails as [`Constraints::prescribe`].
+    /// Fixes all three components of these nodes at zero. Fails as [`Constraints::prescribe`].
     pub fn clamp(&mut self, nodes: impl IntoIterator<Item = usize>) -> Result<(), Error> {
         for node in nodes {
             for component in 0..3 {
@@ -136,7 +136,7 @@ impl DofMap {
         &self.free
     }
 
-    /// Index of displacement `dof` among the free ones, if it is free.
+    /// Index of displacement `dof` among the free ones; `None` if it is prescribed.
     pub fn index(&self, dof: usize) -> Option<usize> {
         let index = self.index[dof];
         (index != FIXED).then_some(index as usize)
@@ -155,7 +155,7 @@ impl DofMap {
     }
 }
 
-/// `out` = `u` node by node, from component after component; both hold three numbers a node.
+/// `out` = `u` reordered by nodes, from `u` by components; both hold three numbers per node.
 ///
 /// ```
 /// let mut by_node = [0.0; 6];
@@ -164,7 +164,7 @@ impl DofMap {
 /// ```
 ///
 /// # Panics
-/// Where `u` is shorter than `out`.
+/// If `u` is shorter than `out`.
 pub fn to_nodes(u: &[f64], out: &mut [f64]) {
     let nodes = u.len() / 3;
     for (node, values) in out.chunks_exact_mut(3).enumerate() {
@@ -172,10 +172,10 @@ pub fn to_nodes(u: &[f64], out: &mut [f64]) {
     }
 }
 
-/// `out` = `u` component after component, from node by node: the inverse of [`to_nodes`].
+/// `out` = `u` reordered by components, from `u` by nodes: the inverse of [`to_nodes`].
 ///
 /// # Panics
-/// Where `out` is shorter than `u`.
+/// If `out` is shorter than `u`.
 pub fn to_components(u: &[f64], out: &mut [f64]) {
     let nodes = u.len() / 3;
     for (node, values) in u.chunks_exact(3).enumerate() {

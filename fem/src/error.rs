@@ -1,4 +1,4 @@
-//! What can go wrong.
+//! Errors of this crate.
 
 /// Errors of this crate.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -47,10 +47,10 @@ pub enum Error {
         /// Largest number allowed.
         limit: usize,
     },
-    /// A list has another length than the thing that it belongs to.
+    /// A list has another length than expected.
     #[error("{what}: {found} entries; expected {expected}")]
     Length {
-        /// What the list holds.
+        /// Content of the list.
         what: &'static str,
         /// Entries found.
         found: usize,
@@ -81,7 +81,7 @@ pub enum Error {
         component: usize,
         /// The value prescribed first [m].
         first: f64,
-        /// The value prescribed then [m].
+        /// The value prescribed second [m].
         second: f64,
     },
     /// Elimination met a pivot that is not positive: the body can move as a mechanism.
@@ -98,10 +98,10 @@ pub enum Error {
     FactorTooLarge {
         /// Number of free displacements.
         free_dofs: usize,
-        /// What the factorisation reported.
+        /// Error of the factorisation.
         reason: String,
     },
-    /// The assembled stiffness does not fit into the memory that it may take.
+    /// The assembled stiffness does not fit into the allowed memory.
     #[error(
         "the assembled stiffness of {dofs} displacements needs {:.2} GB; expected at most {:.2} GB",
         *needed as f64 / 1e9,
@@ -110,9 +110,9 @@ pub enum Error {
     MatrixTooLarge {
         /// Number of displacements.
         dofs: usize,
-        /// Memory that it would need while it is made [bytes].
+        /// Memory needed for assembling [bytes].
         needed: u64,
-        /// Memory that it may take [bytes].
+        /// Allowed memory [bytes].
         limit: u64,
     },
 }

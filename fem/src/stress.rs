@@ -82,17 +82,18 @@ fn strain_of(h: &[[f64; 3]; 3]) -> [f64; 6] {
     ]
 }
 
-/// Strain in `cell` at natural coordinates `xi` for the displacements `u` (three a node [m]).
+/// Strain in `cell` at natural coordinates `xi` for the displacements `u` (three per node [m]).
 ///
 /// In cells with incompatible modes it includes the modes' strain.
 ///
 /// # Panics
-/// Where the cell does not exist or `u` is too short.
+/// If the cell does not exist or `u` is too short.
 pub fn strain_at(body: &Body, cell: usize, u: &[f64], xi: [f64; 3]) -> [f64; 6] {
     CellField::new(body, cell, u).strain(xi)
 }
 
-/// Stress [Pa] in `cell` at natural coordinates `xi` for the displacements `u` (three a node [m]).
+/// Stress [Pa] in `cell` at natural coordinates `xi` for the displacements `u` (three per node
+/// [m]).
 ///
 /// # Panics
 /// As [`strain_at`].
@@ -108,13 +109,13 @@ fn cell_stresses(body: &Body, cell: usize, u: &[f64]) -> [[f64; 6]; 8] {
     hex8::gauss_points().map(|xi| material.stress(field.strain(xi)))
 }
 
-/// Stresses at a cell's corners: those of its Gauss points, continued.
+/// Stresses at a cell's corners, extrapolated from its Gauss points.
 enum CornerStresses {
-    /// Of a plain box its lengths [m]: u's derivative along an edge is bilinear in the other two
-    /// directions, which continues to the corners as it is: what the two ends of the edge differ
-    /// by, over its length.
+    /// Lengths of a box with the plain element [m]. The derivative of u along an axis is bilinear
+    /// in the other two, so its extrapolation to a corner is exact: the difference between the two
+    /// ends of the edge divided by its length.
     Edges([f64; 3]),
-    /// Of any other cell [Pa].
+    /// Stresses at the corners of any other cell [Pa].
     Continued(Box<[[f64; 6]; 8]>),
 }
 
@@ -145,7 +146,7 @@ impl CornerStresses {
     }
 }
 
-/// Gauss-point values continued trilinearly to the eight corners of their cell.
+/// Trilinear extrapolation of Gauss-point values to the eight corners of their cell.
 pub fn extrapolate_to_corners(values: &[[f64; 6]; 8]) -> [[f64; 6]; 8] {
     // The Gauss points are the corners of a cell that is 1/sqrt(3) as large.
     hex8::CORNERS.map(|corner| {
@@ -154,14 +155,14 @@ pub fn extrapolate_to_corners(values: &[[f64; 6]; 8]) -> [[f64; 6]; 8] {
     })
 }
 
-/// Stresses [Pa] at the nodes: Gauss-point stresses continued to the corners, averaged over the
+/// Stresses [Pa] at the nodes: Gauss-point stresses extrapolated to the corners, averaged over the
 /// cells of a node.
 ///
-/// Where materials meet, stresses jump and the average lies between the sides: take [`stress_at`]
+/// Where materials meet, stresses jump and the average lies between the sides; use [`stress_at`]
 /// there. Nodes without cells get zero.
 ///
 /// # Panics
-/// Where `u` does not have three numbers a node.
+/// If `u` does not have three numbers per node.
 pub fn nodal_stresses(body: &Body, u: &[f64]) -> Vec<[f64; 6]> {
     assert_eq!(u.len(), body.dofs());
     let corners: Vec<CornerStresses> = (0..body.mesh().cells.len())
@@ -198,7 +199,7 @@ pub fn von_mises(stress: [f64; 6]) -> f64 {
 
 /// Principal stresses, largest (most tensile) first, in the unit of the stress.
 ///
-/// All NaN where a component is not finite.
+/// All NaN if a component is not finite.
 pub fn principal_stresses(stress: [f64; 6]) -> [f64; 3] {
     let [xx, yy, zz, yz, zx, xy] = stress;
     if stress.iter().any(|s| !s.is_finite()) {
@@ -220,15 +221,15 @@ pub fn maximum_shear(stress: [f64; 6]) -> f64 {
 /// Stresses [Pa] at the nodes of a tensor grid of plain trilinear hexahedra, for displacements [m]
 /// in [`TensorGrid::node`] order.
 ///
-/// What [`nodal_stresses`](crate::nodal_stresses) gives for
-/// [`ElementKind::Hex8`](crate::ElementKind::Hex8) on the grid's mesh: in a corner of such a cell
-/// the derivative along an axis is what the two ends of the edge there differ by, over its length,
-/// so that the mean over a node's cells is the mean of the edges on its two sides. `below` is
-/// another material, with the number of layers of cells from below that it fills; where the two
-/// meet the stress is the mean of both sides.
+/// Equal to [`nodal_stresses`](crate::nodal_stresses) for
+/// [`ElementKind::Hex8`](crate::ElementKind::Hex8) on the grid's mesh. In a corner of such a cell
+/// the derivative along an axis is the difference between the two ends of the edge divided by its
+/// length, so that the mean over a node's cells is the mean of the edges on its two sides. `below`
+/// is another material, with the number of layers of cells that it fills from below; where the two
+/// meet, the stress is the mean of both sides.
 ///
 /// # Panics
-/// Where there is not one displacement a node.
+/// If there is not one displacement per node.
 pub fn grid_stresses(
     grid: &TensorGrid,
     material: Material,
@@ -276,8 +277,8 @@ pub fn grid_stresses(
     stresses
 }
 
-/// At each node the weights of the differences to the node before and to the one after [1/m]: their
-/// mean, one alone at the ends.
+/// Weights, at each node, of the differences to the previous and to the next node [1/m]: the mean
+/// of both slopes, one slope at the ends.
 fn slopes(nodes: &[f64]) -> Vec<[f64; 2]> {
     let last = nodes.len() - 1;
     (0..nodes.len())

@@ -1,4 +1,4 @@
-//! Outputs of a command are none of its inputs.
+//! Checks that the outputs of a command are not among its inputs.
 
 use std::collections::HashSet;
 use std::fmt::Display;
@@ -7,11 +7,11 @@ use std::path::{Component, Path, PathBuf};
 
 use crate::place::replaceable;
 
-/// Checks that every output is a file that may be written: none of the inputs, no two the same, and
-/// nothing but a file there.
+/// Checks that every output may be written: it is not an input, no other output is the same file,
+/// and a regular file or nothing is at its path.
 ///
 /// # Errors
-/// [`ErrorKind::InvalidInput`] naming the first output that is not, with the reason.
+/// [`ErrorKind::InvalidInput`] with the first output that fails, and the reason.
 pub fn outputs_apart(
     inputs: &[impl AsRef<Path>],
     outputs: &[impl AsRef<Path>],
@@ -37,19 +37,19 @@ pub fn outputs_apart(
     Ok(())
 }
 
-/// Whether two paths lead to one file, by links and by `..` too; they need not exist.
+/// Whether two paths lead to one file, also through links and `..`; they need not exist.
 pub fn same_file(a: &Path, b: &Path) -> bool {
     resolved(a) == resolved(b)
 }
 
-/// Whether a link on the way from `folder` to `file`, or `file` itself, leads out of `folder`.
+/// Whether a link between `folder` and `file`, or `file` itself, leads out of `folder`.
 ///
-/// A path that does not begin with `folder` is taken from the folder that it names its file in.
+/// For a path that does not begin with `folder`, its own folder is used instead.
 pub fn leads_out(folder: &Path, file: &Path) -> bool {
     let own = file.parent().unwrap_or(Path::new(""));
     let below = file.starts_with(folder) && file.is_absolute() == folder.is_absolute();
     let folder = if below { folder } else { own };
-    // An empty path is the present folder.
+    // An empty path is the current folder.
     let inside = resolved(&folder.join("."));
     let way = file.ancestors().take_while(|part| *part != folder);
     way.filter(|part| part.is_symlink())
@@ -58,8 +58,8 @@ pub fn leads_out(folder: &Path, file: &Path) -> bool {
 
 /// The path from the root without `.`, `..` and links, as far as the file system has it.
 ///
-/// Each existing part is resolved before `..` removes it: `link/..` is the folder that the link
-/// leads to. Parts that do not exist are taken as they are written: `new/../FILE` is `FILE`.
+/// Each existing part is resolved before `..` removes it: `link/..` is the parent of the folder
+/// that the link leads to. Parts that do not exist are not resolved: `new/../FILE` is `FILE`.
 pub fn resolved(path: &Path) -> PathBuf {
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     let mut clean = PathBuf::new();

@@ -1,4 +1,4 @@
-//! Temporary folders, and what processes that were killed left behind.
+//! Temporary folders, and removal of those of processes that were killed.
 
 use std::fs::File;
 use std::io::{ErrorKind, Result};
@@ -9,7 +9,7 @@ use tempfile::TempDir;
 
 use crate::whole::TEMPORARY;
 
-/// Temporaries that nothing has written to for so long are nobody's any more.
+/// Age since the last write from which a temporary file counts as abandoned.
 const ABANDONED: Duration = Duration::from_secs(24 * 3600);
 
 /// A hidden folder for files that are not whole yet, removed on drop.

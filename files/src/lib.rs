@@ -1,9 +1,9 @@
-//! Files that are whole or absent, that replace nothing that is not theirs, and that end.
+//! Atomic writing, and reading of regular files.
 //!
-//! A process that dies while it writes, or a disk that fills up, leaves the former file at the
-//! path, and no other. What a command writes is apart from what it reads ([`outputs_apart`]). A
-//! link is written through; a device, a pipe or a folder is never replaced. Reading takes regular
-//! files alone, up to a length ([`read_regular`]).
+//! If a process dies while it writes, or the disk is full, the previous file remains at the path
+//! ([`write_whole`]). Outputs of a command may not be among its inputs ([`outputs_apart`]). A link
+//! is written through; a device, a pipe or a folder is never replaced. Only regular files up to a
+//! size are read ([`read_regular`]).
 //!
 //! ```
 //! let folder = tempfile::tempdir()?;

@@ -1,15 +1,14 @@
-//! Where a file may be written.
+//! Checks of the path of a file that is to be written.
 
 use std::fs::FileType;
 use std::io::{Error, ErrorKind, Result};
 use std::path::{Path, PathBuf};
 
-/// The file that writing to `path` replaces or makes: `path` itself, or what it leads to where it
-/// is a link.
+/// The file that writing to `path` replaces or creates: `path` itself, or the target of a link.
 ///
 /// # Errors
-/// [`ErrorKind::InvalidInput`] where that is a folder, a device, a pipe or a socket, or a link that
-/// leads nowhere.
+/// [`ErrorKind::InvalidInput`] if that is a folder, a device, a pipe or a socket, or if the target
+/// of the link does not exist.
 pub(crate) fn replaceable(path: &Path) -> Result<PathBuf> {
     let failure = |reason: &str| Error::new(ErrorKind::InvalidInput, reason.to_owned());
     let place = match path.symlink_metadata() {

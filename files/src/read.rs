@@ -1,4 +1,4 @@
-//! Reading files that end.
+//! Reading regular files up to a size.
 
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result};
@@ -9,49 +9,48 @@ use sha2::{Digest, Sha256};
 
 use crate::place::kind;
 
-/// The whole of a regular file of at most `most` bytes.
+/// The bytes of a regular file of at max_bytes `max_bytes`.
 ///
 /// # Errors
-/// [`ErrorKind::InvalidInput`] for a folder, a device, a pipe and a longer file, with what was
-/// found; the system's where the file cannot be read.
-pub fn read_regular(path: &Path, most: u64) -> Result<Vec<u8>> {
-    bytes_of(open_regular(path)?, most).map_err(unreadable)
+/// [`ErrorKind::InvalidInput`] for a folder, a device, a pipe and a longer file; the system's error
+/// if the file cannot be read.
+pub fn read_regular(path: &Path, max_bytes: u64) -> Result<Vec<u8>> {
+    bytes_of(open_regular(path)?, max_bytes).map_err(unreadable)
 }
 
-fn bytes_of(file: File, most: u64) -> Result<Vec<u8>> {
+fn bytes_of(file: File, max_bytes: u64) -> Result<Vec<u8>> {
     let long = |found: u64| {
-        let text = format!("{found} bytes or more: expected at most {most}");
+        let text = format!("{found} bytes or more: expected at max_bytes {max_bytes}");
         Error::new(ErrorKind::InvalidInput, text)
     };
     let length = file.metadata()?.len();
-    if length > most {
+    if length > max_bytes {
         return Err(long(length));
     }
-    // A file that grows meanwhile ends all the same.
+    // Bounds the size of a file that grows in the meantime.
     let mut bytes = Vec::with_capacity(length as usize);
-    file.take(most + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > most {
+    file.take(max_bytes + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > max_bytes {
         return Err(long(bytes.len() as u64));
     }
     Ok(bytes)
 }
 
-/// As [`read_regular`], as text.
+/// The text of a regular file of at most `max_bytes`.
 ///
 /// # Errors
-/// As [`read_regular`]; [`ErrorKind::InvalidData`] where the bytes are no UTF-8.
-pub fn text_of_regular(path: &Path, most: u64) -> Result<String> {
-    String::from_utf8(read_regular(path, most)?)
+/// As [`read_regular`]; [`ErrorKind::InvalidData`] if the bytes are not UTF-8.
+pub fn text_of_regular(path: &Path, max_bytes: u64) -> Result<String> {
+    String::from_utf8(read_regular(path, max_bytes)?)
         .map_err(|error| unreadable(Error::new(ErrorKind::InvalidData, error.utf8_error())))
 }
 
-/// An error of the same kind that says what failed.
+/// An error of the same kind with the message that the file cannot be read.
 fn unreadable(error: Error) -> Error {
     Error::new(error.kind(), format!("cannot be read: {error}"))
 }
 
-/// Why a text could not be parsed, on one line: the line at which it broke, what stands there and
-/// the parser's message.
+/// Message of a parse error on one line: the number of the line, its text and the parser's message.
 pub fn broken_at(text: &str, span: Option<Range<usize>>, message: &str) -> String {
     let start = span.map_or(0, |span| span.start.min(text.len()));
     let before = &text.as_bytes()[..start];
@@ -68,7 +67,7 @@ pub fn broken_at(text: &str, span: Option<Range<usize>>, message: &str) -> Strin
         .replace("invalid value: string", "found")
         .replace("expected f64", "expected a number");
     let message = match message.split_once("expected struct ") {
-        // The name is one of this program's source.
+        // The message contains the name of a type of this program, which is replaced.
         Some((before, name)) => {
             let after = name.trim_start_matches(|c: char| c.is_alphanumeric());
             format!("{before}expected a table{after}")
@@ -81,8 +80,8 @@ pub fn broken_at(text: &str, span: Option<Range<usize>>, message: &str) -> Strin
 /// Opens a regular file; a pipe is refused before it is opened, which would wait for its writer.
 ///
 /// # Errors
-/// [`ErrorKind::InvalidInput`] for a folder, a device and a pipe; the system's where it cannot be
-/// opened.
+/// [`ErrorKind::InvalidInput`] for a folder, a device and a pipe; the system's error if the file
+/// cannot be opened.
 pub fn open_regular(path: &Path) -> Result<File> {
     opened(path).map_err(unreadable)
 }
@@ -109,10 +108,10 @@ pub fn sha256(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))
 }
 
-/// SHA-256 of what remains of a file, as lower-case hexadecimal.
+/// SHA-256 of a file from its present position on, as lower-case hexadecimal.
 ///
 /// # Errors
-/// The system's where the file cannot be read.
+/// The system's error if the file cannot be read.
 pub fn sha256_of_file(mut file: &File) -> Result<String> {
     let mut hash = Sha256::new();
     let mut buffer = vec![0; 1 << 16];
@@ -142,7 +141,7 @@ mod tests {
         let error = read_regular(&path, 9).unwrap_err().to_string();
         assert_eq!(
             error,
-            "cannot be read: 10 bytes or more: expected at most 9"
+            "cannot be read: 10 bytes or more: expected at max_bytes 9"
         );
         assert!(
             read_regular(folder.path(), 9)

@@ -1,4 +1,4 @@
-//! Writing a file whole or not at all.
+//! Atomic writing of files.
 
 use std::io::{BufWriter, Result, Write};
 use std::path::Path;
@@ -7,20 +7,20 @@ use tempfile::{Builder, NamedTempFile};
 
 use crate::place::{folder_of, replaceable};
 
-/// What names of temporary files and folders begin with.
+/// Prefix of the names of temporary files and folders.
 pub const TEMPORARY: &str = ".kufe-";
 
-/// Writes `path` through a temporary file in its folder, which is flushed to the disk and renamed
-/// once it is whole.
+/// Writes `path` atomically: through a temporary file in its folder, which is flushed to the disk
+/// and renamed when it is complete.
 ///
-/// Several processes, on several machines, may write one path at a time: the last to finish is who
-/// wrote it. The process's umask determines who may read the file, as for any other new file.
-/// Where `path` is a link, the file that it leads to is written and the link stays.
+/// Several processes, on several machines, may write one path at a time: the file of the last to
+/// finish remains. The process's umask determines the permissions, as for any other new file. If
+/// `path` is a link, its target is written and the link remains.
 ///
 /// # Errors
 /// Those of `write`; [`ErrorKind::InvalidInput`](std::io::ErrorKind::InvalidInput) for a folder, a
-/// device, a pipe and a link that leads nowhere; and those of the system where the folder is missing
-/// or the file cannot be written; nothing is left then.
+/// device, a pipe and a link whose target does not exist; the system's error if the folder is
+/// missing or the file cannot be written. No temporary file remains.
 pub fn write_whole(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()>) -> Result<()> {
     let path = &replaceable(path)?;
     let temporary = temporary_in(folder_of(path))?;
@@ -40,7 +40,7 @@ fn temporary_in(folder: &Path) -> Result<NamedTempFile> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        // The system takes the umask's bits off.
+        // The system removes the bits of the umask.
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
     builder.tempfile_in(folder)

@@ -1,11 +1,11 @@
-//! What can be wrong with a hull, a mesh or a height map.
+//! Errors of hulls, meshes and height maps.
 
 use std::fmt::Display;
 use std::path::Path;
 
 use thiserror::Error;
 
-/// Why a hull, a mesh or a height map was refused.
+/// Errors of hulls, meshes and height maps.
 #[derive(Debug, Error)]
 pub enum MeshError {
     /// A value that is not as expected.
@@ -18,7 +18,7 @@ pub enum MeshError {
         /// What was expected.
         expected: String,
     },
-    /// What is wrong with a hull, a mesh or a height map as a whole.
+    /// A defect of a hull, a mesh or a height map as a whole.
     #[error("{0}")]
     Invalid(String),
     /// A file that cannot be read or written.
@@ -26,15 +26,15 @@ pub enum MeshError {
     Io {
         /// The file.
         path: String,
-        /// Why.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// What is wrong with a file.
+    /// A file with invalid content.
     #[error("{path}: {source}")]
     File {
         /// The file.
         path: String,
-        /// What is wrong.
+        /// The defect.
         source: Box<MeshError>,
     },
 }

@@ -21,7 +21,7 @@ pub(crate) fn ending(path: &Path) -> String {
     ending.to_string_lossy().to_lowercase()
 }
 
-/// The columns of these names of a CSV table, row by row [m]; further columns are ignored.
+/// Columns of a CSV table by their names, row by row [m]; other columns are ignored.
 ///
 /// # Errors
 /// [`MeshError::Value`] with the line of the table and the column.

@@ -11,7 +11,7 @@
 //! | [`HexMesh`] | points and eight-node hexahedra; [`write_vtu`], [`read_vtu`], [`read_gmsh`] |
 //! | [`Filled`] | a scanned hull as the space between its underside and its flat top |
 //! | [`mapped_runner_mesh`] | hexahedra between an underside and its mount |
-//! | [`IceSurface`] | ice as it is: [`Waviness`], [`HeightMap`] |
+//! | [`IceSurface`] | the height of the unloaded ice: [`Waviness`], [`HeightMap`] |
 //!
 //! ```
 //! use kufe_mesh::TensorGrid;

@@ -2,32 +2,32 @@
 
 use crate::error::MeshError;
 
-/// Refuses `value` of the parameter `name` unless it is as `expected`.
-pub(crate) fn expect(holds: bool, name: &str, value: f64, expected: &str) -> Result<(), MeshError> {
-    if holds {
+/// The error of the parameter `name` if `valid` is false: its `value` and what was `expected`.
+pub(crate) fn expect(valid: bool, name: &str, value: f64, expected: &str) -> Result<(), MeshError> {
+    if valid {
         Ok(())
     } else {
         Err(MeshError::value(name, value, expected))
     }
 }
 
-/// `value` where it is finite.
+/// `value`, which must be finite.
 pub(crate) fn finite(name: &str, value: f64) -> Result<f64, MeshError> {
     expect(value.is_finite(), name, value, "a finite number").map(|()| value)
 }
 
-/// `value` where it is positive (infinity allowed).
+/// `value`, which must be positive (infinity allowed).
 pub(crate) fn positive(name: &str, value: f64) -> Result<f64, MeshError> {
     expect(value > 0.0, name, value, "a positive number").map(|()| value)
 }
 
-/// `value` where it is positive and finite.
+/// `value`, which must be positive and finite.
 pub(crate) fn positive_finite(name: &str, value: f64) -> Result<f64, MeshError> {
-    let holds = value > 0.0 && value.is_finite();
-    expect(holds, name, value, "a positive, finite number").map(|()| value)
+    let valid = value > 0.0 && value.is_finite();
+    expect(valid, name, value, "a positive, finite number").map(|()| value)
 }
 
-/// Smallest and largest of some numbers; infinite and in reverse order where there are none.
+/// Smallest and largest of some numbers; [inf, -inf] if there are none.
 pub(crate) fn range(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
     let none = [f64::INFINITY, f64::NEG_INFINITY];
     let both = values.into_iter();

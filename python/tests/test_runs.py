@@ -208,12 +208,12 @@ def test_a_run_is_driven_again(driven, tmp_path):
         kufe.replay(*files, run="run_9")
 
 
-def test_noise_that_the_runs_do_not_have_is_told_in_a_fit(driven):
+def test_noise_that_the_runs_do_not_have_is_reported_by_a_fit(driven):
     folder, _ = driven
     model = folder / "noisy.toml"
     model.write_text(MODEL + "[noise]\nslip_rad = 0.0005\n")
     remarks = kufe.fit(folder / "runs" / "runs.csv", model).remarks
-    assert any("leave [noise] out" in remark for remark in remarks)
+    assert any("omit [noise]" in remark for remark in remarks)
 
 
 def test_a_fit_finds_the_grip_that_runs_were_driven_with_and_validates_the_others(driven):

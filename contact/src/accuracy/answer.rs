@@ -1,4 +1,4 @@
-//! From the last mesh to what a solve returns.
+//! The solution of a problem from its last mesh.
 
 use crate::accuracy::watched::Limits;
 use crate::mesh::assembled::assembled_bodies;
@@ -20,7 +20,7 @@ pub(crate) struct SolvedMesh {
 }
 
 impl SolvedMesh {
-    /// The solution of `problem` with the limits of fine meshes and what happened on all of them.
+    /// The solution of `problem` with the limits of fine meshes and the history of all meshes.
     pub fn solution(
         self,
         CheckedProblem { problem, gap, .. }: &CheckedProblem,
@@ -46,7 +46,7 @@ impl SolvedMesh {
         let gaps = mesh.contact.gaps(&state);
         let ice_surface = mesh.contact.ice_surface(&state.displacement);
         let bound = ROUNDED * problem.ice.hardness.unwrap_or(f64::INFINITY);
-        // Ice that bears all it can takes the runner's shape: the overlap with its elastic surface.
+        // Ice at its hardness yields by the runner's overlap with its elastic surface.
         let overlaps = values.iter().zip(&gaps);
         let yielded = overlaps.map(|(p, gap)| if *p >= bound { -gap } else { 0.0 });
         let yielded = yielded.collect();
@@ -103,7 +103,7 @@ impl SolvedMesh {
     }
 }
 
-/// From component after component to node by node.
+/// A vector by nodes from one by components.
 fn by_node(u: &[f64]) -> Vec<[f64; 3]> {
     let nodes = u.len() / 3;
     (0..nodes)
@@ -111,8 +111,8 @@ fn by_node(u: &[f64]) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// Largest relative violation: equilibrium by the operator, balance, and tension and penetration
-/// over all nodes of the plane.
+/// Largest relative violation of the equilibrium (by the operator), of the balance, and of the
+/// contact conditions over all nodes of the plane.
 fn kkt(contact: &ContactMesh, state: &State, gaps: &[f64]) -> f64 {
     let largest = state
         .force
@@ -140,7 +140,7 @@ fn kkt(contact: &ContactMesh, state: &State, gaps: &[f64]) -> f64 {
     worst([equilibrium, tension, penetration, balance].into_iter())
 }
 
-/// The largest, at least 0; infinite where one is no number.
+/// The largest of some values, at least 0; infinite if one is NaN.
 fn worst(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |most, value| {
         if value.is_nan() {

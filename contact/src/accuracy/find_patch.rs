@@ -1,4 +1,4 @@
-//! Finding the patch before anything is solved in the volume.
+//! Search for the patch on the contact plane, before the volume is solved.
 
 use crate::Error;
 use crate::accuracy::mesh_solve::Forces;
@@ -10,20 +10,20 @@ use crate::mesh::discretise::Reach;
 use crate::problem::check::CheckedProblem;
 use crate::result::pressure::Field;
 
-/// Cells over half the patch while it is being found.
+/// Resolution of the search.
 const COARSE_MESH: Resolution = Resolution {
     cells: 7.0,
     growth: 0.7,
 };
 
-/// Most times that the plane is solved.
-const ROUNDS: usize = 30;
+/// Largest number of solutions of the plane.
+const MAX_ROUNDS: usize = 30;
 
-/// Finds the patch with contact problems on the plane alone, regrading until the grid fits what it
-/// finds.
+/// Finds the patch with contact problems on the plane alone, which are repeated on a grid for the
+/// last patch until it is similar to the next one.
 pub(crate) fn find_patch(checked: &CheckedProblem) -> Result<(Patch, Forces), Error> {
     let mut patch = first_guess(checked);
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         checked.options.check_stop()?;
         let mesh = checked.mesh(&patch, COARSE_MESH, Reach::WholeHull)?;
         let contact = &mesh.contact;
@@ -37,7 +37,7 @@ pub(crate) fn find_patch(checked: &CheckedProblem) -> Result<(Patch, Forces), Er
             return Ok((patch, Forces::of(&mesh, &state)));
         }
     }
-    Err(Error::no_patch(ROUNDS))
+    Err(Error::no_patch(MAX_ROUNDS))
 }
 
 /// Whether a grid made for one patch resolves the other.

@@ -12,7 +12,7 @@ use crate::precondition::planewise::Side;
 use crate::problem::check::CheckedProblem;
 use crate::{Error, Foundation, Load};
 
-/// Contact forces as they are known so far, on the plane they were found on.
+/// The last contact forces, with the plane of their mesh.
 pub(crate) struct Forces {
     x: Vec<f64>,
     y: Vec<f64>,
@@ -21,7 +21,7 @@ pub(crate) struct Forces {
 }
 
 impl Forces {
-    /// Those of a state of `mesh`.
+    /// The forces of a state of `mesh`.
     pub fn of(mesh: &Discretisation, state: &State) -> Self {
         Forces {
             x: mesh.grid.x.clone(),
@@ -32,31 +32,31 @@ impl Forces {
     }
 }
 
-/// One mesh of a problem, and the callback for what happens on it.
+/// The solve on one mesh of a problem, with its callback.
 pub(crate) struct MeshSolve<'a> {
     pub checked: &'a CheckedProblem<'a>,
     pub mesh: &'a Discretisation,
-    /// Most candidates whose Green's matrix is stored.
+    /// Largest number of candidates for which the Green's matrix is stored.
     pub stored: StorageLimit,
-    /// Called at every update of the contact set, with the state as it is then.
+    /// Called at every update of the contact set, with the present state.
     pub report: &'a dyn Fn(&SetUpdate, &State),
 }
 
-/// Most conjugate-gradient iterations on one mesh at a Poisson's ratio of 1/3.
-const ITERATIONS: usize = 1000;
-/// Most far fields under a given approach.
-const ROUNDS: usize = 20;
-/// Relative change of the force between two far fields that the last of them settles.
-const SETTLED: f64 = 1e-6;
+/// Largest number of conjugate-gradient iterations on one mesh at a Poisson's ratio of 1/3.
+const MAX_ITERATIONS: usize = 1000;
+/// Largest number of far fields under a given approach.
+const MAX_ROUNDS: usize = 20;
+/// Tolerance of the relative change of the force between two far fields.
+const FORCE_RTOL: f64 = 1e-6;
 
 impl MeshSolve<'_> {
-    /// Solves, beginning with the contact on the plane alone at `motion`; the far field is that of
-    /// `forces` at first.
+    /// Solves, beginning with the contact on the plane alone at `motion`; the initial far field is
+    /// that of `forces`.
     pub fn solve(&self, motion: f64, forces: &Forces) -> Result<(State, Progress), Error> {
-        self.solve_within(ROUNDS, motion, forces)
+        self.solve_within(MAX_ROUNDS, motion, forces)
     }
 
-    /// The same with so many far fields at the most.
+    /// [`MeshSolve::solve`] with a largest number of far fields.
     fn solve_within(
         &self,
         rounds: usize,
@@ -86,12 +86,12 @@ impl MeshSolve<'_> {
                 progress.residual = again.residual;
                 change =
                     (contact.resultant(&state)[0] - before).abs() / before.max(f64::MIN_POSITIVE);
-                if change <= SETTLED {
+                if change <= FORCE_RTOL {
                     break;
                 }
             }
             options.check_stop()?;
-            if change.is_nan() || change > SETTLED {
+            if change.is_nan() || change > FORCE_RTOL {
                 return Err(Error::FarField { rounds, change });
             }
         }
@@ -106,10 +106,10 @@ impl MeshSolve<'_> {
         Ok((state, progress))
     }
 
-    /// [`ITERATIONS`], more where a material is nearly incompressible: K over its preconditioner,
-    /// which couples no components, is conditioned as (lambda + 2 mu) / mu, 4 at 1/3, and
-    /// iterations go with its root.
-    fn most_iterations(&self) -> usize {
+    /// [`MAX_ITERATIONS`], more for nearly incompressible materials: the condition number of K with
+    /// its preconditioner, which does not couple components, is about (lambda + 2 mu) / mu, 4 at
+    /// 1/3, and iterations are proportional to its root.
+    fn max_iterations(&self) -> usize {
         let materials = self.mesh.contact.bodies.iter().flat_map(|body| {
             let lower = body.stiffness.grid().and_then(TensorOperator::lower_layer);
             lower
@@ -119,11 +119,10 @@ impl MeshSolve<'_> {
         });
         let conditions = materials.map(|m| m.uniaxial_strain_modulus() / m.shear_modulus());
         let condition = conditions.fold(4.0, f64::max);
-        (ITERATIONS as f64 * (condition / 4.0).sqrt()) as usize
+        (MAX_ITERATIONS as f64 * (condition / 4.0).sqrt()) as usize
     }
 
-    /// Fixes the displacements of the outer faces of a half-space to the far field of the contact
-    /// forces.
+    /// Prescribes the far field of the contact forces on the outer faces of a half-space.
     pub fn fix_outer_faces(&self, forces: &Forces, state: &mut State) {
         let lumps = lumps(&forces.x, &forces.y, &forces.force, forces.symmetry);
         let (grid, symmetry) = (&self.mesh.grid, self.mesh.symmetry);
@@ -138,7 +137,7 @@ impl MeshSolve<'_> {
                 on_ice,
             );
         }
-        // An unbounded runner has all columns: a half-space too.
+        // An unbounded runner has all columns and is a half-space, too.
         if let [ice, body] = &self.mesh.contact.bodies[..]
             && body.columns() == ice.columns()
             && let Some(operator) = body.stiffness.grid()
@@ -152,11 +151,11 @@ impl MeshSolve<'_> {
         }
     }
 
-    /// Solves the equations with the displacements of the outer faces fixed, from `state`, whose
-    /// forces took `begun`.
+    /// Solves the equations with prescribed displacements of the outer faces, from `state`; `begun`
+    /// counts the sweeps and accelerations behind its forces.
     fn with_fixed_faces(&self, greens: &[Green; 2], state: &mut State, begun: Counts) -> Progress {
         let control = Control {
-            iterations: self.most_iterations(),
+            iterations: self.max_iterations(),
             options: self.checked.options,
             report: self.report,
         };
@@ -241,10 +240,10 @@ pub(crate) mod tests {
                 return Err("a force that still changes was taken for an answer".into());
             };
             assert_eq!(made, rounds);
-            assert!(SETTLED < change && change < 0.3 * before, "{change}");
+            assert!(FORCE_RTOL < change && change < 0.3 * before, "{change}");
             before = change;
         }
-        let (state, _) = within(ROUNDS)?;
+        let (state, _) = within(MAX_ROUNDS)?;
         assert!(one.mesh.contact.resultant(&state)[0] > 0.0);
         Ok(())
     }

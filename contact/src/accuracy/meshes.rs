@@ -1,11 +1,9 @@
-//! Finer and finer meshes of one problem, and the estimates that they give together.
+//! The sequence of meshes of one problem, and the estimates from all of them.
 
 use std::cell::RefCell;
 
 use crate::accuracy::answer::SolvedMesh;
-use crate::accuracy::estimators::{
-    LEAST_REFINEMENT, REFINEMENT, first_resolution, next_refinement,
-};
+use crate::accuracy::estimators::{MIN_REFINEMENT, REFINEMENT, first_resolution, next_refinement};
 use crate::accuracy::find_patch::find_patch;
 use crate::accuracy::mesh_solve::{Forces, MeshSolve};
 use crate::accuracy::own_cells::OwnCells;
@@ -22,49 +20,49 @@ use crate::problem::check::CheckedProblem;
 use crate::result::pressure::Field;
 use crate::{Error, Iterate, Solution, StiffnessForm};
 
-/// How often a mesh is graded anew; each time its cells may become three times smaller.
+/// Largest number of regradings of a mesh; each may make its cells three times smaller.
 pub(crate) const REGRADINGS: usize = 6;
 
-/// How often places of contact may be found late; each time all that are seen.
+/// Largest number of times that the patch is widened; each time by all places found.
 const WIDENINGS: usize = 4;
 
-/// Fewest cells over half the patch where the limit of unknowns leaves no more.
-pub(crate) const FEWEST: f64 = 2.0;
+/// Smallest number of cells over half the patch, if the limit of unknowns does not allow more.
+pub(crate) const MIN_CELLS: f64 = 2.0;
 
-/// What is known of a problem, mesh by mesh.
+/// The solution of a problem on a sequence of meshes.
 pub(crate) struct Meshes<'a> {
     checked: CheckedProblem<'a>,
-    /// Where contact is expected, and the forces found last.
+    /// The expected contact, and the last forces.
     pub(crate) patch: Patch,
     forces: Forces,
     /// Cells over half the patch of the next mesh, and of the first one that it is similar to,
     /// before rounding.
     cells: f64,
     coarsest: f64,
-    /// Cells over half the patch that a patch begins with.
+    /// Cells over half the patch of the first mesh of a patch.
     first: f64,
-    /// The runner's own hexahedra, where it has such.
+    /// The runner's own hexahedra; `None` if it has none.
     own: Option<OwnCells>,
     pub(super) solved: FigureHistory,
-    /// Whether the next mesh has the cells of the last one, graded anew, and how often that was so.
+    /// Whether the next mesh is the last one graded anew, and the number of regradings.
     graded_anew: bool,
     pub(crate) regraded: usize,
-    /// The patches with places that were found late, each solved at least once.
+    /// The widened patches, each solved at least once.
     widened: Vec<Patch>,
     history: Vec<Iterate>,
 }
 
 /// The next mesh.
 pub(crate) struct Plan {
-    /// Graded anew, or in the same proportions with more cells.
+    /// Whether it is graded anew, instead of having more cells in the same proportions.
     anew: bool,
     /// Cells over half the patch.
     cells: f64,
 }
 
 impl<'a> Meshes<'a> {
-    /// Finds the patch of a problem on the contact plane alone; its meshes follow those of a
-    /// `history` that ended without an answer.
+    /// Finds the patch of a problem on the contact plane alone; its meshes are added to `history`,
+    /// that of a method that gave no solution.
     pub fn guess(checked: CheckedProblem<'a>, history: Vec<Iterate>) -> Result<Self, Error> {
         let (patch, forces) = find_patch(&checked)?;
         let options = checked.options;
@@ -72,9 +70,9 @@ impl<'a> Meshes<'a> {
         let coarsest = options.cells.map_or_else(
             || {
                 let first = first_resolution(options.p_max_tolerance, patch.is_even());
-                // Three meshes, the last as fine as the runner's own.
+                // Three meshes, the last as fine as the runner's own hexahedra.
                 let room = own.map_or(f64::INFINITY, |own| own.ice_cells() / REFINEMENT.powi(2));
-                first.min(room.max(FEWEST))
+                first.min(room.max(MIN_CELLS))
             },
             |c| c as f64,
         );
@@ -158,8 +156,8 @@ impl<'a> Meshes<'a> {
         })
     }
 
-    /// The next mesh; the first one of a patch so that the limit of unknowns leaves room for two
-    /// more, to estimate an error from.
+    /// The next mesh. The first mesh of a patch is so coarse that the limit of unknowns allows two
+    /// more for an error estimate.
     fn next_mesh(&mut self) -> Result<Discretisation, Error> {
         let options = self.checked.options;
         loop {
@@ -167,11 +165,11 @@ impl<'a> Meshes<'a> {
             let mesh = self.checked.mesh(&self.patch, resolution, Reach::Patch)?;
             let room = options.max_dofs as f64 / (mesh.free_dofs() as f64 * REFINEMENT.powi(6));
             let first = self.solved.similar() == 0 && options.cells.is_none();
-            if !first || room >= 1.0 || self.cells <= FEWEST {
+            if !first || room >= 1.0 || self.cells <= MIN_CELLS {
                 return Ok(mesh);
             }
             let fewer = (self.cells * room.cbrt()).floor().min(self.cells - 1.0);
-            self.cells = fewer.max(FEWEST);
+            self.cells = fewer.max(MIN_CELLS);
             self.coarsest = self.cells;
         }
     }
@@ -180,10 +178,10 @@ impl<'a> Meshes<'a> {
         DeformedGap::new(&self.checked, &self.patch, contact)
     }
 
-    /// Makes these places part of the patch, and begins again with the first mesh's cells.
+    /// Adds these places to the patch, and restarts with the first mesh's cells.
     ///
     /// # Errors
-    /// [`Error::Unsolved`] where it was widened often enough.
+    /// [`Error::Unsolved`] if it was widened [`WIDENINGS`] times.
     pub fn widen(&mut self, contact: &SolvedMesh, found: &[Penetration]) -> Result<(), Error> {
         let deepest = found.iter().max_by(|a, b| a.depth.total_cmp(&b.depth));
         if let Some(deepest) = deepest.filter(|_| self.widened.len() == WIDENINGS) {
@@ -194,7 +192,7 @@ impl<'a> Meshes<'a> {
                  at fewer places, or is smoother"
             )));
         }
-        // Meshes without that place are meshes of another contact.
+        // Meshes without these places belong to another contact.
         let hardness = self.checked.problem.ice.hardness;
         self.solved = FigureHistory::new(hardness, error_floor(self.own));
         self.patch = self.gap_of(contact).patch_with(found);
@@ -208,7 +206,7 @@ impl<'a> Meshes<'a> {
     /// Prepares the mesh of a verdict.
     pub fn refine(&mut self, contact: SolvedMesh, plan: Plan) {
         let found = contact.pressure.patch;
-        // Rims are known to a cell: meshes for the same ones are similar.
+        // Rims are known to one cell: meshes for the same rims are similar.
         let agrees = self.patch.agrees_with(&found, 1.0 / self.cells);
         self.graded_anew = plan.anew || !agrees;
         if plan.anew {
@@ -219,8 +217,8 @@ impl<'a> Meshes<'a> {
         } else {
             self.patch = found.with_sizes_of(&self.patch);
         }
-        // Meshes for other rims say little of these: the coarsest of them are the cheapest to begin
-        // with.
+        // Meshes for other rims give little information on these; restarting with a coarse mesh is
+        // cheapest.
         let again = !plan.anew && !agrees && self.regraded < REGRADINGS;
         self.cells = if again {
             self.first.min(plan.cells)
@@ -233,7 +231,7 @@ impl<'a> Meshes<'a> {
         }
     }
 
-    /// The solution that the last mesh and the limit of all make.
+    /// The solution from the last mesh and the limits of all meshes.
     pub fn solution(self, contact: SolvedMesh, limits: Limits) -> Solution {
         Solution {
             under_peak: self.solved.under_peak(),
@@ -246,13 +244,13 @@ fn error_floor(own: Option<OwnCells>) -> ErrorFloor {
     own.map_or_else(ErrorFloor::default, OwnCells::error_floor)
 }
 
-// Whether the meshes solved so far are enough, and else what comes next.
+// Decision after each mesh: whether the accuracy is reached, otherwise the next mesh.
 
-/// Share of the requested error that a first mesh's rims may take: where the patch was guessed
-/// worse, the contact's own is meshed before any other. The rest is for the cells.
+/// Fraction of the requested error that the rims of a first mesh may contribute; otherwise the
+/// contact's own patch is meshed next. The remainder is for the cells.
 const BY_RIMS: f64 = 0.5;
 
-/// What is to be done after a mesh.
+/// Decision after a mesh.
 pub(crate) enum Verdict {
     /// The requested accuracy is reached, with this limit of fine meshes.
     Reached(Limits),
@@ -261,25 +259,26 @@ pub(crate) enum Verdict {
     /// The runner touches where contact was not expected.
     Widen(Vec<Penetration>),
     /// Another mesh is needed and would have too many unknowns, or finer cells than the runner's
-    /// own; what the meshes tend to, where that is known.
+    /// own hexahedra; with the limits of the meshes, if known.
     OutOfReach(Option<Limits>),
 }
 
 impl Meshes<'_> {
-    /// Whether the meshes solved so far are enough, and else what comes next.
+    /// The decision after the last mesh, `contact`.
     pub fn judge(&self, contact: &SolvedMesh) -> Verdict {
         let verdict = self.judge_accuracy(contact);
-        // Uneven ice touches at many places: none is waited for until the others are solved finely.
+        // Uneven ice is in contact at many places, which are added before the first ones are
+        // refined.
         let early = self.solved.similar() <= 1 && self.checked.problem.ice_surface.is_some();
         if matches!(verdict, Verdict::Refine(_)) && !early {
             return verdict;
         }
         let mut found = self.gap_of(contact).penetrations();
-        // A place that was added late and stayed open is none of contact, though meshes that no
-        // longer include it penetrate there.
+        // A place that was added and stayed open is not in contact, though meshes that no longer
+        // include it penetrate there.
         found.retain(|place| {
             let [x, y] = place.at;
-            // Where contact is expected it lies between the nodes.
+            // Within the expected contact, a penetration lies between the nodes.
             expected(&self.patch, x, y) || !self.widened.iter().any(|patch| expected(patch, x, y))
         });
         if found.is_empty() {
@@ -300,10 +299,10 @@ impl Meshes<'_> {
         let penetrations = self.solved.similar() == 1 && self.solved.missed > BY_RIMS * tolerance;
         let coarse = contact.pressure.patch.finest_over(&self.patch) < COARSE;
         let anew = self.regraded < REGRADINGS && (coarse || penetrations);
-        // That a finer grading changes nothing is as good as that no finer one is wanted.
+        // The grading is fine enough if no finer one is needed, or if regrading changed nothing.
         let graded = !anew || self.graded_anew;
         if let Some(limits) = limits.filter(|l| graded && l.relative <= tolerance) {
-            // Meshes that agree may all be too coarse for a peak.
+            // All meshes may be too coarse for a peak although they agree.
             return if coarse && !self.graded_anew {
                 Verdict::OutOfReach(Some(limits))
             } else {
@@ -315,11 +314,11 @@ impl Meshes<'_> {
             Some(limits) if self.solved.similar() >= 3 => {
                 let finer_room = room.cbrt();
                 let wished = next_refinement(limits.relative / tolerance);
-                // Where that would have too many unknowns, what they allow.
+                // As many cells as the limit of unknowns allows.
                 let finer = if wished <= finer_room {
                     (self.cells * wished).round()
                 } else {
-                    (self.cells * finer_room.max(LEAST_REFINEMENT)).floor()
+                    (self.cells * finer_room.max(MIN_REFINEMENT)).floor()
                 };
                 finer.max(self.cells + 1.0)
             }
@@ -338,15 +337,15 @@ impl Meshes<'_> {
         if more <= room {
             return Verdict::Refine(Plan { anew, cells });
         }
-        // Where only the grading is in doubt, a coarser mesh of the finer one is enough too.
+        // If only the grading is in doubt, fewer cells with the finer grading are enough.
         let fewer = (self.cells * (room / REFINEMENT).cbrt()).floor();
         match limits.filter(|l| l.relative <= tolerance) {
-            Some(_) if fewer >= FEWEST => Verdict::Refine(Plan { anew, cells: fewer }),
+            Some(_) if fewer >= MIN_CELLS => Verdict::Refine(Plan { anew, cells: fewer }),
             _ => Verdict::OutOfReach(limits),
         }
     }
 
-    /// The best solution there is, and how far it is from the requested one.
+    /// The error with the best solution and its estimated accuracy.
     pub fn out_of_reach(self, contact: SolvedMesh, limits: Option<Limits>) -> Error {
         let limits = limits.unwrap_or_else(|| self.solved.last());
         let tolerance = self.checked.options.p_max_tolerance;
@@ -370,13 +369,13 @@ mod tests {
 
     use kufe_mesh::Paraboloid;
 
-    use crate::accuracy::estimators::{HIGHEST_ORDER, MeshValue};
+    use crate::accuracy::estimators::{MAX_ORDER, MeshValue};
     use crate::accuracy::meshes::{Meshes, Verdict};
     use crate::problem::check::CheckedProblem;
     use crate::{Error, Ice, Load, Measure, Options, Problem, Runner, Tilt};
 
     /// The order as it is, at half and at twice.
-    const ORDERS: [f64; 3] = [0.5 * HIGHEST_ORDER, HIGHEST_ORDER, 2.0 * HIGHEST_ORDER];
+    const ORDERS: [f64; 3] = [0.5 * MAX_ORDER, MAX_ORDER, 2.0 * MAX_ORDER];
     const TOLERANCES: [f64; 2] = [0.02, 0.005];
 
     /// A contact on ice that yields, with the approach that rectangles give it and what they know
@@ -534,11 +533,11 @@ mod tests {
                 );
                 // One in twenty may be off, and of few one.
                 let least = 0.95f64.min(1.0 - 1.0 / limits.len() as f64);
-                assert!(order != HIGHEST_ORDER || covered >= least, "{covered}");
+                assert!(order != MAX_ORDER || covered >= least, "{covered}");
             }
             println!();
             // Rims of contacts move less: theirs are covered more often.
-            assert!(order != HIGHEST_ORDER || covered >= 0.9, "{covered}");
+            assert!(order != MAX_ORDER || covered >= 0.9, "{covered}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What a runner's own hexahedra leave of errors, and how fine ice under them has to be.
+//! The error due to a runner's own hexahedra, and the resolution of the ice that matches them.
 
 use crate::Problem;
 use crate::accuracy::watched::ErrorFloor;
@@ -8,26 +8,26 @@ use crate::grid::stretch::Stretch;
 /// A runner's own hexahedra next to a patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct OwnCells {
-    /// Over half the patch: along, across, or of half their height over half of its narrower side,
-    /// whichever are fewest.
+    /// Number of cells over half the patch: the smallest of those along and across, and of half the
+    /// cells' heights over half of the patch's narrower side.
     cells: f64,
-    /// The runner's share of what gives: (1 - nu^2) / E over the sum of both.
+    /// Ratio w of the runner's compliance (1 - nu^2) / E to that of both bodies.
     share: f64,
 }
 
-/// Error of a peak over w / (1 - w) / n^2. Of 25 contacts of a paraboloid whose truth is known by
-/// Hankel transforms (2 to 6 cells over half the patch, runners of 6 to 75 GPa on ice of 9, an edge
-/// or a face's middle at the lowest place) it is at most 0.95 at two cells, 0.7 at three, 0.5 from
-/// four on.
-const LARGEST: f64 = 1.0;
-/// Weight of a cell's height against its length and width: cells twice as high leave 2.5 times as
-/// much as cubes, three times as high ones four times.
-const LOW: f64 = 0.5;
-/// Fewest cells of ice, so that three meshes from two cells on show an order.
-const FEWEST: f64 = 4.0;
+/// Bound of the ratio of a peak's relative error to w / (1 - w) / n^2. For 25 contacts of a
+/// paraboloid with the exact peak by Hankel transforms (2 to 6 cells over half the patch, runners
+/// of 6 to 75 GPa on ice of 9, an edge or a face's middle at the lowest point) the ratio is at most
+/// 0.95 at two cells, 0.7 at three, 0.5 from four on.
+const MAX_ERROR_RATIO: f64 = 1.0;
+/// Weight of a cell's height relative to its length and width: the error of cells twice as high is
+/// 2.5 times that of cubes, of cells three times as high four times.
+const HEIGHT_WEIGHT: f64 = 0.5;
+/// Smallest number of cells of ice, so that three meshes from two cells on determine an order.
+const MIN_CELLS: f64 = 4.0;
 
 impl OwnCells {
-    /// Those of a problem's runner under `patch`; `None` where it has none.
+    /// The hexahedra of a problem's runner next to `patch`; `None` if it has none of its own.
     pub fn new(problem: &Problem, patch: &Patch) -> Option<Self> {
         let elastic = problem.runner.elastic.as_ref()?;
         let solid = elastic.solid.as_ref()?;
@@ -38,30 +38,31 @@ impl OwnCells {
             let (along, across) = (stretch.half(), patch.y.half());
             (along / dx)
                 .min(across / dy)
-                .min(along.min(across) / (LOW * dz))
+                .min(along.min(across) / (HEIGHT_WEIGHT * dz))
         };
         let cells = patch.x.iter().map(of).reduce(f64::min)?;
         Some(OwnCells { cells, share })
     }
 
-    /// Cells of ice over half the patch that leave as much error as the runner's own hexahedra do:
-    /// with errors like 1 / cells^2 on each side by its share w of what gives, the runner's is w /
-    /// n^2, as that of n / sqrt(w) cells of ice. Finer ice gives no information on what these miss,
-    /// and shows the edges of their faces as ridges.
+    /// Number of cells of ice over half the patch with the same error as the runner's own n: with
+    /// errors proportional to 1 / cells^2 and to each body's fraction of the compliance, the
+    /// runner's is w / n^2, the same as with n / sqrt(w) cells of ice. Finer ice gives no
+    /// information on the runner's error, and resolves the edges of its faces as ridges.
     pub fn ice_cells(self) -> f64 {
-        (self.cells / self.share.sqrt()).max(FEWEST)
+        (self.cells / self.share.sqrt()).max(MIN_CELLS)
     }
 
-    /// What faces that cannot follow the runner's own give leave, relative: of a peak C w / (1 - w)
-    /// / n^2.
+    /// Relative errors due to faces that cannot follow the runner's deformation: C w / (1 - w) /
+    /// n^2 of the peak.
     ///
-    /// Of a contact's curvature 1 / R the runner takes the part w, and n cells over half the patch
-    /// a miss it by w h^2 / (4 R), h = a / n. The ice alone has to press that out, with E_i = E* /
-    /// (1 - w): a wave as long as the patch, cos(2 x / a), takes pressures of E_i / a times its
-    /// height, pi / 8 w / (1 - w) / n^2 of the peak 2 E* a / (pi R). C, [`LARGEST`], holds the
-    /// shorter waves too. The approach, which waves of either sign do not move, has C w / n^2.
+    /// The runner takes the fraction w of a contact's curvature 1 / R, and n cells over half the
+    /// patch a have an error of the surface of w h^2 / (4 R), h = a / n. The ice alone flattens it,
+    /// with E_i = E* / (1 - w): a wave of the length of the patch, cos(2 x / a), needs pressures of
+    /// E_i / a times its height, pi / 8 w / (1 - w) / n^2 of the peak 2 E* a / (pi R). C,
+    /// [`MAX_ERROR_RATIO`], includes shorter waves. The error of the approach, to which waves of
+    /// either sign do not contribute, is C w / n^2.
     pub fn error_floor(self) -> ErrorFloor {
-        let runner = LARGEST * self.share / (self.cells * self.cells);
+        let runner = MAX_ERROR_RATIO * self.share / (self.cells * self.cells);
         ErrorFloor {
             peak: runner / (1.0 - self.share),
             approach: runner,
@@ -115,12 +116,12 @@ mod tests {
             assert!((found.cells / cells - 1.0).abs() < 1e-9, "{found:?}");
             // As stiff as the ice: half of what gives.
             assert!((found.share - 0.5).abs() < 1e-12, "{found:?}");
-            let error = LARGEST / (cells * cells);
+            let error = MAX_ERROR_RATIO / (cells * cells);
             assert!((found.error_floor().peak / error - 1.0).abs() < 1e-9);
             assert!((found.error_floor().approach / error - 0.5).abs() < 1e-9);
         }
         // Three meshes of ice at the least, and more cells under steel.
-        assert_eq!(of([3e-3, 2e-3, 1e-3], 9e9)?.ice_cells(), FEWEST);
+        assert_eq!(of([3e-3, 2e-3, 1e-3], 9e9)?.ice_cells(), MIN_CELLS);
         let steel = of([3e-3, 5e-4, 1e-3], 210e9)?;
         let expected = 4.0 * (219.0f64 / 9.0).sqrt();
         assert!(

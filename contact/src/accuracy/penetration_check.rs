@@ -1,4 +1,4 @@
-//! Where the runner touches outside of where contact was expected.
+//! Search for contact outside the expected patch.
 
 use kufe_fem::boussinesq;
 use rayon::prelude::*;
@@ -12,12 +12,12 @@ use crate::mesh::discretise::expected;
 use crate::motion::dot;
 use crate::problem::check::CheckedProblem;
 
-/// A place where runner and ice would lie in one another.
+/// A place where runner and ice penetrate each other.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Penetration {
     /// x and y [m].
     pub at: [f64; 2],
-    /// How deep [m].
+    /// Depth of the penetration [m].
     pub depth: f64,
 }
 
@@ -26,16 +26,18 @@ const STATIONS: usize = 400;
 const POINTS: usize = 60;
 /// Steps of a search between two of them.
 const STEPS: usize = 40;
-/// Depth over the approach that counts: what is less carries a thousandth of the load at most.
-const LEAST: f64 = 1e-2;
-/// The same between nodes where contact is expected: what remains of a scan's noise there is less.
-const BETWEEN: f64 = 0.2;
-/// A place of contact shorter than this part of a stretch's half has cells of its own: the
-/// stretch's may all miss it.
+/// Smallest ratio of a penetration's depth to the approach that counts: smaller ones carry at most
+/// a thousandth of the load.
+const MIN_DEPTH: f64 = 1e-2;
+/// Smallest such ratio between nodes of the expected contact: the remaining noise of a scan is
+/// below.
+const MIN_DEPTH_BETWEEN: f64 = 0.2;
+/// Largest ratio of a place of contact to half of its stretch for which it has cells of its own:
+/// all nodes of the stretch might miss it.
 const NARROW: f64 = 0.35;
 
-/// How far a curved surface may lie below what is interpolated between the corners of a cell, over
-/// the range of its values there.
+/// Largest depth of a curved surface below the interpolation between the corners of a cell,
+/// relative to the range of its values there.
 const CURVED: f64 = 0.5;
 
 /// The gap of a solved mesh anywhere on the plane.
@@ -44,9 +46,9 @@ pub(crate) struct DeformedGap<'a> {
     /// The patch that the mesh was made for.
     patch: &'a Patch,
     solved: &'a SolvedMesh,
-    /// How deep runner and ice press one another in [m].
+    /// Depth of the contact, with which penetrations are compared [m].
     depth: f64,
-    /// What displacements close at the mesh's nodes [m].
+    /// Closing of the gap by displacements at the mesh's nodes [m].
     closing: Vec<f64>,
     /// The forces, on a half-space outside the mesh.
     lumps: Vec<PointForce>,
@@ -57,7 +59,7 @@ impl<'a> DeformedGap<'a> {
         let (mesh, state) = (&solved.mesh, &solved.state);
         let lumps = match checked.problem.ice.foundation {
             Foundation::HalfSpace => lumps(&mesh.grid.x, &mesh.grid.y, &state.force, mesh.symmetry),
-            // A layer is at rest some thicknesses away.
+            // The displacement of a layer vanishes some thicknesses away.
             _ => Vec::new(),
         };
         DeformedGap {
@@ -109,9 +111,9 @@ impl<'a> DeformedGap<'a> {
         undeformed - closing
     }
 
-    /// Places outside of where contact was expected: on a hull with ends the deepest of each
-    /// valley along it, in order, and where a measured surface is low; there also between the
-    /// nodes.
+    /// Penetrations outside the expected contact: on a bounded hull the deepest place of each
+    /// valley along it, in order, and the minima of measured surfaces, the latter also between
+    /// nodes of the expected contact.
     pub fn penetrations(&self) -> Vec<Penetration> {
         let mut found = if self.checked.problem.runner.is_bounded() {
             self.valleys()
@@ -122,15 +124,15 @@ impl<'a> DeformedGap<'a> {
         found
     }
 
-    /// A place where a surface is low, if it lies in the other one.
+    /// The penetration at a minimum of a measured surface; `None` if it is open.
     fn deep(&self, [x, y]: [f64; 2]) -> Option<Penetration> {
         let part = if expected(self.patch, x, y) {
-            BETWEEN
+            MIN_DEPTH_BETWEEN
         } else {
-            LEAST
+            MIN_DEPTH
         };
         let least = part * self.depth;
-        // The ice only sinks, and only elastic runners come nearer by themselves.
+        // Displacements of the ice only open the gap; only elastic runners can close it.
         let rigid = self.checked.problem.runner.elastic.is_none();
         if rigid && self.undeformed(x, y) > -least {
             return None;
@@ -182,10 +184,12 @@ impl<'a> DeformedGap<'a> {
                 depth: -height(at[0], at[1]),
             }
         });
-        found.filter(|at| at.depth > LEAST * self.depth).collect()
+        found
+            .filter(|at| at.depth > MIN_DEPTH * self.depth)
+            .collect()
     }
 
-    /// The patch with these places of contact more.
+    /// The patch extended by these places of contact.
     pub fn patch_with(&self, found: &[Penetration]) -> Patch {
         let mut patch = self.patch.clone();
         for place in found {
@@ -197,7 +201,7 @@ impl<'a> DeformedGap<'a> {
 
     fn add(&self, found: &Penetration, patch: &mut Patch) {
         let mirrored = self.solved.mesh.symmetry;
-        // Of two places that a mirror plane makes one the positive one is meshed.
+        // Of two mirror images the positive one is meshed.
         let [x, y] = [0, 1].map(|axis| {
             if mirrored[axis] {
                 found.at[axis].abs()
@@ -236,8 +240,7 @@ impl<'a> DeformedGap<'a> {
     }
 }
 
-/// Makes a stretch reach to these ends; what it was before keeps its cells where it was much
-/// shorter.
+/// Extends a stretch to these ends; a former stretch that was much shorter keeps its cells.
 fn widen_to(stretch: &mut Stretch, [low, high]: [f64; 2]) {
     let before = stretch.clone();
     stretch.low = stretch.low.min(low);
@@ -245,7 +248,7 @@ fn widen_to(stretch: &mut Stretch, [low, high]: [f64; 2]) {
     resolve(stretch, &before);
 }
 
-/// Gives a part of a stretch cells of its own where it is narrow.
+/// Refines a stretch over a part of it that is narrow.
 fn resolve(stretch: &mut Stretch, part: &Stretch) {
     let size = part.half() / stretch.half();
     if size < NARROW {
@@ -255,8 +258,8 @@ fn resolve(stretch: &mut Stretch, part: &Stretch) {
     }
 }
 
-/// The place of the least value near `middle`, within `reach` of it and the ends, by golden
-/// sections (J. Kiefer, 1953).
+/// The place of the smallest value within `reach` of `middle` and within the ends, by
+/// golden-section search (J. Kiefer, 1953).
 fn least(value: impl Fn(f64) -> f64, middle: f64, reach: f64, ends: [f64; 2]) -> f64 {
     let golden = 0.5 * (5f64.sqrt() - 1.0);
     let (mut low, mut high) = ((middle - reach).max(ends[0]), (middle + reach).min(ends[1]));
@@ -277,7 +280,7 @@ fn least(value: impl Fn(f64) -> f64, middle: f64, reach: f64, ends: [f64; 2]) ->
     }
 }
 
-/// The cell of a line that holds a place, and where in it; `None` outside.
+/// The cell of a line that contains a place, and the relative position in it; `None` outside.
 fn cell(nodes: &[f64], at: f64) -> Option<(usize, f64)> {
     let next = nodes.partition_point(|&node| node <= at);
     let i = next.checked_sub(1).filter(|&i| i + 1 < nodes.len())?;

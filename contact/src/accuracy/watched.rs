@@ -1,7 +1,7 @@
-//! The figures that accuracy watches, mesh by mesh.
+//! The figures of a contact on a sequence of meshes, with their limits and errors.
 
 use crate::Measure;
-use crate::accuracy::estimators::{HIGHEST_ORDER, MeshValue, Sequence, Settling};
+use crate::accuracy::estimators::{MAX_ORDER, MeshValue, Sequence, Settling};
 use crate::options::AREA_WEIGHT;
 use crate::result::measure::Figures;
 use crate::{LargestShear, UnderPeak};
@@ -17,23 +17,23 @@ pub(crate) struct FigureHistory {
     width: Sequence,
     tilt: [Sequence; 2],
     under: ShearHistory,
-    /// Of the last mesh.
+    /// Figures of the last mesh.
     last: Option<Figures>,
     /// Relative error of peak and approach that comes from rims the mesh was not made for.
     pub missed: f64,
-    /// Largest pressure that the ice bears [Pa].
+    /// Hardness of the ice [Pa].
     hardness: f64,
     floor: ErrorFloor,
 }
 
-/// Relative errors that refinement does not reduce; independent of those estimated from meshes,
-/// they are added as root sum square.
+/// Relative errors that refinement does not reduce. They are independent of the errors estimated
+/// from meshes and added in quadrature.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ErrorFloor {
-    /// Of the peak and of the area, which depend on the compliance by the same power. Lengths have
-    /// half of it.
+    /// Error of the peak and of the area, which depend on the compliance by the same power; that of
+    /// lengths is half of it.
     pub peak: f64,
-    /// Of the approach.
+    /// Error of the approach.
     pub approach: f64,
 }
 
@@ -52,15 +52,15 @@ pub(crate) struct Limits {
     pub width_error: f64,
     /// Errors of the last mesh's pitch and roll [rad].
     pub tilt_errors: [f64; 2],
-    /// Relative error of what is watched: the peak's, or where the ice's hardness fixes that,
-    /// [`AREA_WEIGHT`] times the area's.
+    /// Relative error that is compared with the tolerance: that of the peak or, where the ice's
+    /// hardness fixes the peak, [`AREA_WEIGHT`] times that of the area.
     pub relative: f64,
 }
 
-/// Position of the runner on a mesh, and how well the mesh fits the contact.
+/// Position of the runner on a mesh, and the fit of the mesh to the contact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
-    /// From first touch [m].
+    /// Approach from first touch [m].
     pub approach: f64,
     /// Pitch and roll [rad].
     pub tilt: [f64; 2],
@@ -70,8 +70,8 @@ pub(crate) struct Place {
     pub at_ridge: bool,
 }
 
-/// What a rim with no yielding ice next to it is known to, in cells: those of 141 elliptic contacts are
-/// off by up to 0.11, to the same side on all meshes.
+/// Uncertainty of a rim without yielding ice next to it, in cells: rims of 141 elliptic contacts
+/// have errors of up to 0.11 cells, of one sign on all meshes.
 const RIM_SHARE: f64 = 0.125;
 
 impl FigureHistory {
@@ -92,7 +92,7 @@ impl FigureHistory {
         }
     }
 
-    /// Of a contact of many asperities.
+    /// The history of a contact of many asperities.
     pub fn of_asperities(hardness: Option<f64>) -> Self {
         FigureHistory {
             peak: Sequence::new(Settling::Scatter),
@@ -102,8 +102,8 @@ impl FigureHistory {
 
     /// Adds a mesh: similar to the last one and finer, or `graded_anew`.
     ///
-    /// It has so many cells over half of what the peak lies in (the patch, or one of many
-    /// asperities), over half the length and over half the width of the contact.
+    /// `cells` are its cells over half of the patch (or of one of many asperities), over half the
+    /// length and over half the width of the contact.
     pub fn push(
         &mut self,
         figures: Figures,
@@ -126,7 +126,7 @@ impl FigureHistory {
         ] {
             sequence.push(MeshValue { cells, value }, graded_anew);
         }
-        let value = figures.off[0];
+        let value = figures.uncertainty[0];
         self.area_off.push(MeshValue { cells, value });
         self.last = Some(figures);
         self.missed = place.missed;
@@ -142,12 +142,12 @@ impl FigureHistory {
         self.under.under_peak(self.floor.peak, self.missed)
     }
 
-    /// How many of the last meshes are similar.
+    /// Number of last meshes that are similar.
     pub fn similar(&self) -> usize {
         self.peak.similar()
     }
 
-    /// The limits; `None` before there is anything to compare.
+    /// The limits; `None` while there are too few meshes.
     pub fn limits(&self) -> Option<Limits> {
         self.peak.limit().and_then(|peak| self.of(peak))
     }
@@ -193,8 +193,8 @@ impl FigureHistory {
     }
 
     /// Difference of the last mesh's area between two estimators of the rim. Next to yielding ice
-    /// they can agree by accident on one mesh: of three it is the most, less by the cells that a
-    /// rim is known to.
+    /// they can agree by chance on one mesh, so the largest difference on three meshes is used,
+    /// scaled by the ratio of their cells.
     fn area_off(&self) -> f64 {
         let meshes = if self.is_fixed() { 3 } else { 1 };
         let off = |mesh: &MeshValue| mesh.value * mesh.cells / self.area.cells();
@@ -208,23 +208,22 @@ impl FigureHistory {
             .is_some_and(|last| last.p_max >= self.hardness * (1.0 - 1e-9))
     }
 
-    /// The limit of the approach. Where the pressure ends at the hardness, it is as far from 0 at a
-    /// rim as anywhere, and the rim's place between nodes moves the approach by as much as the
-    /// cells do.
+    /// The limit of the approach. Where the pressure jumps from the hardness to 0 at the rim, the
+    /// approach depends on the position of the rim between nodes as much as on the cells.
     fn approach(&self) -> Measure {
         if self.is_fixed() {
-            self.approach.last_at_rim(HIGHEST_ORDER)
+            self.approach.last_at_rim(MAX_ORDER)
         } else {
             self.approach.last()
         }
     }
 
-    /// The error of the last mesh's length or width. A rim with no yielding ice next to it is known
-    /// to [`RIM_SHARE`] of a cell, at either end, even where meshes agree. A rim next to yielding
-    /// ice is known to a third of a cell, at either end, even where meshes that were made for it
-    /// agree, and to two thirds, wherever coarser meshes had it within theirs: the widths and
-    /// lengths of 180 contacts were off by a third of that in the mean square, three of these 360
-    /// by more than it and the worst by 1.3 times it.
+    /// The error of the last mesh's length or width.
+    ///
+    /// The error is at least [`RIM_SHARE`] of a cell at each end without yielding ice, even if
+    /// meshes agree. At an end with yielding ice it is between one third and two thirds of a cell:
+    /// the root mean square error of the widths and lengths of 180 contacts was a third of that,
+    /// three of these 360 exceeded it, and the worst was 1.3 times as large.
     fn extent_error(&self, extent: &Sequence, off: f64) -> f64 {
         let cell = 0.5 * extent.value() / extent.cells();
         let found = if self.is_fixed() {
@@ -237,7 +236,7 @@ impl FigureHistory {
 
     fn of(&self, peak: Measure) -> Option<Limits> {
         let last = self.last?;
-        let [_, length_off, width_off] = last.off;
+        let [_, length_off, width_off] = last.uncertainty;
         let mut area_error = rims_error(&self.area, self.area_off());
         if !self.is_fixed() {
             let cells = [&self.length, &self.width].map(|extent| RIM_SHARE / extent.cells());
@@ -249,7 +248,8 @@ impl FigureHistory {
             (self.hardness, 0.0, AREA_WEIGHT * area_error / last.area)
         } else {
             let value = peak.value.min(self.hardness);
-            // Of one sign on all meshes, and seen by none: it is added.
+            // This error has one sign on all meshes and is not seen by their comparison: it is
+            // added.
             let error = peak.error.hypot(self.floor.peak * value) + self.missed * value;
             (value, error, error / value)
         };
@@ -274,9 +274,9 @@ impl FigureHistory {
     }
 }
 
-/// The error of the last mesh's area, length or width: by their limit, and at least their range and
-/// what two ways to find a rim between its nodes differ by, since rims of coarse meshes can seem
-/// to converge.
+/// The error of the last mesh's area, length or width: the distance from the limit, and at least
+/// the range of the meshes and the difference of two estimators of the rim, since rims of coarse
+/// meshes can seem to converge.
 fn rims_error(figure: &Sequence, off: f64) -> f64 {
     let by_limit = figure.last().error_of(figure.value());
     by_limit.max(figure.range()).max(off)
@@ -310,9 +310,9 @@ impl ShearHistory {
         self.depth.push(MeshValue { cells, value }, graded_anew);
     }
 
-    /// The limit of the shear, and the last mesh's depth, with their errors; both have besides what
-    /// stays of these relative errors on all meshes, independent of theirs and of one sign. `None`
-    /// where the last mesh gives no value.
+    /// The limit of the shear, and the last mesh's depth, with their errors. These include the
+    /// relative errors that refinement does not reduce: `floor`, which is independent, and
+    /// `missed`, which has one sign on all meshes. `None` if the last mesh gives no value.
     pub fn under_peak(&self, floor: f64, missed: f64) -> Option<UnderPeak> {
         let depth = self.depth.value();
         if depth.is_nan() {
@@ -349,7 +349,7 @@ mod tests {
             area: of(1.0, parts[1]),
             length: of(0.1, parts[2]),
             width: 0.01,
-            off: [0.0; 3],
+            uncertainty: [0.0; 3],
         };
         watched.push(figures, PLACE, [cells; 3], false);
     }
@@ -400,7 +400,7 @@ mod tests {
                 area: 1.0,
                 length,
                 width: 0.1 * length,
-                off: [0.0; 3],
+                uncertainty: [0.0; 3],
             };
             watched.push(figures, PLACE, fineness, false);
             let limits = watched.last();
@@ -435,7 +435,7 @@ mod tests {
                 area: 1.0,
                 length: 0.1,
                 width: 0.01,
-                off: [0.0; 3],
+                uncertainty: [0.0; 3],
             };
             watched.push(figures, PLACE, [cells; 3], anew);
         };

@@ -289,8 +289,8 @@ impl ContactMesh {
         (multipliers, motion_step)
     }
 
-    /// The multipliers and the rigid motion that close `defect` less `closing` = B P^-1 r; NaN if an
-    /// inner iteration fails.
+    /// The multipliers and the rigid motion that close `defect` less `closing` = B P^-1 r; NaN if
+    /// an inner iteration fails.
     fn multipliers(
         &self,
         constraint: &Constraint,

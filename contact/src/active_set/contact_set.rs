@@ -41,12 +41,12 @@ impl ContactMesh {
     /// [`ContactMesh::solve`] with `iterate`, the iteration on one contact set, which returns
     /// whether the tolerance is reached and the set confirmed.
     ///
-    /// The scheme is that of [`PlaneProblem::solve`] on the bodies' stiffness. Sweeps on the contact
-    /// plane, corrected to the bodies' last displacements, predict a set; the iteration on that set
-    /// is the acceleration. Its forces are accepted where their energy falls: clamped to the bounds,
-    /// or else where the first force meets its bound. Where the energy does not fall, the next set
-    /// is that of the last accepted forces with the nodes whose gaps contradict it. Its minimiser
-    /// has a lower energy, since the accepted forces are feasible for it.
+    /// The scheme is that of [`PlaneProblem::solve`] on the bodies' stiffness. Sweeps on the
+    /// contact plane, corrected to the bodies' last displacements, predict a set; the iteration on
+    /// that set is the acceleration. Its forces are accepted where their energy falls: clamped to
+    /// the bounds, or else where the first force meets its bound. Where the energy does not fall,
+    /// the next set is that of the last accepted forces with the nodes whose gaps contradict it.
+    /// Its minimiser has a lower energy, since the accepted forces are feasible for it.
     fn solve_by(
         &self,
         state: &mut State,
@@ -187,8 +187,8 @@ impl ContactMesh {
 
     /// Solves the contact on the plane alone, with the scaled Green's matrix.
     ///
-    /// `base` is the gap of the candidates without motion and forces, `start` the initial forces and
-    /// motion.
+    /// `base` is the gap of the candidates without motion and forces, `start` the initial forces
+    /// and motion.
     pub fn plane_contact(&self, scaled: &Green, base: &[f64], start: PlaneState) -> PlaneState {
         PlaneProblem {
             green: scaled,
@@ -208,8 +208,8 @@ impl ContactMesh {
 /// The complementary energy is D(f) = 1/2 f^T S f + g^T f with S = B K^-1 B^T and g the gap without
 /// forces. At the solution it is minus the total potential energy, which includes the load's work.
 /// Its gradient is the gap plus the rigid motion's part, which does no work on balanced changes.
-/// Between two states D therefore changes by 1/2 (gap + gap') . (f' - f), exactly since S is linear.
-/// Only nodes that enter or leave the set contribute.
+/// Between two states D therefore changes by 1/2 (gap + gap') . (f' - f), exactly since S is
+/// linear. Only nodes that enter or leave the set contribute.
 #[derive(Clone, Debug)]
 pub(crate) struct Feasible {
     /// Forces on the candidates [N].

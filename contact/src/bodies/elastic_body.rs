@@ -1,5 +1,5 @@
-//! An elastic body under or over the contact plane: forces from displacements, and displacements
-//! from forces.
+//! An elastic body under or over the contact plane: its stiffness, preconditioner and trace on the
+//! plane.
 
 use std::sync::Arc;
 
@@ -15,33 +15,34 @@ use crate::precondition::factored::{FactoredInverse, Mortar};
 use crate::precondition::mounted::MountedInverse;
 use crate::precondition::planewise::{Columns, InverseWork, PlanewiseInverse, Side};
 
-/// A body with its stiffness K, a preconditioner M of it, and the trace B with which it meets the
-/// contact plane.
+/// A body with its stiffness K, a preconditioner M of K, and the trace B from its displacements to
+/// the closing of the gap on the contact plane.
 ///
 /// Plane values have one number for each node of the contact plane, x fastest; displacement vectors
 /// hold component after component.
 pub(crate) struct ElasticBody {
     pub stiffness: Stiffness,
-    /// K of all displacements, where it is assembled; then products use it.
+    /// K of all displacements if assembled; products then use it.
     pub assembled: Option<Arc<SparseStiffness>>,
     pub inverse: Inverse,
     pub trace: Trace,
     /// Displacements that the preconditioner's clamps fix, in addition to those of the stiffness.
     pub fixed: Vec<usize>,
-    /// Forces from outside on the body [N]; none where empty.
+    /// External forces on the body [N]; empty without.
     pub load: Vec<f64>,
 }
 
 /// M^-1, spectrally equivalent to the inverse of the stiffness.
 ///
-/// A beginning gives how a residual would close the gap; then the forces on the contact plane that
-/// answer to it are known, and the finish takes them into the step. So one application serves both.
+/// An application has two passes: `begin` returns the closing of the gap by M^-1 r. From it follow
+/// the contact forces m, and `finish` returns M^-1 (r - B^T m). So one application is enough for
+/// both.
 pub(crate) enum Inverse {
-    /// Of a body that nothing but faces of its tensor grid hold.
+    /// Inverse for a body that is constrained only on faces of its tensor grid.
     Planewise(Box<PlanewiseInverse>),
-    /// Of a body with a mount.
+    /// Inverse for a body with a mount.
     Mounted(Box<MountedInverse>),
-    /// Of a solid, exact.
+    /// Exact inverse for unstructured hexahedra.
     Factored(FactoredInverse),
 }
 
@@ -56,8 +57,8 @@ macro_rules! each {
     };
 }
 
-/// Vectors that one body's products and preconditioner reuse: of a product two node by node, and
-/// the forces of cells on their corners.
+/// Vectors that one body's products and preconditioner reuse: displacements and forces by nodes,
+/// and the forces of cells on their corners.
 pub(crate) struct BodyWork {
     displacement: Vec<f64>,
     force: Vec<f64>,
@@ -73,14 +74,15 @@ impl ElasticBody {
         ElasticBody::with_inverse(operator, inverse, side, columns)
     }
 
-    /// A body on a tensor grid with this preconditioner, without clamps and forces from outside.
+    /// A body on a tensor grid with this preconditioner, without clamps and external forces.
     pub fn with_inverse(
         operator: TensorOperator,
         inverse: Inverse,
         side: Side,
         columns: Columns,
     ) -> Self {
-        // The vertical displacements of the highest nodes below the plane, of the lowest above it.
+        // The trace has the vertical displacements of the highest nodes of a body below the plane,
+        // of the lowest nodes of a body above it.
         let [nx, ny, nz] = operator.shape();
         let plane = match side {
             Side::Below => nz - 1,
@@ -109,7 +111,7 @@ impl ElasticBody {
         self
     }
 
-    /// What it is made of; the ice where a bed lies under it.
+    /// Material of the body; that of the ice if it has a bed.
     pub fn material(&self) -> Material {
         match &self.stiffness {
             Stiffness::Tensor(grid) | Stiffness::Mapped { grid, .. } => grid.material,
@@ -127,7 +129,8 @@ impl ElasticBody {
         self.stiffness.free_dofs() - self.fixed.len()
     }
 
-    /// The columns of the contact plane that the body's own nodes are on.
+    /// The columns of the contact plane on which the body has nodes; `None` for unstructured
+    /// hexahedra.
     pub fn columns(&self) -> Option<Columns> {
         match self.trace {
             Trace::Nodes { columns, .. } => Some(columns),
@@ -161,25 +164,26 @@ impl ElasticBody {
         self.fixed.iter().for_each(|&entry| out[entry] = 0.0);
     }
 
-    /// `closing` += B M^-1 `residual`; `work` keeps what [`ElasticBody::finish`] goes on from.
+    /// First pass: `closing` += B M^-1 `residual`; `work` keeps the state for
+    /// [`ElasticBody::finish`].
     pub fn begin(&self, residual: &[f64], closing: &mut [f64], work: &mut BodyWork) {
         each!(self, begin(residual, closing, &mut work.inverse));
     }
 
-    /// `step` = M^-1 (residual - B^T m) for the residual that `work` was last begun with and the
-    /// forces m on nodes.
+    /// Second pass: `step` = M^-1 (r - B^T m) for the residual r of the last
+    /// [`ElasticBody::begin`] with `work` and the forces m on nodes.
     pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64], work: &mut BodyWork) {
         each!(self, finish(multipliers, step, &mut work.inverse));
         self.fixed.iter().for_each(|&entry| step[entry] = 0.0);
     }
 
-    /// `closing` += B M^-1 B^T f for the forces f on nodes; `work` forgets what it was begun with.
+    /// `closing` += B M^-1 B^T f for the forces f on nodes; overwrites the state in `work`.
     pub fn respond(&self, forces: &[(usize, f64)], closing: &mut [f64], work: &mut BodyWork) {
         each!(self, respond(forces, closing, &mut work.inverse));
     }
 
-    /// B M^-1 B^T between plane nodes, and the estimate of B K^-1 B^T that contact sets are
-    /// predicted with [m/N].
+    /// B M^-1 B^T between plane nodes, and the estimate of B K^-1 B^T for the prediction of contact
+    /// sets [m/N].
     pub fn green(&self, nodes: &[usize]) -> [Mat<f64>; 2] {
         each!(self, green(nodes))
     }
@@ -195,8 +199,8 @@ impl ElasticBody {
     }
 }
 
-/// Faces fixed in all components: ends and sides where `all_round`, those of z (low, high) where
-/// `z`; mirror planes are fixed in their normal component.
+/// Fixed faces: the ends and sides if `all_round` and those of z (low, high) if `z`, in all
+/// components; mirror planes in their normal component.
 pub(crate) fn fixed_faces(symmetry: [bool; 2], all_round: bool, z: [bool; 2]) -> FixedFaces {
     std::array::from_fn(|c| {
         let low = |axis: usize| if symmetry[axis] { c == axis } else { all_round };
@@ -216,7 +220,7 @@ pub(crate) enum Stiffness {
         grid: TensorOperator,
         hexahedra: MatrixFree,
     },
-    /// Hexahedra in no order.
+    /// Unstructured hexahedra.
     Solid(Arc<RunnerSolid>),
 }
 
@@ -276,20 +280,20 @@ impl Stiffness {
     }
 }
 
-// How a body's displacements close the gap over the nodes of the contact plane.
+// Closing of the gap on the contact plane by a body's displacements.
 
-/// B: from displacements, component after component, to the closing of the gap on the plane's
-/// nodes, x fastest. It has the vertical displacements with the sign of the body's side.
+/// B: the closing of the gap on the plane's nodes, x fastest, from displacements, component after
+/// component. It is the vertical displacement times the sign of the body's side.
 pub(crate) enum Trace {
     /// Nodes of the body that are nodes of the plane.
     Nodes {
         columns: Columns,
-        /// Where their vertical displacements begin in the body's vector, x fastest.
+        /// Index of their first vertical displacement in the body's vector, x fastest.
         start: usize,
         /// +1 for a body below, -1 for one above.
         sign: f64,
     },
-    /// Means over nodes of a body above that has its own.
+    /// Weighted means over the nodes of a body above with a mesh of its own.
     Means(Arc<Mortar>),
 }
 
@@ -328,7 +332,7 @@ impl Trace {
     }
 }
 
-// The hexahedra of a body on a tensor grid, as they are assembled.
+// The hexahedra of a body on a tensor grid, for assembly.
 
 /// The body that a tensor operator describes.
 ///

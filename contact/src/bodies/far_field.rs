@@ -10,9 +10,9 @@ use crate::symmetry::images;
 /// A vertical force on the surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PointForce {
-    /// Where it acts [m].
+    /// Point of action (x, y) [m].
     pub at: [f64; 2],
-    /// Its size, downwards positive [N].
+    /// Force, downwards positive [N].
     pub force: f64,
 }
 
@@ -20,8 +20,8 @@ pub(crate) struct PointForce {
 const LUMPS: f64 = 8.0;
 
 /// Gathers nodal forces into lumps at their centres of force, mirrored where symmetry was used: 8
-/// along the longer side, fewer along the shorter in proportion, since a lump's error falls with
-/// the square of its size over the distance.
+/// along the longer side, fewer along the shorter in proportion. The error of a lump is
+/// proportional to the square of the ratio of its size to the distance.
 pub(crate) fn lumps(x: &[f64], y: &[f64], force: &[f64], symmetry: [bool; 2]) -> Vec<PointForce> {
     let touched = |i: usize, j: usize| force[j * x.len() + i] > 0.0;
     let columns = (0..x.len()).filter(|&i| (0..y.len()).any(|j| touched(i, j)));
@@ -63,7 +63,7 @@ pub(crate) fn lumps(x: &[f64], y: &[f64], force: &[f64], symmetry: [bool; 2]) ->
 
 /// Writes the half-space's displacements under `lumps` onto the outer faces of the grid.
 ///
-/// Outer faces: the end of z away from the contact, and the ends of x and y that are no mirror
+/// Outer faces are the end of z away from the contact, and the ends of x and y that are not mirror
 /// planes. `displacement` holds component after component. A half-space above the plane is the
 /// mirror image of one below.
 pub(crate) fn prescribe(

@@ -12,18 +12,19 @@ use crate::problem::check::solid_material;
 use crate::problem::mount::{LoadedPlace, spread_along};
 use crate::{ElasticRunner, Error, Load, Mount, Problem};
 
-/// Cells in the runner are this much larger than in the ice under them: steel's share of the
-/// approach is small.
+/// Ratio of the size of cells in the runner to those in the ice: steel contributes little to the
+/// approach.
 const COARSER: f64 = 2.0;
-/// In a runner that bends layers grow up to this part of its height. Without end, its approach on
-/// two bridges is 3 % less with 3 cells over half the patch, 1.6 % with 6.
+/// In a bending runner, layers grow up to its height divided by this number. With unlimited growth,
+/// the approach of a runner on two bridges is 3 % too small with 3 cells over half the patch, 1.6 %
+/// with 6.
 const GROWING: f64 = 3.0;
-/// Fewest and most knots of a whole runner's beam motions.
+/// Smallest and largest number of knots of a whole runner's beam motions.
 const KNOTS: [f64; 2] = [25.0, 61.0];
-/// Share of the consistent mass that keeps the averaged one definite.
-const SHARE: f64 = 1e-6;
+/// Fraction of the consistent mass that keeps the averaged one definite.
+const MASS_FRACTION: f64 = 1e-6;
 
-/// What an elastic runner is meshed from.
+/// Input for the mesh of an elastic runner.
 pub(crate) struct RunnerPlan<'a> {
     pub problem: &'a Problem,
     pub elastic: &'a ElasticRunner,
@@ -33,15 +34,16 @@ pub(crate) struct RunnerPlan<'a> {
     /// Spacing of the ice at the contact [m], and growth of its axes.
     pub spacing: f64,
     pub growth: f64,
-    /// Without it only the surface response is set up.
+    /// Whether the body is solved; otherwise only its surface response is set up.
     pub for_solving: bool,
 }
 
 impl RunnerPlan<'_> {
     /// The runner as a body of the contact problem, with its mesh.
     ///
-    /// An unbounded hull is a half-space above the plane, on the ice's grid mirrored. A bounded one
-    /// has the columns under it; its ends and sides are free and its mount holds its top.
+    /// An unbounded hull is a half-space above the plane, on the mirrored grid of the ice. A
+    /// bounded hull is meshed on the columns under it; its ends and sides are free, and its mount
+    /// fixes its top.
     pub fn body(&self) -> Result<(ElasticBody, HexMesh), Error> {
         let elastic = self.elastic;
         let (modulus, ratio) = (elastic.youngs_modulus, elastic.poissons_ratio);
@@ -121,8 +123,8 @@ impl RunnerPlan<'_> {
         let length = extent[1] - extent[0];
         let faces = fixed_faces(symmetry, false, [false; 2]);
         let mut operator = TensorOperator::new(grid, section.material, faces);
-        // No face holds the body: its rigid motions get a little stiffness in P, and the mount is a
-        // constraint.
+        // The body is not constrained on faces: its rigid motions get a small stiffness in P, and
+        // the mount is a constraint.
         let axis = &mut operator.axes[0];
         for (k, m) in axis.stiffness.iter_mut().zip(&axis.mass) {
             for d in 0..3 {
@@ -130,7 +132,7 @@ impl RunnerPlan<'_> {
             }
         }
         let axial = section.kind == ElementKind::Hex8Axial;
-        let averaged = axial.then(|| operator.axes[0].averaged(SHARE));
+        let averaged = axial.then(|| operator.axes[0].averaged(MASS_FRACTION));
         let height = grid.z[grid.z.len() - 1];
         let beam = beam_space(solid, &operator, symmetry, [length, height]);
         let fixed = fixed_nodes(&elastic.mount, grid, symmetry);
@@ -152,8 +154,8 @@ impl RunnerPlan<'_> {
     }
 }
 
-/// The solid's hexahedra over the columns of `grid`, and the box of as many layers that represents
-/// it.
+/// The solid's hexahedra over the columns of `grid`, and the box with as many layers that
+/// represents it in the preconditioner.
 fn mapped(
     problem: &Problem,
     elastic: &ElasticRunner,
@@ -181,7 +183,7 @@ fn mapped(
             z.iter_mut().for_each(|z| *z *= height / top);
             z
         }
-        // What bends and twists varies up to its top.
+        // Bending and torsion vary up to the top.
         Mount::Places(_) | Mount::Loads(_) => {
             let grown = |z: f64| size + growth * (z - size).clamp(0.0, height / GROWING);
             let mut z = vec![0.0];
@@ -197,10 +199,10 @@ fn mapped(
     Ok((mesh, grid))
 }
 
-/// The beam motions of a body of `length` and `height` [m] whose rigid motions nothing holds.
+/// The beam motions of a body of `length` and `height` [m] without constraints.
 ///
 /// Rigid motions get a hundredth of the stiffness of the first bending mode of a free beam, E H^2 /
-/// 12 (4.73 / L)^4 a volume: well above rounding; the mount determines them.
+/// 12 (4.73 / L)^4 per volume: well above rounding. The mount determines them.
 fn beam_space(
     solid: &Solid,
     operator: &TensorOperator,
@@ -233,7 +235,7 @@ fn beam_space(
             };
         }
     };
-    // Motions shorter than one and a half heights are no beam's.
+    // Motions shorter than one and a half heights are not beam-like.
     let knots = (length / (1.5 * height)).clamp(KNOTS[0], KNOTS[1]) as usize;
     let knots = if symmetry[0] { knots / 2 + 1 } else { knots };
     let middle = if symmetry[1] {
@@ -251,12 +253,13 @@ fn beam_space(
     }
 }
 
-// What a mount holds of a meshed runner's top, and what loads it there.
+// Fixed nodes and loads on the top of a meshed runner.
 
-/// The nodes (i, j) of the top that the mount holds, by component; mirror planes hold theirs
-/// already.
+/// The nodes (i, j) of the top that the mount fixes, by component, except those that mirror planes
+/// fix already.
 ///
-/// A runner that nothing holds gets three points without reaction, which fix its six rigid motions.
+/// A runner without fixed nodes gets three points with zero reaction, which fix its six rigid
+/// motions.
 pub(crate) fn fixed_nodes(
     mount: &Mount,
     grid: &TensorGrid,
@@ -300,7 +303,8 @@ pub(crate) fn load_of(
     let Load::Force { fz, offset_y, .. } = problem.load else {
         return forces;
     };
-    // Between the two rows of nodes next to the line of action; half of it on a mirror plane.
+    // Distributed to the two rows of nodes next to the line of action; half of it on a mirror
+    // plane.
     let row = grid.y.partition_point(|&y| y <= offset_y).clamp(1, ny - 1) - 1;
     let part = ((offset_y - grid.y[row]) / (grid.y[row + 1] - grid.y[row])).clamp(0.0, 1.0);
     let half = if symmetry[1] { 0.5 } else { 1.0 };

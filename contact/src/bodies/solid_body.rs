@@ -1,4 +1,4 @@
-//! A runner on its own hexahedra as a body of the contact problem.
+//! A runner of unstructured hexahedra as a body of the contact problem.
 
 use std::sync::Arc;
 
@@ -8,8 +8,8 @@ use crate::RunnerSolid;
 use crate::bodies::elastic_body::{ElasticBody, Inverse, Stiffness, Trace};
 use crate::precondition::factored::{FactoredInverse, Mortar, mortar_rows};
 
-/// A solid with its factor as preconditioner, exact, over the plane of the ice's `grid` by a
-/// mortar.
+/// A solid with its factor as exact preconditioner, connected by a mortar with the plane of the
+/// ice's `grid`.
 pub(crate) fn solid_body(solid: &Arc<RunnerSolid>, grid: &TensorGrid) -> ElasticBody {
     let place = |node: usize| solid.surface.partition_point(|&s| s < node);
     let faces: Vec<_> = solid

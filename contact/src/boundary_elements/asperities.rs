@@ -1,32 +1,32 @@
-//! Contacts of many asperities: solved on the contact plane alone, on finer and finer cells.
+//! Contacts of many asperities, solved by boundary elements on a sequence of grids.
 
 use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
 use crate::accuracy::estimators::{REFINEMENT, first_resolution, next_refinement};
-use crate::accuracy::meshes::FEWEST as LEAST_RESOLUTION;
+use crate::accuracy::meshes::MIN_CELLS as MIN_RESOLUTION;
 use crate::accuracy::watched::{FigureHistory, Limits, Place};
 use crate::boundary_elements::active_set::Criteria;
 use crate::boundary_elements::operator::Operator;
 use crate::boundary_elements::window::{CellAxis, CheckUnavailable, Surface, Window};
-use crate::boundary_elements::window_contact::{AllCells, MOST_WINDOWS, Search, WindowContact};
+use crate::boundary_elements::window_contact::{AllCells, MAX_WINDOWS, Search, WindowContact};
 use crate::grid::grading::storable;
 use crate::problem::check::CheckedProblem;
 use crate::result::measure::{Figures, ROUNDED};
 use crate::{Error, Iterate, Solution, StiffnessForm, SurfaceField};
 
-/// Touching nodes from which the contact plane alone is solved: the cost of finite elements grows
-/// with their square.
+/// Number of nodes in contact from which the contact plane alone is solved: the cost of finite
+/// elements grows with its square.
 const MANY: f64 = 4000.0;
-/// Touching nodes below which nothing is searched around a contact that makes them many.
+/// Number of nodes in contact below which the surroundings of a contact are not searched.
 const FEW: f64 = 0.5 * MANY;
-/// Fewest cells along an axis of a window that contact is looked for in, and most cells in all: of
-/// the first windows, and of those that asperities are counted on.
-const FEWEST: f64 = 20.0;
+/// Smallest number of cells along an axis of a window in the search for contact.
+const MIN_CELLS: f64 = 20.0;
+/// Largest total number of cells of the first windows, and of those on which asperities are counted.
 const FIRST: f64 = 4096.0;
 const SCOUTED: f64 = 65_536.0;
-/// How well pressures are known there, and where they are the answer.
+/// Convergence criteria in the search, and for the solution.
 const ROUGH: Criteria = Criteria {
     residual: 1e-3,
     slack: 1e-3,
@@ -35,21 +35,21 @@ const FINE: Criteria = Criteria {
     residual: 1e-8,
     slack: 1e-7,
 };
-/// Open cells around the contact in a window that is refined, where it is made and where it has to
-/// be made anew.
+/// Open cells around the contact in a window that is refined: initially, and the smallest number,
+/// below which the window is fitted again.
 const AROUND: f64 = 2.0;
-const LEAST_AROUND: f64 = 1.0;
-/// Depth of a place outside the window over the approach that counts as contact.
+const MIN_AROUND: f64 = 1.0;
+/// Ratio of the depth of a place outside the window to the approach that counts as contact.
 const DEEP: f64 = 1e-3;
-/// What a cell counts for in the limit of unknowns: transforms work on a grid padded to twice the
-/// cells along either axis.
+/// Number of unknowns that a cell counts for: transforms work on a grid padded to twice the cells
+/// along either axis.
 const PADDED: usize = 4;
 
 /// A contact of many asperities.
 pub(crate) struct Asperities<'a> {
     checked: &'a CheckedProblem<'a>,
     surface: Surface,
-    /// Size of what the ice's surface consists of [m].
+    /// Distances over which the ice's surface is smooth [m].
     spacing: [f64; 2],
     /// The contact on coarse cells.
     scouted: WindowContact,
@@ -58,8 +58,8 @@ pub(crate) struct Asperities<'a> {
 }
 
 impl<'a> Asperities<'a> {
-    /// A rigid runner on uneven ice that touches at so many nodes that the contact plane alone is
-    /// solved; `None` for any other contact.
+    /// The contact of a rigid runner on uneven ice with at least [`MANY`] nodes in contact; `None`
+    /// for any other contact.
     ///
     /// # Errors
     /// [`Error::Stopped`].
@@ -92,7 +92,7 @@ impl<'a> Asperities<'a> {
         };
         let found = Surface::of(checked.problem)
             .and_then(|surface| Ok(scouted(&surface)?.map(|found| (surface, found))));
-        // What boundary elements do not find, finite elements may.
+        // Finite elements may solve contacts that boundary elements do not.
         let Some((surface, scouted)) = unless_stopped(found)?.flatten() else {
             return Ok(None);
         };
@@ -107,12 +107,12 @@ impl<'a> Asperities<'a> {
         }))
     }
 
-    /// The solution, to the requested accuracy, with the grids in `history`; `None` where the set
-    /// of cells in contact does not settle on one of them, or no window has all of the contact.
+    /// The solution to the requested accuracy, with the grids added to `history`; `None` if the
+    /// contact set does not converge on one of them, or no window contains the whole contact.
     ///
     /// # Errors
-    /// [`Error::AccuracyNotReached`] where the finest cells allowed are too coarse,
-    /// [`Error::Unsolved`] where the coarsest are too many, [`Error::Stopped`].
+    /// [`Error::AccuracyNotReached`] if the finest grid allowed is too coarse, [`Error::Unsolved`]
+    /// if the coarsest grid has too many cells, [`Error::Stopped`].
     pub fn solve(&self, history: &mut Vec<Iterate>) -> Result<Option<Solution>, Error> {
         let options = self.checked.options;
         let tolerance = options.p_max_tolerance;
@@ -129,7 +129,7 @@ impl<'a> Asperities<'a> {
         let mut judged: Option<Limits> = None;
         let mut before: Option<WindowContact> = None;
         let mut windows = 1;
-        while windows <= MOST_WINDOWS {
+        while windows <= MAX_WINDOWS {
             let (divided, cells) = self.divided(window, wanted);
             let from = before.as_ref().unwrap_or(&self.scouted);
             let error_before = judged.map(|limits| limits.relative);
@@ -142,8 +142,8 @@ impl<'a> Asperities<'a> {
                 return Ok(None);
             };
             let touched = contact.touched();
-            if !window.contains(&contact.window.around(touched, LEAST_AROUND)) {
-                window = contact.window.around(touched, FEWEST);
+            if !window.contains(&contact.window.around(touched, MIN_AROUND)) {
+                window = contact.window.around(touched, MIN_CELLS);
                 windows += 1;
                 before = Some(contact);
                 continue;
@@ -180,7 +180,7 @@ impl<'a> Asperities<'a> {
             if let Some(wider) = wider {
                 window = wider;
                 windows += 1;
-                // Grids without that place are grids of another contact.
+                // Grids without that place belong to another contact.
                 wanted = self.coarsest(window);
                 figures = new_figures();
                 judged = None;
@@ -203,8 +203,8 @@ impl<'a> Asperities<'a> {
         Ok(None)
     }
 
-    /// The contact on a grid from a coarser one, announced before and recorded after; `None` where
-    /// it does not settle.
+    /// The contact on a grid, starting from a coarser one, announced before and recorded after;
+    /// `None` if it does not converge.
     fn on_grid(
         &self,
         search: &Search,
@@ -215,7 +215,7 @@ impl<'a> Asperities<'a> {
         let (level, dofs) = (history.len(), grid.count());
         let options = self.checked.options;
         options.announce(level, dofs, error_before);
-        let start = from.carried(&grid);
+        let start = from.sampled_on(&grid);
         let Some(contact) = unless_stopped(search.solved(grid, Some(start)))? else {
             return Ok(None);
         };
@@ -239,8 +239,8 @@ impl<'a> Asperities<'a> {
         Ok(Some((contact, read)))
     }
 
-    /// Cells over half an asperity's contact of a window's first grid: few enough that the limit of
-    /// unknowns leaves room for two more, to estimate an error from.
+    /// Cells over half an asperity's contact of a window's first grid, so few that the limit of
+    /// unknowns allows two more grids for an error estimate.
     fn coarsest(&self, window: Window) -> f64 {
         let options = self.checked.options;
         if let Some(cells) = options.cells {
@@ -248,20 +248,20 @@ impl<'a> Asperities<'a> {
         }
         let third = |first: f64| self.divided(window, REFINEMENT.powi(2) * first).0.count();
         let mut first = first_resolution(options.p_max_tolerance, true);
-        while PADDED * third(first) > options.max_dofs && first > LEAST_RESOLUTION {
-            first = (0.95 * first).max(LEAST_RESOLUTION);
+        while PADDED * third(first) > options.max_dofs && first > MIN_RESOLUTION {
+            first = (0.95 * first).max(MIN_RESOLUTION);
         }
         first
     }
 
-    /// The window with about so many cells over half an asperity's contact, in numbers that are
-    /// fast to transform, and how many that makes.
+    /// The window with about `wanted` cells over half an asperity's contact, in numbers that are
+    /// fast to transform, and the actual number over half an asperity's contact.
     fn divided(&self, window: Window, wanted: f64) -> (Window, f64) {
         let mut finer = 1.0;
         let cells = [0, 1].map(|axis| {
             let CellAxis { mirrored, .. } = window.axes[axis];
             let least = wanted * window.axes[axis].length() / self.half[axis];
-            let cells = fast(least.ceil().max(FEWEST) as usize, mirrored);
+            let cells = fast(least.ceil().max(MIN_CELLS) as usize, mirrored);
             finer *= cells as f64 / least;
             cells
         });
@@ -274,7 +274,7 @@ impl<'a> Asperities<'a> {
         self.checked.gap.tilt(pitch, roll)
     }
 
-    /// What a contact and the limits of finer and finer cells make.
+    /// The solution from a contact and the limits of fine cells.
     fn solution(
         &self,
         contact: &WindowContact,
@@ -346,7 +346,7 @@ impl<'a> Asperities<'a> {
     }
 }
 
-/// What was found; nothing where boundary elements have no answer.
+/// The result; `None` if boundary elements do not apply or do not converge.
 ///
 /// # Errors
 /// [`Error::Stopped`].
@@ -358,8 +358,8 @@ fn unless_stopped<T>(found: Result<T, CheckUnavailable>) -> Result<Option<T>, Er
     }
 }
 
-/// The least number of cells, not below `least`, whose transforms are fast: without prime factors
-/// above 5, and even where a mirror plane halves them.
+/// Smallest number of cells, at least `least`, whose transforms are fast: without prime factors
+/// above 5, and even if a mirror plane halves them.
 fn fast(least: usize, even: bool) -> usize {
     let smooth = |n: &usize| {
         let mut rest = *n;
@@ -373,27 +373,27 @@ fn fast(least: usize, even: bool) -> usize {
     (least..).find(smooth).unwrap_or(least)
 }
 
-// Where asperities touch, before anything is refined.
+// Search for the contact of asperities on coarse cells.
 
 impl Search<'_> {
-    /// The contact on few cells, of the size of what the surface consists of where that is few.
+    /// The contact on few cells, of the size of the surface's structure if these are few enough.
     fn near(&self, spacing: [f64; 2]) -> Result<WindowContact, CheckUnavailable> {
-        self.fitted(FEWEST as usize, |window| {
+        self.fitted(MIN_CELLS as usize, |window| {
             self.announced(of_size(window, spacing, FIRST))
         })
     }
 
-    /// The same on more cells where there are such, in a window outside of which nothing touches.
+    /// The contact on more cells of that size, in a window outside of which there is no contact.
     fn scouted(
         &self,
         near: WindowContact,
         spacing: [f64; 2],
     ) -> Result<WindowContact, CheckUnavailable> {
         let (mut window, mut found) = (near.window, near);
-        for _ in 0..MOST_WINDOWS {
+        for _ in 0..MAX_WINDOWS {
             let finer = of_size(window, spacing, SCOUTED);
             if finer != found.window {
-                found = self.solved(self.announced(finer), Some(found.carried(&finer)))?;
+                found = self.solved(self.announced(finer), Some(found.sampled_on(&finer)))?;
             }
             if let Some(next) = found.window.fitted(found.touched()) {
                 window = next;
@@ -412,8 +412,8 @@ impl Search<'_> {
         window
     }
 
-    /// The window with what touches around a contact in it, by cells of about this size; `None`
-    /// where nothing does.
+    /// The window extended by places in contact around it, on cells of about this size; `None` if
+    /// there are none.
     fn touched_around(
         &self,
         found: &WindowContact,
@@ -447,12 +447,13 @@ impl Search<'_> {
     }
 }
 
-/// A window with cells of this size, or of such a shape where that would be more than `most`.
+/// A window with cells of this size, or of larger cells of the same shape if there would be more
+/// than `most`.
 fn of_size(window: Window, size: [f64; 2], most: f64) -> Window {
     let cells = |coarser: f64| {
-        [0, 1].map(|axis| (window.axes[axis].length() / (coarser * size[axis])).max(FEWEST))
+        [0, 1].map(|axis| (window.axes[axis].length() / (coarser * size[axis])).max(MIN_CELLS))
     };
-    // Where one axis has its fewest cells the other is coarsened alone.
+    // If one axis has its smallest number of cells, only the other is coarsened.
     let mut coarser = 1.0;
     while cells(coarser).iter().product::<f64>() > most {
         coarser *= 1.25;
@@ -474,23 +475,24 @@ impl WindowContact {
         let all = self.all_cells();
         let [dx, dy] = self.window.size();
         let mut figures = all.field().figures(&all.pressure);
-        // Cells in contact are too many, as a rim has it in part of the outermost; ends of short
-        // chords by shape and load lie too far inside. The truth is between them.
+        // The area of the cells in contact is too large, as the outermost cells are only partly in
+        // contact; the area from chords is too small for short chords. The exact area is between.
         let counted = all.force.iter().filter(|f| **f > 0.0).count() as f64 * dx * dy;
-        figures.off[0] = (0.5 * (counted - figures.area).abs()).max(figures.off[0]);
+        figures.uncertainty[0] = (0.5 * (counted - figures.area).abs()).max(figures.uncertainty[0]);
         figures.area = 0.5 * (counted + figures.area);
         Read { all, figures }
     }
 
-    /// Touching nodes of a mesh with so many cells over half of an asperity's contact, of this half
-    /// size [m].
+    /// Number of nodes in contact on a mesh with `cells` over half of an asperity's contact, of
+    /// this half size [m].
     fn nodes(&self, half: [f64; 2], cells: f64) -> f64 {
         let size = self.window.size();
         let finer = [0, 1].map(|axis| cells * size[axis] / half[axis]);
         self.touching() as f64 * finer[0] * finer[1]
     }
 
-    /// The same forces on a window's cells of this size, or of its own where these are larger.
+    /// The forces on cells of this size in the window, or of the window's own size if that is
+    /// larger.
     fn coarsened(&self, size: [f64; 2]) -> (Window, Vec<f64>) {
         let coarse = of_size(self.window, size, SCOUTED);
         let cells = [0, 1].map(|axis| coarse.cells()[axis].min(self.window.cells()[axis]));

@@ -8,7 +8,7 @@ use crate::boundary_elements::window_contact::Search;
 use crate::problem::check::CheckedProblem;
 use crate::{Measure, Options, Problem, Solution};
 
-/// Figures of a contact from its plane alone.
+/// Figures of a contact by boundary elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundaryElements {
     /// Peak pressure [Pa].
@@ -37,28 +37,28 @@ pub struct BoundaryElements {
 
 /// Cells along x and y of the grids, from coarse to fine; the first also finds the window.
 const GRIDS: [usize; 7] = [20, 24, 32, 40, 48, 64, 80];
-/// Grids that errors are estimated from: the finest that were solved.
+/// Number of grids from which errors are estimated: the finest that were solved.
 const COMPARED: usize = 3;
-/// Part of a cell that a rim is read to: of a Hertz contact 0.22 of one at most, over 64 contacts
-/// on grids of 32 to 80 cells.
-const READ: f64 = 0.25;
-/// Largest value that the square of a pressure next to the rim may have, of the peak's: in a Hertz
-/// contact it is 0.2 on the finest grid.
+/// Error of a rim's position as a fraction of a cell: at most 0.22 in 64 Hertz contacts on grids of
+/// 32 to 80 cells.
+const RIM_ERROR: f64 = 0.25;
+/// Largest ratio of the squared pressure next to the rim to that of the peak: in a Hertz contact it
+/// is 0.2 on the finest grid.
 const STEEP: f64 = 0.4;
 
-/// Solves a contact by boundary elements on its plane: cells of uniform pressure, pressed on a
-/// half-space or on bonded layers.
+/// Solves a contact by boundary elements on its plane: cells of uniform pressure on a half-space or
+/// on bonded layers.
 ///
-/// u = K p with K from A. E. H. Love's rectangles and, for layers, the inverse Hankel transform of
-/// what their compliance differs from the half-space's; products by Fourier's functions of a grid
-/// padded to twice its size (S. Liu, Q. Wang and G. Liu, Wear 243, 2000). The window of cells is
-/// fitted to the contact. Of the method of [`solve`](crate::solve) it uses nothing but the
-/// problem's gap. The rim falls between cells, so that figures oscillate as cells get smaller:
-/// the finest grid's are given, and as their error three times the range over three grids, of 20,
-/// 24 and 32 cells each way.
+/// u = K p with K from A. E. H. Love's solution for a rectangle and, for layers, the inverse Hankel
+/// transform of the difference of their compliance from the half-space's. Products use fast Fourier
+/// transforms on a grid padded to twice its size (S. Liu, Q. Wang and G. Liu, Wear 243, 2000). The
+/// window of cells is fitted to the contact. The method is independent of [`solve`](crate::solve)
+/// except for the gap of the problem. The rim lies between cells, so that figures oscillate as
+/// cells get smaller. The figures are those of the finest grid; their error is three times the
+/// range over three grids, of 20, 24 and 32 cells each way.
 ///
 /// # Errors
-/// Why this contact is none for this method, or was not resolved by it.
+/// The reason why the method does not apply to this contact, or did not resolve it.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -77,10 +77,10 @@ pub fn boundary_elements(problem: &Problem) -> Result<BoundaryElements, CheckUna
     boundary_elements_to(problem, f64::INFINITY)
 }
 
-/// As [`boundary_elements`], with grids of 40 to 80 cells too until the estimated error of the peak
-/// pressure is `tolerance` of it or less.
+/// [`boundary_elements`] with additional grids of 40 to 80 cells, until the estimated relative
+/// error of the peak pressure is at most `tolerance`.
 ///
-/// Where these do not reach it either, the answer has the error that it has.
+/// If these do not reach it either, the result is returned with its larger error.
 ///
 /// # Errors
 /// As [`boundary_elements`].
@@ -94,11 +94,11 @@ pub fn boundary_elements_to(
     }
 }
 
-/// As [`boundary_elements`], of peaks that are narrower than the cells too: no answer there, but
-/// what two hulls that differ a little differ by.
+/// [`boundary_elements`] without the check for peaks that are narrower than the cells. Such results
+/// are only suitable for the difference between two similar hulls.
 ///
 /// # Errors
-/// As [`boundary_elements`] for all else.
+/// Those of [`boundary_elements`] otherwise.
 pub fn boundary_elements_to_compare(
     problem: &Problem,
 ) -> Result<BoundaryElements, CheckUnavailable> {
@@ -110,11 +110,11 @@ const PRECISION: Criteria = Criteria {
     residual: 1e-6,
     slack: 1e-5,
 };
-/// Depth of a place outside the window over the approach that counts as contact: with forces that
-/// go with its power 3/2, of a thousandth of the load under radii alike.
+/// Ratio of the depth of a place outside the window to the approach that counts as contact: with
+/// forces proportional to the power 3/2 of the depth, a thousandth of the load for equal radii.
 const DEEP: f64 = 0.01;
 
-/// The figures, and how steep the pressure is at its rim: [`WindowContact::at_rim`].
+/// The figures, and the steepness of the pressure at its rim, [`WindowContact::at_rim`].
 fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), CheckUnavailable> {
     let options = Options::default();
     let checked =
@@ -128,7 +128,7 @@ fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), 
     let mut found = vec![last.figures()];
     for cells in &GRIDS[1..] {
         let window = last.window.with_cells([*cells; 2]);
-        last = search.solved(window, Some(last.carried(&window)))?;
+        last = search.solved(window, Some(last.sampled_on(&window)))?;
         found.push(last.figures());
         if found.len() >= COMPARED && error(&found, 0) <= tolerance * found[found.len() - 1][0] {
             break;
@@ -146,8 +146,8 @@ fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), 
     if last.deepest_outside(&search).1 > DEEP * approach {
         return Err(CheckUnavailable::Elsewhere);
     }
-    // Rims are resolved to a part of a cell, however well the grids agree.
-    let [along, across] = last.window.size().map(|size| 2.0 * READ * size);
+    // The error of a rim is at least a fraction of a cell, even if the grids agree.
+    let [along, across] = last.window.size().map(|size| 2.0 * RIM_ERROR * size);
     let least = 0.5 * (along * width + across * length);
     let figures = BoundaryElements {
         p_max,
@@ -165,44 +165,44 @@ fn solved(problem: &Problem, tolerance: f64) -> Result<(BoundaryElements, f64), 
     Ok((figures, last.at_rim()))
 }
 
-/// The error of a figure by its range over the finest grids, whose values oscillate.
+/// The error of a figure from its range over the finest grids, whose values oscillate.
 fn error(found: &[[f64; 5]], figure: usize) -> f64 {
     let finest = &found[found.len().saturating_sub(COMPARED)..];
     let values: Vec<f64> = finest.iter().map(|figures| figures[figure]).collect();
     Measure::of_range(&values).error
 }
 
-// Boundary elements for a family of contacts, where finite elements agree with them at its ends.
+// Boundary elements for a family of contacts, verified at its ends by finite elements.
 
-/// What boundary elements may be trusted with: contacts between *anchors*, contacts of their kind
-/// that finite elements have solved too.
+/// Boundary elements for contacts between *anchors*: contacts of the same family that finite
+/// elements have solved, too.
 ///
-/// One runner on one ice under several loads, tracks and rocker radii is a family. At its ends both
-/// methods answer. Where each pair of answers lies within both stated errors, boundary elements
-/// answer what lies between, and their error is what three grids say, more by the largest
-/// difference at an anchor.
+/// A family is one runner on one ice under several loads, tracks and rocker radii. Both methods
+/// solve its ends. If each pair of results agrees within both stated errors, boundary elements
+/// solve the contacts in between. Their error is that from three grids plus the largest difference
+/// at an anchor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VerifiedBem {
-    /// Largest difference of the two peak pressures at an anchor, relative.
+    /// Largest relative difference of the two peak pressures at an anchor.
     apart: f64,
-    /// Relative error of the peak pressure that is requested.
+    /// Requested relative error of the peak pressure.
     tolerance: f64,
 }
 
-/// Part of the tolerance that the grids at an anchor may leave: what they leave counts as a
+/// Fraction of the tolerance that is requested from the grids at an anchor: their error counts as a
 /// difference.
 const AT_ANCHORS: f64 = 0.5;
-/// Largest relative error of an area, as finite elements have it at 0.5 % of the peak: above it
+/// Largest relative error of an area, about that of finite elements at 0.5 % of the peak; above it
 /// finite elements are used.
-const AREA: f64 = 0.05;
+const MAX_AREA_ERROR: f64 = 0.05;
 
 impl VerifiedBem {
-    /// Compares boundary elements with the finite elements' solutions of the same problems; `None`
-    /// where they are no method for one of them, where a figure parts by more than both errors, and
-    /// where the difference uses up `tolerance`.
+    /// Compares boundary elements with finite-element solutions of the same problems; `None` if
+    /// they do not apply to one of them, if a figure differs by more than both errors, or if the
+    /// difference exceeds `tolerance`.
     ///
-    /// Neither ice that yields nor uneven ice is anchored: what contacts between two of them do may
-    /// be like neither.
+    /// Yielding ice and uneven ice have no anchors: contacts between two anchors may behave
+    /// differently from both.
     pub fn at(anchors: &[(Problem, Solution)], tolerance: f64) -> Option<Self> {
         let difference = |(problem, first): &(Problem, Solution)| {
             if problem.ice.hardness.is_some() || problem.ice_surface.is_some() {
@@ -216,19 +216,19 @@ impl VerifiedBem {
         (!anchors.is_empty() && apart < tolerance).then_some(VerifiedBem { apart, tolerance })
     }
 
-    /// Largest difference of the two peak pressures at an anchor, relative.
+    /// Largest relative difference of the two peak pressures at an anchor.
     pub fn apart(&self) -> f64 {
         self.apart
     }
 
-    /// The contact by boundary elements, the difference at the anchors in its peak's error; `None`
-    /// where that is not within the tolerance, the area is not known to a twentieth or they have no
-    /// answer, and finite elements are needed.
+    /// The contact by boundary elements, with the difference at the anchors included in the error
+    /// of the peak. `None` if that error exceeds the tolerance, if the error of the area exceeds a
+    /// twentieth, or if they do not apply; finite elements are then needed.
     pub fn answer(&self, problem: &Problem) -> Option<BoundaryElements> {
         let mut found = boundary_elements_to(problem, self.tolerance - self.apart).ok()?;
         found.p_max_error += self.apart * found.p_max;
         let enough = found.p_max_error <= self.tolerance * found.p_max
-            && found.area_error <= AREA * found.area;
+            && found.area_error <= MAX_AREA_ERROR * found.area;
         enough.then_some(found)
     }
 }

@@ -1,6 +1,6 @@
-//! The contact on its plane alone: boundary elements, a second method that shares the problem's gap
-//! with the first, how rims are read, and nothing else. Contacts of many asperities are solved by
-//! it alone.
+//! The contact on its plane alone: boundary elements, a second method. With finite elements it only
+//! shares the gap of the problem and the estimation of rims. Contacts of many asperities are solved
+//! by boundary elements alone.
 
 pub(crate) mod active_set;
 pub(crate) mod asperities;

@@ -5,19 +5,19 @@ use crate::problem::gap::Gap;
 use crate::symmetry::image_count;
 use crate::{Bed, Foundation, Load, Problem};
 
-/// How far along x contact is searched under a hull without ends [m].
+/// Distance along x up to which contact is searched under an unbounded hull [m].
 const REACH: f64 = 2.0;
-/// Samples of the gap along x, each way and each manner.
+/// Number of samples of the gap along x in each direction, for each of two spacings.
 const SAMPLES: usize = 300;
-/// Halvings of a depth or a width in logarithms, for a first window: to a thousandth.
+/// Number of bisections of the logarithm of a depth or a width for a first window: to a thousandth.
 const HALVINGS: usize = 16;
-/// A first window's size over the patch that is guessed.
+/// Ratio of the size of a first window to the guessed patch.
 const AROUND: f64 = 1.5;
-/// Growth of a window that contact reaches the border of.
+/// Growth factor of a window whose border is in contact.
 const GROWTH: f64 = 1.6;
-/// Least part of a window along an axis that contact is to fill.
-const FILLED: f64 = 0.7;
-/// Open cells around the contact in a regenerated window.
+/// Smallest fraction of a window along an axis that must be in contact.
+const MIN_FILLED: f64 = 0.7;
+/// Number of open cells around the contact in a fitted window.
 const MARGIN: f64 = 1.0;
 
 /// Even cells along one axis of a window.
@@ -25,9 +25,9 @@ const MARGIN: f64 = 1.0;
 pub(super) struct CellAxis {
     /// Start of the cells [m].
     pub low: f64,
-    /// Their end [m].
+    /// End of the cells [m].
     pub high: f64,
-    /// Cells, those across a mirror plane included.
+    /// Number of cells, including those across a mirror plane.
     pub cells: usize,
     /// Whether 0 is a mirror plane, in the middle of the cells.
     pub mirrored: bool,
@@ -46,7 +46,7 @@ impl CellAxis {
         self.length() / self.cells as f64
     }
 
-    /// Cells that are solved for.
+    /// Number of cells that are solved for.
     fn solved(&self) -> usize {
         self.cells - self.first_solved()
     }
@@ -56,7 +56,7 @@ impl CellAxis {
         if self.mirrored { self.cells / 2 } else { 0 }
     }
 
-    /// Where the solved cells begin [m].
+    /// Start of the solved cells [m].
     fn origin(&self) -> f64 {
         if self.mirrored { 0.0 } else { self.low }
     }
@@ -66,7 +66,7 @@ impl CellAxis {
         self.origin() + (cell as f64 + 0.5) * self.size()
     }
 
-    /// The solved cell that mirror planes make a cell of.
+    /// The solved cell of which a cell is an image, or the cell itself.
     pub fn solved_cell(&self, cell: usize) -> usize {
         match self.first_solved() {
             first if cell < first => first - 1 - cell,
@@ -74,13 +74,13 @@ impl CellAxis {
         }
     }
 
-    /// The solved cell that holds a place.
+    /// The solved cell that contains a place.
     pub fn cell(&self, at: f64) -> Option<usize> {
         let place = (at - self.origin()) / self.size();
         (place >= 0.0 && place < self.solved() as f64).then_some(place as usize)
     }
 
-    /// With these ends, within the hull's.
+    /// The axis with these ends, limited to the hull's.
     fn between(self, low: f64, high: f64) -> Self {
         CellAxis {
             low: low.max(self.extent[0]),
@@ -89,7 +89,7 @@ impl CellAxis {
         }
     }
 
-    /// From the first to the last of some solved cells, with so many cells around.
+    /// The axis from the first to the last of some solved cells, with `margin` cells on both sides.
     fn around(self, [first, last]: [usize; 2], margin: f64) -> Self {
         let around = (0.5 + margin) * self.size();
         let high = self.centre(last) + around;
@@ -100,7 +100,7 @@ impl CellAxis {
         }
     }
 
-    /// The axis that fits contact from the first to the last cell; `None` where this one does.
+    /// The axis that fits contact from the first to the last cell; `None` if this axis does.
     fn fitted(self, [first, last]: [usize; 2]) -> Option<Self> {
         let solved = self.solved();
         let touches_low = !self.mirrored && first == 0 && self.low > self.extent[0];
@@ -118,7 +118,7 @@ impl CellAxis {
         }
         let start = if self.mirrored { 0 } else { first };
         let filled = (last + 1 - start) as f64;
-        (filled < FILLED * solved as f64).then(|| self.around([first, last], MARGIN))
+        (filled < MIN_FILLED * solved as f64).then(|| self.around([first, last], MARGIN))
     }
 
     fn scaled(self, by: f64) -> Self {
@@ -149,8 +149,8 @@ impl CellAxis {
         }
     }
 
-    /// With cells of the same size around, as many as half of its own at either end as far as there
-    /// is a hull; and the first of its own solved cells there.
+    /// The axis extended at both ends by half as many cells of the same size, within the hull; and
+    /// the index of this axis' first solved cell in it.
     fn surroundings(self) -> (Self, usize) {
         let size = self.size();
         let most = (self.cells / 2) as f64;
@@ -178,13 +178,13 @@ impl CellAxis {
 pub(super) struct Window {
     /// Along x and y.
     pub axes: [CellAxis; 2],
-    /// Least gap on the line along x through the line of action [m].
+    /// Smallest gap on the line along x through the line of action [m].
     pub lowest: f64,
 }
 
 impl Window {
-    /// Around the part of the hull that a cut removes which is so deep (`depth` in E* depth (length
-    /// width)^(1/2)) that it bears the load; `None` where no hull is above the line of action.
+    /// The window around the part of the hull below a cut whose depth d is such that the load is E*
+    /// d (length width)^(1/2); `None` if no hull is above the line of action.
     pub fn first(problem: &Problem, gap: &Gap, modulus: f64, cells: usize) -> Option<Self> {
         let extent = problem.runner.underside.extent();
         let line = Line::new(gap, extent)?;
@@ -215,7 +215,7 @@ impl Window {
         })
     }
 
-    /// So many cells between these ends `[x_min, y_min, x_max, y_max]`.
+    /// A window of `cells` between these ends `[x_min, y_min, x_max, y_max]`.
     #[cfg(test)]
     pub fn of_cells(ends: [f64; 4], cells: [usize; 2], mirrored: [bool; 2]) -> Self {
         let axes = [0, 1].map(|axis| CellAxis {
@@ -228,7 +228,7 @@ impl Window {
         Window { axes, lowest: 0.0 }
     }
 
-    /// With these cells along x and y.
+    /// The window with these numbers of cells along x and y.
     pub fn with_cells(self, cells: [usize; 2]) -> Self {
         let axes = [0, 1].map(|axis| CellAxis {
             cells: cells[axis],
@@ -237,7 +237,7 @@ impl Window {
         Window { axes, ..self }
     }
 
-    /// Cells along x and y, those across a mirror plane included.
+    /// Numbers of cells along x and y, including those across a mirror plane.
     pub fn cells(&self) -> [usize; 2] {
         self.axes.map(|axis| axis.cells)
     }
@@ -252,7 +252,7 @@ impl Window {
         self.axes.map(|axis| axis.size())
     }
 
-    /// Cells that are solved for along x and y.
+    /// Numbers of cells along x and y that are solved for.
     pub fn solved(&self) -> [usize; 2] {
         self.axes.map(|axis| axis.solved())
     }
@@ -279,7 +279,7 @@ impl Window {
         far(&self.axes[0], place[0]).hypot(far(&self.axes[1], place[1]))
     }
 
-    /// Whether a place is on its cells or half its size from them.
+    /// Whether a place is on the cells or at most half the window's size away from them.
     pub fn holds(&self, place: [f64; 2]) -> bool {
         self.axes.iter().zip(place).all(|(axis, at)| {
             let margin = 0.5 * axis.length();
@@ -303,8 +303,8 @@ impl Window {
         along.flat_map(move |x| lines.map(|y| [x, y]))
     }
 
-    /// The window that fits contact from the first to the last cell of each axis; `None` where this
-    /// one does.
+    /// The window that fits contact from the first to the last cell of each axis; `None` if this
+    /// window does.
     pub fn fitted(&self, contact: [[usize; 2]; 2]) -> Option<Self> {
         let fitted = [0, 1].map(|axis| self.axes[axis].fitted(contact[axis]));
         fitted.iter().any(Option::is_some).then(|| Window {
@@ -313,7 +313,7 @@ impl Window {
         })
     }
 
-    /// The window from the first to the last cell in contact of each axis, with so many cells
+    /// The window from the first to the last cell in contact of each axis, with `margin` cells
     /// around.
     pub fn around(&self, contact: [[usize; 2]; 2], margin: f64) -> Self {
         Window {
@@ -335,7 +335,7 @@ impl Window {
         }
     }
 
-    /// This window with cells of the same size around it; and the first of its own solved cells
+    /// This window with cells of the same size around it, and the indices of its first solved cell
     /// there.
     pub fn surroundings(&self) -> (Self, [usize; 2]) {
         let [(x, first_x), (y, first_y)] = self.axes.map(CellAxis::surroundings);
@@ -354,7 +354,7 @@ struct Line {
     lowest: f64,
     deepest: f64,
     y: f64,
-    /// Least and largest y of the hull.
+    /// Smallest and largest y of the hull.
     across: [f64; 2],
 }
 
@@ -391,7 +391,7 @@ impl Line {
         })
     }
 
-    /// Ends along x and y of what lies within `depth` of the lowest place [m].
+    /// Ends along x and y of the part within `depth` of the lowest point [m].
     fn cut(&self, gap: &Gap, depth: f64) -> [f64; 4] {
         let inside = |place: &[f64; 2]| place[1] < depth;
         let first = self.places.iter().position(inside).unwrap_or(0);
@@ -420,28 +420,28 @@ impl Line {
     }
 }
 
-// What is pressed, where that is a half-space or layers, and why a contact has no second answer.
+// The surface of both bodies, a half-space or layers, and the contacts without it.
 
-/// Why the contact plane alone has no answer.
+/// Reasons why boundary elements have no result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckUnavailable {
-    /// A bounded elastic runner: its bending is no half-space's.
+    /// A bounded elastic runner: it does not deform like a half-space.
     #[error("the runner is elastic and has ends")]
     ElasticRunner,
-    /// A layer of less than a twelfth of a cell's size.
+    /// A layer thinner than a twelfth of a cell.
     #[error("the ice is too thin for the contact's cells")]
     ThinLayer,
     /// A peak of pressure no wider than a few cells, as at the ends of a runner.
     #[error("the pressure's peak is narrower than the cells")]
     NarrowPeak,
-    /// The hull lies in the ice outside the cells, too: a second patch, or an end that touches.
+    /// There is contact outside the cells: a second patch, or an end of the hull.
     #[error("the runner touches elsewhere too")]
     Elsewhere,
-    /// Boundary elements gave the first answer: a contact of many asperities.
+    /// The solution itself is by boundary elements: a contact of many asperities.
     #[error("boundary elements gave the first answer")]
     FirstAnswer,
-    /// The patch or its set does not settle.
+    /// The window or the contact set does not converge.
     #[error("the contact set does not settle")]
     NotSettled,
     /// The caller stopped the solve.
@@ -449,7 +449,7 @@ pub enum CheckUnavailable {
     Stopped,
 }
 
-/// The two bodies' surfaces as one that gives for both.
+/// Compliance of both bodies' surfaces together.
 #[derive(Clone, Debug)]
 pub(super) struct Surface {
     /// 1 / E* of both as half-spaces [1/Pa].

@@ -12,8 +12,8 @@ use crate::result::measure::PressureField;
 use crate::result::rim::RimEstimator;
 use crate::symmetry::images;
 
-/// Windows that are tried.
-pub(super) const MOST_WINDOWS: usize = 24;
+/// Largest number of windows.
+pub(super) const MAX_WINDOWS: usize = 24;
 
 /// A contact on one window's cells.
 pub(super) struct WindowContact {
@@ -22,7 +22,7 @@ pub(super) struct WindowContact {
     pub pressed: PressureState,
 }
 
-/// What the grids of a problem share.
+/// Data that the grids of a problem share.
 #[derive(Clone, Copy)]
 pub(super) struct Search<'a> {
     pub checked: &'a CheckedProblem<'a>,
@@ -31,8 +31,8 @@ pub(super) struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The contact on a window that fits it, `divided` anew wherever it changes; the first one has
-    /// so many cells each way.
+    /// The contact on a window that fits it. The window is divided by `divided` after each change;
+    /// the first one has this number of cells each way.
     pub fn fitted(
         &self,
         cells: usize,
@@ -42,7 +42,7 @@ impl Search<'_> {
         let CheckedProblem { problem, gap, .. } = self.checked;
         let mut window =
             Window::first(problem, gap, modulus, cells).ok_or(CheckUnavailable::NotSettled)?;
-        for _ in 0..MOST_WINDOWS {
+        for _ in 0..MAX_WINDOWS {
             let found = self.solved(divided(window), None)?;
             match found.window.fitted(found.touched()) {
                 Some(next) => window = next,
@@ -52,7 +52,7 @@ impl Search<'_> {
         Err(CheckUnavailable::NotSettled)
     }
 
-    /// The contact on the cells of a window, from pressures to start with.
+    /// The contact on the cells of a window, from initial pressures if given.
     pub fn solved(
         &self,
         window: Window,
@@ -79,7 +79,7 @@ impl WindowContact {
         [p_max, self.approach(), area, length, width]
     }
 
-    /// How deep the undeformed shapes lie in one another at the deepest place [m].
+    /// Largest interpenetration of the undeformed shapes [m].
     pub fn approach(&self) -> f64 {
         let closing: Vec<f64> = (0..self.plane.gap.len())
             .map(|c| self.plane.closing(c, &self.pressed.motion) - self.plane.gap[c])
@@ -87,8 +87,8 @@ impl WindowContact {
         peak(&closing, self.plane.width, self.window.mirrored())
     }
 
-    /// The place outside the window where the hull lies deepest in the ice, and how deep [m], under
-    /// the displacements that the pressures' forces make there.
+    /// The place outside the window with the largest penetration, and that penetration [m],
+    /// including the displacements due to the forces within the window.
     pub fn deepest_outside(&self, search: &Search) -> ([f64; 2], f64) {
         let (window, plane) = (&self.window, &self.plane);
         let (gap, surface) = (&search.checked.gap, search.surface);
@@ -168,8 +168,8 @@ impl WindowContact {
         self.pressed.pressure.iter().map(|p| p * p).collect()
     }
 
-    /// Largest square of a pressure next to an open cell or the window's border, over that of the
-    /// peak; 0 where hardness cuts the peak off.
+    /// Ratio of the largest squared pressure next to an open cell or the window's border to that of
+    /// the peak; 0 if the peak is at the hardness.
     pub fn at_rim(&self) -> f64 {
         let squares = self.squares();
         let peak = squares.iter().copied().fold(0.0, f64::max);
@@ -205,8 +205,8 @@ impl WindowContact {
         [left, right, low, high]
     }
 
-    /// The pressures on the cells of another window, 0 outside of this one.
-    pub fn carried(&self, to: &Window) -> Vec<f64> {
+    /// The pressures at the centres of the cells of another window, 0 outside this one.
+    pub fn sampled_on(&self, to: &Window) -> Vec<f64> {
         let width = self.plane.width;
         let columns_and_rows = [0, 1].map(|axis| -> Vec<Option<usize>> {
             let (own, other) = (self.window.axes[axis], to.axes[axis]);

@@ -9,15 +9,14 @@ use crate::grid::stretch::Stretch;
 use crate::problem::check::CheckedProblem;
 use crate::problem::gap::Gap;
 
-/// Guesses the patch: the part of the hull that a rigid cut at depth d removes, with d such that E*
-/// d (length width)^(1/2) carries the load, which is a Hertz contact's load to within a factor
-/// of 2.
+/// Guesses the patch: the part of the hull below a cut at depth d, with d such that the load is E*
+/// d (length width)^(1/2). This is the load of a Hertz contact to within a factor of 2.
 pub(crate) fn first_guess(problem: &CheckedProblem) -> Patch {
     guess(problem, &|_, _| f64::INFINITY)
 }
 
-/// Guesses the patch as [`first_guess`] does where a cut of some length and width [m] bears at
-/// `most` so much [N].
+/// [`first_guess`] with a largest load [N] of a cut as a function of its length and width [m],
+/// `most`.
 fn guess(problem: &CheckedProblem, most: &dyn Fn(f64, f64) -> f64) -> Patch {
     let CheckedProblem { problem, gap, .. } = problem;
     let contact_modulus = problem.ice.youngs_modulus / (1.0 - problem.ice.poissons_ratio.powi(2));
@@ -47,7 +46,7 @@ fn guess(problem: &CheckedProblem, most: &dyn Fn(f64, f64) -> f64) -> Patch {
     Patch { corners, ..guess }.refined_at_corners()
 }
 
-/// The hull's extent; where it is unbounded, along x thrice the patch that is expected.
+/// The hull's extent; for an unbounded hull along x three times the expected patch.
 fn within(guess: &Patch, [low, high, right, left]: [f64; 4]) -> [f64; 4] {
     if low.is_finite() && high.is_finite() {
         return [low, high, right, left];
@@ -149,8 +148,8 @@ impl Stations {
     }
 }
 
-/// Gap at (`x`, `y0`); where no hull is above it, the lowest of 39 points on the line across over
-/// `range` [m].
+/// Gap at (`x`, `y0`); if there is no hull, the lowest of 39 points on the line across over `range`
+/// [m].
 fn lowest_across(gap: &Gap, x: f64, y0: f64, range: [f64; 2]) -> f64 {
     let here = gap.at(x, y0);
     if here.is_finite() {
@@ -161,27 +160,27 @@ fn lowest_across(gap: &Gap, x: f64, y0: f64, range: [f64; 2]) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-// Where a sliding runner touches: a first guess, and the meshes for what was found.
+// Patches of a sliding runner: a first guess, and patches for known rims.
 
-/// Wanted spacing along the runner over the even one: the front, where the ice begins to yield,
-/// needs finer cells than a smooth contact.
+/// Ratio of the spacing along a sliding runner to the even one: the front, where the ice begins to
+/// yield, needs finer cells than a smooth contact.
 const ALONG: f64 = 0.5;
 
-/// How far behind the back rim the patch is taken to end, over its length: of two nodes as far
-/// before and behind the lowest point the one behind is not to be deepened, where ice hardly
-/// springs back.
+/// Distance by which the patch is extended behind the back rim, relative to its length. It breaks
+/// the symmetry about the lowest point: of two nodes at equal distances, the one behind must not be
+/// deepened where ice hardly springs back.
 const BEHIND: f64 = 2e-3;
 
-/// Guesses the patch: as for elastic ice, but no deeper cut bears more than the hardness over half
-/// its ellipse, that ahead of the lowest point.
+/// Guesses the patch as for elastic ice, but the load of a cut is at most the hardness over the
+/// half of its ellipse ahead of the lowest point.
 pub(crate) fn sliding_guess(problem: &CheckedProblem) -> Patch {
     let hardness = problem.hardness();
     let most = |length: f64, width: f64| hardness * std::f64::consts::PI / 8.0 * length * width;
     regular(guess(problem, &most))
 }
 
-/// The patch whose rims are these [x low, x high, y low, y high]; zones of cells end half a cell
-/// outside them, so that the nodes' shares of the plane end where the ice yields.
+/// The patch with these rims [x low, x high, y low, y high]. Zones of cells end half a cell outside
+/// them, so that the parts of the plane that belong to nodes end at the rims.
 pub(crate) fn fitted(mut patch: Patch, [low, high, right, left]: [f64; 4]) -> Patch {
     if let Some(first) = patch.x.first_mut() {
         first.low = (low - BEHIND * (high - low)).min(first.high);
@@ -193,8 +192,8 @@ pub(crate) fn fitted(mut patch: Patch, [low, high, right, left]: [f64; 4]) -> Pa
     regular(patch)
 }
 
-/// The same patch with even cells, finer along than across, and finer still where the keel's
-/// curvature jumps.
+/// The patch with even cells, finer along than across, and still finer where the keel's curvature
+/// jumps.
 fn regular(mut patch: Patch) -> Patch {
     for stretch in &mut patch.x {
         stretch.sizes = vec![[0.0, ALONG], [1.0, ALONG]];

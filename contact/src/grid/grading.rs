@@ -4,12 +4,12 @@ use crate::Error;
 use crate::grid::patch::Patch;
 use crate::grid::stretch::Stretch;
 
-/// A stretch of an axis that is to be resolved.
+/// A stretch of an axis with its spacing.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Zone {
-    /// Where it is, and how fine relative to `spacing`.
+    /// The stretch, with sizes of cells relative to `spacing`.
     pub stretch: Stretch,
-    /// Spacing where the stretch's relative size is 1 [m].
+    /// Spacing at places with a relative size of 1 [m].
     pub spacing: f64,
 }
 
@@ -23,7 +23,7 @@ impl Zone {
         let (low, high) = (self.stretch.low, self.stretch.high);
         if self.stretch.finest() == 1.0 {
             let cells = ((high - low) / self.spacing).round().max(1.0) as usize;
-            if cells > MOST_ON_A_LINE {
+            if cells > MAX_ON_A_LINE {
                 return Err(too_fine(low, high, self.spacing));
             }
             return Ok((0..=cells)
@@ -37,7 +37,7 @@ impl Zone {
     }
 }
 
-/// Where an axis begins.
+/// Start of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Start {
     /// Exactly here: a mirror plane [m].
@@ -46,17 +46,17 @@ pub(crate) enum Start {
     AtOrBelow(f64),
 }
 
-/// Nodes over the zones and further out to `start` and to at least `high`.
+/// Nodes over the zones and beyond them to `start` and to at least `high`.
 ///
-/// Every zone is divided by its own rule, so that meshes of different fineness are images of each
-/// other and their errors can be compared. Outside, the spacing grows by `growth` times the
-/// distance from the zone, and the last node falls where the growth puts it, at or past the
-/// requested end. Between two zones the nodes are at even steps of the integral of dx / h(x), h
-/// being the smaller of the two zones' wishes. Zones are in order and apart.
+/// Every zone is divided by its own rule, so that meshes of different resolution are similar and
+/// their errors can be compared. Outside, the spacing grows by `growth` times the distance from the
+/// zone, and the last node is at or beyond the requested end, as the growth determines. Between two
+/// zones the nodes are at even steps of the integral of dx / h(x), with h the smaller of the
+/// spacings that grow from both zones. Zones must be in order and disjoint.
 ///
 /// # Errors
-/// [`Error::TooFine`] where the zones need more nodes than a line may have, or for some that
-/// rounding cannot separate.
+/// [`Error::TooFine`] if the zones need more nodes than a line may have, or nodes that rounding
+/// cannot separate.
 pub(crate) fn graded_axis(
     start: Start,
     high: f64,
@@ -78,7 +78,7 @@ pub(crate) fn graded_axis(
         if index > 0 {
             nodes.extend(between(&zones[index - 1], zone, growth)?);
         }
-        // Zones that meet share a node, and rounding may end the one just below the other's start.
+        // Adjacent zones share a node; rounding may end one just below the start of the other.
         let from = nodes.last().copied();
         let is_new = |x: &f64| from.is_none_or(|from| apart(from, *x));
         nodes.extend(zone.nodes()?.into_iter().filter(is_new));
@@ -95,15 +95,16 @@ fn too_fine(from: f64, to: f64, spacing: f64) -> Error {
     Error::TooFine { from, to, spacing }
 }
 
-/// Distances of the nodes outside a zone from its end, up to the first one of at least `reach`.
+/// Distances of the nodes outside a zone from its end, up to the first distance of at least
+/// `reach`.
 fn outward(spacing: f64, reach: f64, growth: f64) -> Result<Vec<f64>, Error> {
     let mut distances = Vec::new();
     let mut distance = 0.0;
     while distance < reach * (1.0 - 1e-9) {
-        if distances.len() > MOST_ON_A_LINE {
+        if distances.len() > MAX_ON_A_LINE {
             return Err(too_fine(0.0, reach, spacing));
         }
-        // The cell's middle is where its size is evaluated.
+        // The size of a cell is evaluated in its middle.
         distance += (spacing + growth * distance) / (1.0 - 0.5 * growth).max(0.5);
         distances.push(distance);
     }
@@ -133,7 +134,7 @@ pub(crate) fn even_steps(
     let (mut stations, mut counts) = (vec![low], vec![0.0]);
     let (mut x, mut count) = (low, 0.0);
     while x < high {
-        // Short against the spacing here and where the step leads.
+        // Short relative to the spacing at both ends of the step.
         let trial = 0.1 * spacing(x);
         let step = trial
             .min(0.2 * spacing((x + trial).min(high)))
@@ -143,8 +144,8 @@ pub(crate) fn even_steps(
         } else {
             x + step
         };
-        // Ten stations a node; a step that rounding swallows never ends.
-        if next <= x || stations.len() > 10 * MOST_ON_A_LINE {
+        // Ten stations per node; with a step below rounding the loop would not end.
+        if next <= x || stations.len() > 10 * MAX_ON_A_LINE {
             return Err(too_fine(low, high, spacing(x)));
         }
         count += (next - x) / spacing(0.5 * (x + next));
@@ -165,18 +166,18 @@ pub(crate) fn even_steps(
         .collect())
 }
 
-// What a mesh may be: lines of nodes that increase, and no more than memory takes.
+// Limits of a mesh: increasing nodes of a line, and numbers of nodes.
 
-/// Most nodes of a line.
-pub(crate) const MOST_ON_A_LINE: usize = 100_000;
-/// Most nodes of the ice: 12 million unknowns, some 4 GB.
-const MOST_NODES: usize = 4_000_000;
-/// Least distance of neighbours over the sum of their places.
-const APART: f64 = 1e-12;
+/// Largest number of nodes of a line.
+pub(crate) const MAX_ON_A_LINE: usize = 100_000;
+/// Largest number of nodes of the ice: 12 million unknowns, about 4 GB.
+const MAX_NODES: usize = 4_000_000;
+/// Smallest ratio of the distance of adjacent nodes to the sum of their coordinates.
+const MIN_DISTANCE: f64 = 1e-12;
 
-/// The least distance of neighbours, by rounding.
+/// Smallest distance of adjacent nodes, by rounding.
 fn least(a: f64, b: f64) -> f64 {
-    APART * (a.abs() + b.abs())
+    MIN_DISTANCE * (a.abs() + b.abs())
 }
 
 /// Whether `b` is above `a` by more than rounding.
@@ -184,7 +185,7 @@ fn apart(a: f64, b: f64) -> bool {
     b - a > least(a, b)
 }
 
-/// Passes a line on whose nodes increase, each by more than rounding.
+/// The line itself if its nodes increase by more than rounding.
 pub(crate) fn increasing(nodes: Vec<f64>) -> Result<Vec<f64>, Error> {
     match nodes.windows(2).find(|w| !apart(w[0], w[1])) {
         None if nodes.len() > 1 => Ok(nodes),
@@ -196,23 +197,23 @@ pub(crate) fn increasing(nodes: Vec<f64>) -> Result<Vec<f64>, Error> {
     }
 }
 
-/// Checks that a grid of this many nodes along each axis can be had.
+/// Checks that a grid of this many nodes along each axis is not too large.
 pub(crate) fn storable(shape: [usize; 3]) -> Result<(), Error> {
     let nodes = shape.iter().fold(1usize, |n, &k| n.saturating_mul(k));
-    if nodes > MOST_NODES {
+    if nodes > MAX_NODES {
         let [nx, ny, nz] = shape;
         return Err(Error::Unsolved(format!(
             "a mesh of {nx} x {ny} x {nz} nodes is the coarsest that resolves the contact, \
-             {MOST_NODES} nodes are the most: expected lengths (ice, runner, waves, mount) that are \
+             {MAX_NODES} nodes are the most: expected lengths (ice, runner, waves, mount) that are \
              nearer to one another, or less accuracy"
         )));
     }
     Ok(())
 }
 
-// Zones of even or graded cells under a patch, and nodes where they must be.
+// Zones of even or graded cells under a patch, and nodes at given places.
 
-/// How fine a mesh is.
+/// Resolution of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Resolution {
     /// Cells over half the patch, along and across.
@@ -222,7 +223,7 @@ pub(crate) struct Resolution {
 }
 
 impl Resolution {
-    /// So many cells, with the growth that keeps meshes of different fineness similar.
+    /// This number of cells, with the growth that keeps meshes of different resolution similar.
     pub fn of(cells: f64) -> Self {
         Resolution {
             cells,
@@ -230,8 +231,8 @@ impl Resolution {
         }
     }
 
-    /// Cells that half of `patch` really gets with these mirror planes, the mean of both axes: see
-    /// [`widened`].
+    /// Actual number of cells over half of `patch` with these mirror planes, the mean of both axes;
+    /// see [`widened`].
     pub fn real_cells(self, patch: &Patch, symmetry: [bool; 2]) -> f64 {
         let along = patch
             .x
@@ -243,7 +244,7 @@ impl Resolution {
     }
 }
 
-/// Nodes under those of `z`, down to `thickness` below them, growing on from the cells above.
+/// Nodes below those of `z`, down to `thickness` below them, with cells that grow from those above.
 pub(crate) fn below(z: &[f64], thickness: f64, growth: f64) -> Result<Vec<f64>, Error> {
     let cell = (z[1] - z[0]).min(0.25 * thickness);
     let zone = Zone {
@@ -256,8 +257,8 @@ pub(crate) fn below(z: &[f64], thickness: f64, growth: f64) -> Result<Vec<f64>, 
     Ok(nodes.iter().map(|n| z[0] + n * scale).collect())
 }
 
-/// Moves the node nearest to `place` there where it is close, or adds one; nothing outside the
-/// axis.
+/// Moves the nearest node to `place` if it is close, otherwise adds a node; does nothing outside
+/// the axis.
 pub(crate) fn put_node(nodes: &mut Vec<f64>, place: f64) {
     let next = nodes.partition_point(|&v| v < place);
     if next == 0 || next == nodes.len() {
@@ -273,13 +274,13 @@ pub(crate) fn put_node(nodes: &mut Vec<f64>, place: f64) {
     }
 }
 
-/// The zone of a stretch: half a cell longer at its rims, so that all meshes cut them in the middle
-/// of a cell, and only its upper half where a mirror plane cuts it. Nothing of a stretch below a
-/// mirror plane.
+/// The zone of a stretch. It is half a cell longer at its rims, so that the rims lie in the middle
+/// of a cell on all meshes, and has only the upper half of a stretch that a mirror plane cuts.
+/// `None` for a stretch below a mirror plane.
 ///
 /// Half an even stretch, from a node on the mirror plane to the middle of a cell, is an odd number
-/// of half cells: half a cell more than requested. A zone of no whole number of cells would leave
-/// their number to rounding errors.
+/// of half cells: half a cell more than requested. In a zone without a whole number of cells,
+/// rounding would determine their number.
 pub(crate) fn widened(stretch: &Stretch, symmetric: bool, resolution: Resolution) -> Option<Zone> {
     let halved = is_halved(stretch, symmetric);
     let spacing = stretch.half() / (resolution.cells + if halved { 0.5 } else { 0.0 });
@@ -291,7 +292,7 @@ pub(crate) fn widened(stretch: &Stretch, symmetric: bool, resolution: Resolution
     }
     let cut = symmetric && low <= 0.0;
     let (from, length) = (if cut { 0.0 } else { low }, stretch.high - stretch.low);
-    // Places are relative to the stretch: carry them over to the zone.
+    // Converts places relative to the stretch to places relative to the zone.
     let place = |t: f64| (stretch.low + t * length - from) / (high - from);
     let sizes = stretch.sizes.iter().map(|s| [place(s[0]), s[1]]).collect();
     Some(Zone {
@@ -304,14 +305,14 @@ pub(crate) fn widened(stretch: &Stretch, symmetric: bool, resolution: Resolution
     })
 }
 
-/// Whether a mirror plane leaves half of an even stretch.
+/// Whether a mirror plane cuts an even stretch in half.
 fn is_halved(stretch: &Stretch, symmetric: bool) -> bool {
     symmetric && stretch.low == -stretch.high && stretch.finest() == 1.0
 }
 
-/// Lets zones that their margins made overlap meet half-way.
+/// Separates zones whose margins overlap, half-way between them.
 ///
-/// One that lies within another's half is taken into it.
+/// A zone within half of another one is merged with it.
 pub(crate) fn part(zones: &mut Vec<Zone>) {
     let mut i = 1;
     while i < zones.len() {

@@ -1,4 +1,4 @@
-//! Where nodes go: the patch in contact and the axes that are graded to it.
+//! Positions of nodes: the expected contact patch, and axes graded to it.
 
 pub(crate) mod first_guess;
 pub(crate) mod grading;

@@ -1,8 +1,8 @@
-//! Where contact is expected, and how fine cells are to be there.
+//! The expected contact patch, with the sizes of cells in it.
 
 use crate::grid::stretch::Stretch;
 
-/// Where contact is expected: intervals along x, one interval across, and the approach.
+/// The expected contact: intervals along x, one interval across, and the approach.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Patch {
     /// Stretches along the runner, in order.
@@ -12,20 +12,21 @@ pub(crate) struct Patch {
     /// The runner's motion towards the track at which the patch is expected: approach plus the
     /// lowest gap [m].
     pub motion: f64,
-    /// Where the keel's curvature jumps.
+    /// Places where the keel's curvature jumps.
     pub corners: Vec<Corner>,
 }
 
-/// Wanted spacing at a corner of the keel, at one cell over half the patch, over the contact's
-/// half-width: the tip of a pressure's peak there is as wide as the contact.
+/// Ratio of the spacing at a corner of the keel, for one cell over half the patch, to the contact's
+/// half-width: the tip of the pressure's peak there is as wide as the contact.
 const AT_CORNERS: f64 = 2.0;
 
-/// A mesh whose own pressure needs cells somewhere below this part of those there is graded anew:
-/// two meshes that both miss the peaks at a runner's ends would agree on a wrong pressure.
+/// Smallest accepted ratio of the cell size that the pressure needs to the present one; below it
+/// the mesh is graded anew. Two meshes that both miss the peaks at a runner's ends would agree on a
+/// wrong pressure.
 pub(crate) const COARSE: f64 = 0.4;
 
 impl Patch {
-    /// Whether both have as many stretches, and `alike` holds of each with that of `other`.
+    /// Whether both have the same number of stretches and `alike` is true for each pair.
     pub fn all_stretches(&self, other: &Patch, alike: impl Fn(&Stretch, &Stretch) -> bool) -> bool {
         let mut pairs = self.x.iter().zip(&other.x);
         self.x.len() == other.x.len()
@@ -33,8 +34,8 @@ impl Patch {
             && alike(&self.y, &other.y)
     }
 
-    /// This patch, resolved like `other` where both have the same stretches: their meshes are
-    /// similar.
+    /// This patch with the cell sizes of `other`, if both have the same stretches, so that their
+    /// meshes are similar.
     pub fn with_sizes_of(mut self, other: &Patch) -> Self {
         if self.x.len() == other.x.len() {
             for (mine, theirs) in self.x.iter_mut().zip(&other.x) {
@@ -45,8 +46,8 @@ impl Patch {
         self
     }
 
-    /// Whether this patch's rims are those of `other` to a `part` of their stretches' halves, as
-    /// fine as cells are there.
+    /// Whether the rims of this patch differ from those of `other` by at most the fraction `part`
+    /// of half a stretch, times the relative cell size there.
     pub fn agrees_with(&self, other: &Patch, part: f64) -> bool {
         self.all_stretches(other, |mine, theirs| {
             let near = |a: f64, b: f64| (a - b).abs() <= part * mine.half() * mine.size(a);
@@ -54,17 +55,17 @@ impl Patch {
         })
     }
 
-    /// What peak and approach of a mesh with so many cells over half the patch are off by,
-    /// relative, since the contact has the rims of `found` and the mesh was made for these.
+    /// Relative error of peak and approach on a mesh with this number of cells over half the patch,
+    /// if the contact has the rims of `found` instead of the expected ones.
     ///
-    /// Nodes carry forces up to the middle of a cell, so that a rim is missed by d: its distance
-    /// from the one expected; where that is most of a cell the lines of nodes miss it by anything
-    /// up to half of one, in the mean of squares by 1 / sqrt(12). The right rim makes the energy
-    /// least, so that d counts squared: under a force F a paraboloid of radius R that touches
-    /// within c has the approach F / (2 E* c) + c^2 / (3 R) (I. N. Sneddon, Int. J. Eng. Sci. 3,
-    /// 1965), at c = a + d (d / a)^2 of a^2 / R more than at a; and in its middle the pressure 2 E*
-    /// c / (pi R) + (F - F_c) / (2 pi c^2), F_c = 4 E* c^3 / (3 R), (d / a)^2 more too. Here the
-    /// means over both ends, and along and across.
+    /// Nodes carry forces up to the middle of a cell, so that the error d of a rim is its distance
+    /// from the expected one. If that is most of a cell, the error is uniformly distributed up to
+    /// half a cell, with the root mean square 1 / sqrt(12). The exact rim minimises the energy, so
+    /// that the effect of d is quadratic: under a force F a paraboloid of radius R in contact
+    /// within the radius c has the approach F / (2 E* c) + c^2 / (3 R) (I. N. Sneddon, Int. J. Eng.
+    /// Sci. 3, 1965). At c = a + d this exceeds the value at a by (d / a)^2 of a^2 / R. The
+    /// pressure in the middle, 2 E* c / (pi R) + (F - F_c) / (2 pi c^2) with F_c = 4 E* c^3 / (3
+    /// R), is also larger by (d / a)^2. The result is the mean over both ends, and over both axes.
     pub fn missed(&self, found: &Patch, cells: f64) -> f64 {
         let missed = |mine: &Stretch, theirs: &Stretch| {
             let at = |here: f64, there: f64| {
@@ -80,8 +81,8 @@ impl Patch {
         0.5 * (along.fold(0.0, f64::max) + missed(&self.y, &found.y))
     }
 
-    /// This patch, refined where the keel's curvature jumps: the peaks there are too narrow for a
-    /// mesh without cells for them, whatever its pressures.
+    /// This patch, refined where the keel's curvature jumps: a mesh that is not refined there does
+    /// not show the narrow peaks in its pressures.
     pub fn refined_at_corners(mut self) -> Self {
         let width = self.y.half();
         for stretch in &mut self.x {
@@ -93,8 +94,7 @@ impl Patch {
         self
     }
 
-    /// Smallest spacing that this patch needs over the one that `other` has there; 1 where it
-    /// needs none.
+    /// Smallest ratio of the spacing of this patch to that of `other` at the same place, at most 1.
     pub fn finest_over(&self, other: &Patch) -> f64 {
         let over = |mine: &Stretch, theirs: &Stretch| {
             mine.spacings()
@@ -108,7 +108,7 @@ impl Patch {
         along.fold(over(&self.y, &other.y), f64::min)
     }
 
-    /// Whether even cells do everywhere: a smooth contact away from its hull's ends.
+    /// Whether all cells are even: a smooth contact away from the hull's ends.
     pub fn is_even(&self) -> bool {
         let mut stretches = self.x.iter().chain([&self.y]);
         stretches.all(|stretch| stretch.finest() == 1.0)
@@ -125,32 +125,33 @@ impl Patch {
 
 // Places along a runner where its keel's curvature jumps.
 
-/// A place where the keel's curvature changes at once, as where a rocker goes over into an end's
-/// radius.
+/// A place where the keel's curvature jumps, such as the transition from a rocker to the radius of
+/// an end.
 ///
-/// A pressure has a peak there with a tip of logarithms: its slope grows like ln(distance) down to
-/// a distance of the contact's half-width, however long the contact is. A mesh with cells longer
-/// than that does not see it, and two such meshes agree.
+/// The pressure has a peak there with a logarithmic singularity of its slope, down to a distance of
+/// the contact's half-width, however long the contact is. A mesh with longer cells does not see it,
+/// and two such meshes agree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Corner {
-    /// Where [m].
+    /// Position along x [m].
     pub at: f64,
     /// The length within which the curvature changes; 0 for a jump [m].
     pub within: f64,
 }
 
-/// Intervals in which the keel is searched first.
+/// Number of intervals in which the keel is searched first.
 const INTERVALS: usize = 1000;
-/// Smallest change of the curvature that counts, over the curvature across: it moves a pressure by
-/// a few times as much.
-const LEAST: f64 = 2e-3;
-/// Most corners that are used, the largest changes first: a rough hull may have one everywhere.
-const MOST: usize = 12;
-/// A jump is searched down to this step [m]: differences over shorter ones are rounding.
+/// Smallest ratio of a change of the keel's curvature to the curvature across that counts: it
+/// changes the pressure by a few times as much.
+const MIN_CHANGE: f64 = 2e-3;
+/// Largest number of corners, those with the largest changes: a rough hull may have corners
+/// everywhere.
+const MAX_CORNERS: usize = 12;
+/// Smallest step in the search for a jump [m]: differences over shorter steps are rounding.
 const SHORTEST: f64 = 1e-5;
 
 /// The corners of heights (x, y) -> z on their line along x at `y`, in order, within the extent [x
-/// low, x high, y low, y high]; none where that is unbounded along x.
+/// low, x high, y low, y high]; empty if that is unbounded along x.
 pub(crate) fn corners(heights: impl Fn(f64, f64) -> f64, extent: [f64; 4], y: f64) -> Vec<Corner> {
     let [low, high, right, left] = extent;
     let step = (high - low) / INTERVALS as f64;
@@ -162,20 +163,20 @@ pub(crate) fn corners(heights: impl Fn(f64, f64) -> f64, extent: [f64; 4], y: f6
         |x: f64, step: f64| (bend(keel, x + step, step) - bend(keel, x - step, step)).abs();
     let place = |i: usize| low + step * i as f64;
     let changes: Vec<f64> = (0..=INTERVALS).map(|i| change(place(i), step)).collect();
-    // Next to a place that the hull does not reach no corner can be recognised.
+    // Corners next to an end of the hull cannot be recognised.
     let inside = |i: usize| changes[i - 1..=i + 1].iter().all(|size| size.is_finite());
-    // Flat sections count as round ones of their width.
+    // Flat sections are treated as round ones of their width.
     let flattest = 2.0 / (left - right);
     let counts = |i: &usize| {
         let across = bend(|y| heights(place(*i), y), y, 0.1 * step).abs();
         inside(*i)
             && changes[*i] >= changes[*i - 1]
             && changes[*i] > changes[*i + 1]
-            && changes[*i] > LEAST * across.max(flattest).max(1.0)
+            && changes[*i] > MIN_CHANGE * across.max(flattest).max(1.0)
     };
     let mut found: Vec<usize> = (1..INTERVALS).filter(counts).collect();
     found.sort_by(|&a, &b| changes[b].total_cmp(&changes[a]));
-    found.truncate(MOST);
+    found.truncate(MAX_CORNERS);
     found.sort_unstable();
     let corner = |i: usize| narrowed(&change, place(i), step);
     found.into_iter().map(corner).collect()
@@ -186,8 +187,8 @@ fn bend(line: impl Fn(f64) -> f64, x: f64, step: f64) -> f64 {
     (line(x - step) - 2.0 * line(x) + line(x + step)) / (step * step)
 }
 
-/// Follows a change of curvature near `at` to shorter steps for as long as it stays as large: only
-/// a jump does.
+/// Locates a change of curvature near `at` with shorter and shorter steps, while it does not
+/// decrease: only a jump remains to the shortest.
 fn narrowed(change: &impl Fn(f64, f64) -> f64, mut at: f64, mut step: f64) -> Corner {
     let change = |x: f64, step: f64| {
         let size = change(x, step);

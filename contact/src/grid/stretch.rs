@@ -7,29 +7,31 @@ pub(crate) struct Stretch {
     pub low: f64,
     /// Its end [m].
     pub high: f64,
-    /// Wanted spacing over the even one at places of the stretch (0 at its start, 1 at its end), in
-    /// order; linear in between, constant outside the first and last; empty for 1 everywhere.
+    /// Pairs of position (0 at the start, 1 at the end of the stretch) and ratio of the spacing
+    /// there to the even one, in order; linear in between, constant outside; empty for a ratio of
+    /// 1.
     pub sizes: Vec<[f64; 2]>,
 }
 
-/// Finest spacing over the even one.
+/// Smallest ratio of a spacing to the even one.
 const FINEST: f64 = 2e-4;
-/// Largest change of the wanted spacing over the distance.
+/// Largest gradient of the spacing along the axis.
 const GRADIENT: f64 = 0.35;
-/// How many times narrower than a Hertz pressure a pressure may be for even cells to be good.
+/// Ratio by which a pressure may be narrower than a Hertz pressure for even cells to be sufficient.
 const SLACK: f64 = 2.0;
-/// Cells over half the width of a narrow ridge, over those over half the stretch.
+/// Ratio of the number of cells over half the width of a narrow ridge to that over half the
+/// stretch.
 ///
-/// A peak's errors by the cells across and by those down have opposite signs. With as many cells
-/// as on a smooth contact they cancel on coarse meshes, and no order is seen; with twice as many
-/// across, 4, 6 and 8 cells leave errors of worn flats, blades and scratches of one sign that fall
-/// by second order.
+/// The errors of a peak by the cells across and by the cells in depth have opposite signs. With as
+/// many cells as on a smooth contact they cancel on coarse meshes, and no order is observed. With
+/// twice as many across, the errors of worn flats, blades and scratches with 4, 6 and 8 cells have
+/// one sign and decrease with second order.
 pub(crate) const ON_RIDGES: f64 = 2.0;
-/// The same under a runner of hexahedra, the edges of whose faces look like ridges: a half.
+/// The ratio under a runner of hexahedra, where the edges of faces look like ridges.
 pub(crate) const ON_FACES: f64 = 0.5;
 
 impl Stretch {
-    /// A stretch that is resolved evenly.
+    /// A stretch with even cells.
     pub fn even(low: f64, high: f64) -> Self {
         Stretch {
             low,
@@ -43,7 +45,7 @@ impl Stretch {
         0.5 * (self.high - self.low)
     }
 
-    /// Wanted spacing over the even one at `x`.
+    /// Ratio of the spacing at `x` to the even one.
     pub fn size(&self, x: f64) -> f64 {
         let place = (x - self.low) / (self.high - self.low);
         let next = self.sizes.partition_point(|s| s[0] < place);
@@ -55,7 +57,8 @@ impl Stretch {
         }
     }
 
-    /// Whether both ends of `other` are nearer to these than this part of half this stretch.
+    /// Whether both ends of `other` differ from those of this stretch by less than the fraction
+    /// `part` of its half.
     pub fn ends_near(&self, other: &Stretch, part: f64) -> bool {
         let near = |a: f64, b: f64| (a - b).abs() < part * self.half();
         near(self.low, other.low) && near(self.high, other.high)
@@ -66,27 +69,27 @@ impl Stretch {
         self.low < other.high && other.low < self.high
     }
 
-    /// Places [m] with the wanted spacings there at one cell over half the stretch [m].
+    /// Pairs of position [m] and spacing there for one cell over half the stretch [m].
     pub fn spacings(&self) -> impl Iterator<Item = [f64; 2]> {
         let length = self.high - self.low;
         let at = move |s: &[f64; 2]| [self.low + s[0] * length, s[1] * 0.5 * length];
         self.sizes.iter().map(at)
     }
 
-    /// Smallest wanted spacing over the even one.
+    /// Smallest ratio of the spacing to the even one.
     pub fn finest(&self) -> f64 {
         self.sizes.iter().map(|s| s[1]).fold(1.0, f64::min)
     }
 
-    /// Sets the wanted sizes from the pressure along the axis: `pressures[i]` is the largest at
+    /// Sets the relative sizes from the pressure along the axis: `pressures[i]` is the largest at
     /// `nodes[i]`.
     ///
     /// The square of a Hertz pressure is a parabola, which even nodes resolve equally well
-    /// everywhere. So the measure is the curvature of p^2 against that parabola's, 2 p_max^2 /
-    /// half^2: its root is how many times narrower than the stretch a pressure is there, as at the
-    /// ends of a conformal contact or on a ridge along a worn edge. Beyond [`SLACK`] cells get as
-    /// many times smaller as it gets narrower, `finer` times of that in the end. Between
-    /// places of contact they grow from either side. `finer` is [`ON_RIDGES`] or [`ON_FACES`].
+    /// everywhere. The measure is the ratio of the curvature of p^2 to that of the parabola, 2
+    /// p_max^2 / half^2. Its root is the ratio by which the pressure is narrower than the stretch,
+    /// as at the ends of a conformal contact or on a ridge along a worn edge. Above [`SLACK`], the
+    /// size of cells is in inverse proportion to it, finally `finer` times smaller ([`ON_RIDGES`]
+    /// or [`ON_FACES`]). Between places of contact sizes grow from both sides.
     pub fn adapt(&mut self, nodes: &[f64], pressures: &[f64], finer: f64) {
         let inside: Vec<usize> = (0..nodes.len())
             .filter(|&i| nodes[i] >= self.low && nodes[i] <= self.high && pressures[i] > 0.0)
@@ -115,8 +118,8 @@ impl Stretch {
             .collect();
     }
 
-    /// Places [m] with the wanted sizes there along neighbouring nodes in contact, `even` being the
-    /// curvature of p^2 that even cells are for.
+    /// Pairs of position [m] and relative size along adjacent nodes in contact; `even` is the
+    /// curvature of p^2 for even cells.
     fn measured(
         &self,
         run: &[usize],
@@ -133,28 +136,27 @@ impl Stretch {
                 2.0 * ((c.1 - b.1) / (c.0 - b.0) - (b.1 - a.1) / (b.0 - a.0)) / (c.0 - a.0);
             let narrower = (curvature.abs() / even).sqrt();
             let wanted = 1.0 / (1.0 + finer * (narrower - SLACK).max(0.0));
-            // A mesh three times finer than the last is as far as its curvatures can be trusted.
+            // The curvatures of a mesh are accurate enough for cells up to three times smaller.
             Some([b.0, wanted.max(FINEST).max(size / 3.0)])
         };
         (0..run.len()).filter_map(wanted).collect()
     }
 
-    /// Lowers the wanted sizes to at most `size` at `x` [m], rising from there at the largest
+    /// Lowers the relative sizes to at most `size` at `x` [m], rising from there at the largest
     /// gradient.
     pub fn refine_at(&mut self, x: f64, size: f64) {
         self.refine_over([x, x], size);
     }
 
-    /// Lowers the wanted sizes to at most `size` from `low` to `high` [m], rising from there at the
-    /// largest gradient.
+    /// Lowers the relative sizes to at most `size` from `low` to `high` [m], rising from there at
+    /// the largest gradient.
     pub fn refine_over(&mut self, [low, high]: [f64; 2], size: f64) {
         let slope = self.gradient();
         let wanted = |x: f64| size + slope * (low - x).max(x - high).max(0.0);
         if wanted(low.clamp(self.low, self.high)) >= 1.0 {
             return;
         }
-        // Places that the lowered sizes need between the known ones: a ladder from either end
-        // outwards.
+        // Additional positions for the lowered sizes, outwards from either end.
         let mut places: Vec<f64> = vec![self.low, self.high, low, high];
         let mut distance = size / slope;
         while size + slope * distance < 2.0 {
@@ -172,7 +174,7 @@ impl Stretch {
             .collect();
     }
 
-    /// Largest change of the wanted size over the distance [1/m].
+    /// Largest gradient of the relative size [1/m].
     fn gradient(&self) -> f64 {
         GRADIENT / self.half() * 8.0
     }

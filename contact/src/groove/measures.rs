@@ -11,19 +11,19 @@ use crate::result::pressure::Field;
 use crate::result::rim::{RimEstimator, rim_by_overlap};
 use crate::symmetry::unfolded;
 
-/// The figures that errors are stated of, as one mesh has them.
+/// The figures of one mesh from which errors are estimated.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Measures {
     /// Peak pressure [Pa].
     pub p_max: f64,
     /// Largest depth of the remaining groove [m].
     pub depth: f64,
-    /// Force that ploughs: of a rigid runner the mean of the next two, whose errors differ, else
-    /// the first [N].
+    /// Ploughing force [N]: for a rigid runner the mean of the next two, whose errors differ, for
+    /// an elastic runner the first.
     pub ploughing: f64,
-    /// The same from the plastic work over the way [N].
+    /// Ploughing force from the plastic work per distance [N].
     pub plastic_work: f64,
-    /// The same from pressures and the slope of the undeformed runner [N].
+    /// Ploughing force from pressures and the slope of the undeformed runner [N].
     pub by_slope: f64,
     /// Ends of the patch from the lowest point [m].
     pub front: f64,
@@ -83,7 +83,7 @@ impl<'a> GrooveReading<'a> {
             },
             depth: self.profile().deepest(),
             ploughing: match self.checked.problem.runner.elastic {
-                // Nothing yields: the remaining moment of pressures on slopes is the mesh's error.
+                // Without yielding the exact force is 0; that by slope is the mesh's error.
                 _ if plastic_work == 0.0 => 0.0,
                 None => 0.5 * (plastic_work + by_slope),
                 Some(_) => plastic_work,
@@ -105,13 +105,13 @@ impl<'a> GrooveReading<'a> {
         self.rims.ends(&chords)
     }
 
-    /// Both sides of the contact at every column; none where it is open.
+    /// Both sides of the contact at every column; `None` where it is open.
     fn sides(&self) -> Vec<Option<[f64; 2]>> {
         let chords = self.field.chords(1, &self.pressure, RimEstimator::Shape);
         self.rims.sides(&chords)
     }
 
-    /// The patch's rims, below the cell: [x low, x high, y low, y high] [m].
+    /// The patch's rims, with sub-cell resolution: [x low, x high, y low, y high] [m].
     pub fn rims(&self) -> [f64; 4] {
         let [back, front] = self.ends();
         let sides = self.sides();
@@ -132,7 +132,7 @@ impl<'a> GrooveReading<'a> {
         GrooveProfile::new(y, depth).expect("nodes ascend and no groove is negative")
     }
 
-    /// Work of the plastic depth over the way: H times the section that this runner adds.
+    /// Plastic work per distance: H times the section that this runner adds to the groove.
     fn plastic_work(&self) -> f64 {
         let widths = self.mesh.contact.lumped[1].iter().enumerate();
         let added: f64 = widths.map(|(j, w)| w * self.rims.grown(0, j)).sum();
@@ -169,8 +169,8 @@ impl<'a> GrooveReading<'a> {
         with_ends(sections, self.ends())
     }
 
-    /// Where the runner, as it is turned, is lowest over the track along x; the middle of where it
-    /// is level.
+    /// Position along x of the lowest point of the tilted runner over the track; the middle of a
+    /// level stretch.
     fn lowest(&self) -> f64 {
         let [nx, ny] = self.rims.shape;
         let contact = &self.mesh.contact;
@@ -196,7 +196,8 @@ impl<'a> GrooveReading<'a> {
     }
 }
 
-/// Stations at the ends, where pressure and squared width follow the line through the two nearest.
+/// Adds stations at the ends, with pressure and squared width extrapolated linearly from the two
+/// nearest stations.
 fn with_ends(mut sections: Vec<Section>, [back, front]: [f64; 2]) -> Vec<Section> {
     let end = |near: &Section, next: &Section, x: f64| {
         let share = (x - near.x) / (near.x - next.x);
@@ -217,7 +218,7 @@ fn with_ends(mut sections: Vec<Section>, [back, front]: [f64; 2]) -> Vec<Section
     sections
 }
 
-// Where the patch ends, below the cell.
+// Rims of the patch with sub-cell resolution.
 
 /// A solution on its mesh, with the nodes' states on the whole plane.
 pub(crate) struct Rims<'a> {
@@ -265,18 +266,18 @@ impl<'a> Rims<'a> {
         self.slid.depth[self.node(i, j)]
     }
 
-    /// Depth at a node below the groove in which the ice came [m].
+    /// Plastic depth at a node below the groove of earlier runners [m].
     fn grown(&self, i: usize, j: usize) -> f64 {
         self.depth(i, j) - self.depth(self.shape[0] - 1, j)
     }
 
-    /// The area that yields, up to its rims below the cell, over that of the full nodes' parts of
-    /// the plane: 1 where none is full.
+    /// Ratio of the yielding area, with rims of sub-cell resolution, to the area of the full nodes'
+    /// parts of the plane; 1 if no node is full.
     ///
-    /// Rims are searched across, where the patch is narrow and runs along the lines of nodes.
-    /// Between columns, and from the last one to the front, the squared width is taken to be
-    /// linear: it is where a round runner's patch ends, and a sum over columns would leave a part
-    /// of it open that depends on where the front lies between nodes.
+    /// Rims are searched across, as the patch is narrow and its rims are along the lines of nodes.
+    /// Between columns, and from the last one to the front, the squared width is linear, as at the
+    /// end of a round runner's patch. A sum over columns would have an error that depends on the
+    /// position of the front between nodes.
     pub fn full_area(&self) -> f64 {
         let [along, across] = &self.mesh.contact.lumped;
         let (mut nodes, mut missing) = (0.0, 0.0);
@@ -303,19 +304,19 @@ impl<'a> Rims<'a> {
         }
     }
 
-    /// How far the ice yields outside the outermost node's part of the plane at a side of column
-    /// `i`, negative where it ends within [m].
+    /// Distance by which the yielding ice extends beyond the outermost node's part of the plane at
+    /// a side of column `i`; negative if it ends within [m].
     fn outside_node(&self, i: usize, upper: bool) -> Option<f64> {
         let y = &self.mesh.grid.y;
         let ([j, k], side) = self.yielding_side(i, upper)?;
         Some((side - 0.5 * (y[j] + y[k])) * (y[k] - y[j]).signum())
     }
 
-    /// Mean pressure over the `width` of column `i`, `hardness` where all of it yields [Pa].
+    /// Mean pressure over the `width` of column `i` [Pa]; `hardness` if all of it yields.
     ///
-    /// Forces represent the nodes' parts of the plane, and the width ends below the cell: a full
-    /// node bears the hardness on its part, whatever its force is fitted to, and so does what lies
-    /// between there and the rim.
+    /// Forces belong to the nodes' parts of the plane, while the width has sub-cell resolution. The
+    /// pressure on a full node's part, and between that part and the rim, is the hardness,
+    /// regardless of the fitted force.
     fn mean_pressure(&self, i: usize, width: f64, hardness: f64) -> f64 {
         let [along, across] = &self.mesh.contact.lumped;
         let borne = (0..across.len()).map(|j| {
@@ -331,15 +332,15 @@ impl<'a> Rims<'a> {
         ((borne.sum::<f64>() + outside) / width).min(hardness)
     }
 
-    /// What a sum over columns of these widths of column `i` and the one behind it leaves out of
-    /// the area under squared widths that are linear between them, and on to the front where
-    /// nothing touches ahead.
+    /// Difference between the area with squared widths that are linear between column `i` and the
+    /// one behind it, and on to the front if there is no contact ahead, and the sum over columns of
+    /// the widths.
     fn between_columns(&self, i: usize, [before, width]: [f64; 2]) -> f64 {
         let ([_, ny], x) = (self.shape, &self.mesh.grid.x);
         let step = x[i] - x[i - 1];
         let mut missing = step * (mean_of_root(before, width) - 0.5 * (before + width));
         let open = |i: usize| (0..ny).all(|j| self.force(i, j) <= 0.0);
-        // The foremost place where the ice begins to yield in the rows that touch here.
+        // The foremost place where the ice begins to yield in the rows in contact here.
         let rows = (0..ny).filter(|&j| self.full(i, j));
         let mut fronts = rows.filter_map(|j| self.front(j));
         if i + 1 < x.len()
@@ -353,9 +354,9 @@ impl<'a> Rims<'a> {
         missing
     }
 
-    /// Where the ice begins to yield at a side of column `i`, between the outermost node, if it is
-    /// full, and the open one next to it: where the parabola of growth and gap through these and
-    /// the next node within is zero.
+    /// Position at which the ice begins to yield at a side of column `i`, between the outermost
+    /// node, if it is full, and the open one next to it: zero of the parabola of plastic depth and
+    /// gap through these and the next node inside.
     fn yielding_side(&self, i: usize, upper: bool) -> Option<([usize; 2], f64)> {
         let [j, k] = self.outermost(i, upper)?;
         let outside = self.gaps[self.node(i, k)] - self.grown(i, k);
@@ -387,7 +388,7 @@ impl<'a> Rims<'a> {
         }
     }
 
-    /// Both sides of the contact at every column with these chords; none where it is open.
+    /// Both sides of the contact at every column with these chords; `None` where it is open.
     fn sides(&self, chords: &Chords) -> Vec<Option<[f64; 2]>> {
         let mut ahead = [0.0; 2];
         let mut sides = vec![None; chords.len()];
@@ -403,8 +404,9 @@ impl<'a> Rims<'a> {
         sides
     }
 
-    /// The contact's side at column `i`: where the groove begins if the outermost node yields,
-    /// where it began before, `ahead`, if that lies in it, and else that of the pressure.
+    /// The contact's side at column `i`: the beginning of the groove if the outermost node yields,
+    /// its beginning further ahead, `ahead`, if that is within the contact, otherwise the end of
+    /// the pressure.
     fn side(&self, i: usize, [by_pressure, ahead]: [f64; 2], upper: bool) -> f64 {
         let Some([j, k]) = self.outermost(i, upper) else {
             return by_pressure;
@@ -425,16 +427,16 @@ impl<'a> Rims<'a> {
         }
     }
 
-    /// The rim by the share of a node's part of the plane that yields, where it is the last one and
-    /// the next one within yields.
+    /// The rim from the ratio of a node's force to its bound, if it is the last node and the next
+    /// one inside yields.
     fn partly(&self, node: usize, at: f64, [within, outside]: [f64; 2]) -> f64 {
         let share = self.slid.state.force[node] / self.mesh.contact.bound[node];
         let (from, to) = (0.5 * (at + within), 0.5 * (at + outside));
         from + share * (to - from)
     }
 
-    /// Back and front ends of the patch [m]; the front where the ice begins to yield, below the
-    /// cell.
+    /// Back and front ends of the patch [m]; the front is where the ice begins to yield, with
+    /// sub-cell resolution.
     fn ends(&self, chords: &Chords) -> [f64; 2] {
         let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
         for (j, chords) in chords.iter().enumerate() {
@@ -447,7 +449,7 @@ impl<'a> Rims<'a> {
         ends
     }
 
-    /// The front of row `j` where the ice yields there.
+    /// The front of row `j`; `None` if the ice does not yield there.
     fn front(&self, j: usize) -> Option<f64> {
         let x = &self.mesh.grid.x;
         let i = (1..x.len() - 1).rfind(|&i| self.force(i, j) > 0.0)?;
@@ -460,8 +462,8 @@ impl<'a> Rims<'a> {
         self.full(i - 1, j).then(partly)
     }
 
-    /// The back of row `j` where the ice yields up to there: where the groove no longer deepens,
-    /// which it does ever less towards the runner's lowest point.
+    /// The back of row `j` if the ice yields up to there: the end of the deepening of the groove,
+    /// whose rate decreases towards the runner's lowest point.
     fn back(&self, j: usize) -> Option<f64> {
         let x = &self.mesh.grid.x;
         let i = (1..x.len() - 2).find(|&i| self.force(i, j) > 0.0)?;

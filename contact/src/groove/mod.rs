@@ -1,18 +1,17 @@
-//! Steady sliding on ice that yields: the groove that the runner leaves, and the force that ploughs
-//! it.
+//! Steady sliding on ice that yields: the groove of the runner, and the ploughing force.
 //!
-//! Ice comes towards the runner from the front, +x. It yields where the pressure reaches its
-//! hardness H, keeps its plastic depth u_p on the way back, and springs back elastically:
+//! Relative to the runner, ice moves from the front, +x, to the back. It yields where the pressure
+//! reaches its hardness H, keeps its plastic depth u_p towards the back, and recovers elastically:
 //!
 //! ```text
 //! 0 <= p <= H,   gap = h - N q + u_e(p) + u_p >= 0,   p gap = 0
 //! u_p never falls towards the back, and p = H where it grows
 //! ```
 //!
-//! `plastic_contact` solves that on the contact plane for a given response of the bodies and a
-//! given motion, and lets the bodies on their mesh correct the response. `on_mesh` finds the motion
-//! that carries the load. `measures` finds where the patch ends below the cell and reads the
-//! groove. `sequence` goes from mesh to mesh.
+//! `plastic_contact` solves this on the contact plane for a given compliance of the bodies and a
+//! given motion. `on_mesh` finds the motion that balances the load, and corrects the compliance by
+//! the bodies on their mesh. `measures` computes the rims of the patch with sub-cell resolution and
+//! the figures of the groove. `sequence` solves on a sequence of meshes.
 
 pub(crate) mod measures;
 pub(crate) mod on_mesh;

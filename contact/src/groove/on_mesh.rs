@@ -1,5 +1,4 @@
-//! Steady sliding on one mesh: the plane with plastic memory, and the bodies that correct its
-//! response.
+//! Steady sliding on one mesh: the contact plane with plastic memory, corrected by the bodies.
 
 use std::borrow::Cow;
 
@@ -23,15 +22,15 @@ pub(crate) struct MeshContact<'a> {
     pub before: Option<&'a GrooveProfile>,
 }
 
-/// Most corrections of the response.
-const CORRECTIONS: usize = 60;
-/// Change of the forces, over their sum, at which corrections end.
-const SETTLED: f64 = 1e-6;
-/// Corrections with which the nodes' shares of the plane are fitted to the area that yields; then
-/// they stay, so that the forces do.
+/// Largest number of corrections of the response.
+const MAX_CORRECTIONS: usize = 60;
+/// Tolerance of the change of the forces in a correction, relative to their sum.
+const FORCE_RTOL: f64 = 1e-6;
+/// Number of first corrections in which the nodes' parts of the plane are fitted to the yielding
+/// area; they are fixed afterwards, so that the forces converge.
 const FITTINGS: usize = 4;
-/// Most iterations of one response.
-const ITERATIONS: usize = 400;
+/// Largest number of iterations of one response.
+const MAX_ITERATIONS: usize = 400;
 
 impl MeshContact<'_> {
     /// Solves on the contact plane alone.
@@ -39,14 +38,14 @@ impl MeshContact<'_> {
         self.begin(&self.plane()?, start)
     }
 
-    /// Solves with the bodies' own response, from the far field of `forces`.
+    /// Solves with the response S of the bodies, from the far field of `forces`.
     ///
-    /// The plane's response G is corrected by what the bodies answer to the forces found last, S
-    /// f - G f, until the forces stay. Then they are those of S: G determines the rate alone.
-    /// Full nodes' parts of the plane add up to the area that yields below the cell,
-    /// [`Rims::full_area`], so that the load does not depend on where nodes lie next to the rim.
-    /// Returns the solution and the residual without that correction; `report` receives the states
-    /// on the way.
+    /// The plane's response G f is corrected by S f - G f for the last forces, until the forces
+    /// converge. They are then those of S: G only determines the rate of convergence. The full
+    /// nodes' parts of the plane are scaled to the yielding area with sub-cell resolution,
+    /// [`Rims::full_area`], so that the load does not depend on the position of nodes next to the
+    /// rim. Returns the solution and the measures without this scaling; `report` receives the
+    /// intermediate states.
     pub fn solve(
         &self,
         start: &Start,
@@ -66,17 +65,17 @@ impl MeshContact<'_> {
         };
         outer.fix_outer_faces(forces, &mut slid.state);
         slid.residual = 1.0;
-        while slid.corrections < CORRECTIONS {
+        while slid.corrections < MAX_CORRECTIONS {
             report(&slid);
             if slid.corrections > 0 {
                 outer.fix_outer_faces(&Forces::of(self.mesh, &slid.state), &mut slid.state);
             }
             let tolerance = (1e-2 * slid.residual).clamp(options.residual, 1e-3);
             slid.iterations += contact
-                .solve_displacement(&mut slid.state, tolerance, ITERATIONS)
+                .solve_displacement(&mut slid.state, tolerance, MAX_ITERATIONS)
                 .ok_or_else(|| not_converged(&slid))?;
             options.check_stop()?;
-            if slid.residual <= SETTLED && slid.corrections >= FITTINGS {
+            if slid.residual <= FORCE_RTOL && slid.corrections >= FITTINGS {
                 let mut plain = slid.clone();
                 plane.bound = contact.on_candidates(&contact.bound);
                 self.correct(&mut plane, &mut plain)?;
@@ -92,8 +91,7 @@ impl MeshContact<'_> {
         Err(not_converged(&slid))
     }
 
-    /// The contact plane on the preconditioner's response, whose matrix steady sliding needs
-    /// stored.
+    /// The contact plane with the stored matrix of the preconditioner's response.
     fn plane(&self) -> Result<PlasticContact, Error> {
         let contact = &self.mesh.contact;
         let nodes = &contact.candidates;
@@ -117,7 +115,7 @@ impl MeshContact<'_> {
         })
     }
 
-    /// Steady sliding on the plane.
+    /// Solves steady sliding on the plane.
     fn begin(&self, plane: &PlasticContact, start: &Start) -> Result<SlidingState, Error> {
         let contact = &self.mesh.contact;
         let (kinds, motion) = match start {
@@ -142,8 +140,8 @@ impl MeshContact<'_> {
         })
     }
 
-    /// Why no motion carries the load: more than the runner bears however deep it sinks, or the
-    /// search failed.
+    /// The error if no motion balances the load: the load exceeds the runner's capacity at any
+    /// depth, or the search failed.
     fn no_balance(&self, plane: &PlasticContact) -> Error {
         let highest = plane.gap.iter().filter(|gap| gap.is_finite());
         let sunk = 2.0 * highest.fold(0.0, |most: f64, gap| most.max(*gap));
@@ -161,12 +159,12 @@ impl MeshContact<'_> {
             _ => Error::NotConverged {
                 iterations: 0,
                 residual: 1.0,
-                tolerance: SETTLED,
+                tolerance: FORCE_RTOL,
             },
         }
     }
 
-    /// New forces under the response that the bodies have given to the last ones.
+    /// New forces with the bodies' response to the last ones.
     fn correct(&self, plane: &mut PlasticContact, slid: &mut SlidingState) -> Result<(), Error> {
         let contact = &self.mesh.contact;
         let closing = contact.closing(&slid.state.displacement);
@@ -192,7 +190,7 @@ impl MeshContact<'_> {
         Ok(())
     }
 
-    /// Depth of the groove in which the ice of row `j` comes [m].
+    /// Depth of the groove of earlier runners in row `j` [m].
     fn depth_before(&self, j: usize) -> f64 {
         let y = self.mesh.grid.y[j];
         self.before.map_or(0.0, |groove| groove.at(y))
@@ -206,7 +204,7 @@ impl MeshContact<'_> {
         }
     }
 
-    /// The depth on the whole plane: each row keeps towards the back what it had.
+    /// The depth on the whole plane: behind the candidates, each row keeps its last depth.
     fn whole(&self, grooved: &PlasticState) -> Vec<f64> {
         let [nx, ny] = [self.mesh.grid.x.len(), self.mesh.grid.y.len()];
         let mut known = vec![f64::NAN; nx * ny];
@@ -230,18 +228,18 @@ fn not_converged(slid: &SlidingState) -> Error {
     Error::NotConverged {
         iterations: slid.iterations,
         residual: slid.residual,
-        tolerance: SETTLED,
+        tolerance: FORCE_RTOL,
     }
 }
 
-// The motion under which a plane with plastic memory carries the load.
+// The rigid motion that balances the load on a plane with plastic memory.
 
 /// A plane with plastic memory and the balance that determines the runner's motion.
 ///
-/// Force and moments rise with approach and turn, in steps: a node at the front goes from open to
-/// full within the little that its own response gives. Newton's steps lead near the balance where
-/// they can; from there each motion is bracketed (bisection with the secant of Illinois: M. Dowell,
-/// P. Jarratt, BIT 11 (1971) 168-174), the approach within the pitch and the pitch within the roll.
+/// Force and moments increase with approach and tilt almost in steps: a node at the front changes
+/// from open to full within a small motion. Newton's method leads near the balance. Then each
+/// motion is bracketed (Illinois variant of regula falsi: M. Dowell, P. Jarratt, BIT 11 (1971)
+/// 168-174), with the approach nested within the pitch and the pitch within the roll.
 pub(crate) struct LoadBalance<'a> {
     pub plane: &'a PlasticContact,
     /// The free motions and their balance.
@@ -249,48 +247,47 @@ pub(crate) struct LoadBalance<'a> {
     pub options: &'a Options,
 }
 
-/// What may be out of balance, over the load and the load's moment over the contact.
-const SLACK: f64 = 1e-10;
-/// Most motions tried for one balance.
-const TRIALS: usize = 120;
-/// First step of a motion over the depth of the contact.
+/// Largest imbalance relative to the load, and to the load's moment over the contact.
+const BALANCE_RTOL: f64 = 1e-10;
+/// Largest number of motions tried for one balance.
+const MAX_TRIALS: usize = 120;
+/// First step of a motion relative to the depth of the contact.
 const FIRST: f64 = 0.02;
-/// Most steps of all motions at once, and the largest that is trusted, over the depth of the
-/// contact.
+/// Largest number of Newton steps, and largest accepted step relative to the depth of the contact.
 const NEWTON_STEPS: usize = 12;
-const LARGEST: f64 = 0.5;
+const MAX_STEP: f64 = 0.5;
 
 impl LoadBalance<'_> {
-    /// Solves from a motion and sets near the solution; `None` where none is found.
+    /// Solves from a motion and sets near the solution; `None` if the search fails.
     pub fn from(&self, motion: [f64; 3], kinds: Vec<Kind>) -> Option<PlasticState> {
         let start = self.plane.at(motion, &kinds)?;
         let free: Vec<usize> = (0..3).filter(|&axis| self.motion.free[axis]).collect();
-        let near = self.near(start, &free);
-        self.balanced(near, &free)
+        let start = self.newton(start, &free);
+        self.balanced(start, &free)
     }
 
-    /// Towards the balance of all motions at once, by Newton's method on the sets as they are, for
-    /// as long as that leads there.
-    fn near(&self, start: PlasticState, free: &[usize]) -> PlasticState {
-        let mut at = start;
+    /// Newton's method for the balance of all motions at once on the present sets, while the
+    /// imbalance decreases.
+    fn newton(&self, start: PlasticState, free: &[usize]) -> PlasticState {
+        let mut state = start;
         for _ in 0..NEWTON_STEPS {
-            let missing = self.missing(&at, free);
-            if missing <= SLACK {
+            let imbalance = self.imbalance(&state, free);
+            if imbalance <= BALANCE_RTOL {
                 break;
             }
-            let slopes = self.plane.slopes(&at.kinds);
+            let slopes = self.plane.slopes(&state.kinds);
             let identity = |a: usize, b: usize| if a == b { 1.0 } else { 0.0 };
             let is_free = |a: usize| free.contains(&a);
             let matrix = Matrix3::from_fn(|a, b| {
                 if is_free(a) && is_free(b) {
-                    slopes[a][b] / self.size(a) * self.unit(b, &at)
+                    slopes[a][b] / self.size(a) * self.unit_motion(b, &state)
                 } else {
                     identity(a, b)
                 }
             });
-            let out = Vector3::from_fn(|a, _| {
+            let excess = Vector3::from_fn(|a, _| {
                 if is_free(a) {
-                    self.out(&at, a) / self.size(a)
+                    self.excess(&state, a) / self.size(a)
                 } else {
                     0.0
                 }
@@ -298,34 +295,34 @@ impl LoadBalance<'_> {
             let Some(inverse) = matrix.try_inverse() else {
                 break;
             };
-            let step = -(inverse * out);
-            // A step that is no number is not trusted either.
+            let step = -(inverse * excess);
+            // NaN steps are not accepted either.
             if step
                 .iter()
-                .any(|part| part.is_nan() || part.abs() > LARGEST)
+                .any(|part| part.is_nan() || part.abs() > MAX_STEP)
             {
                 break;
             }
-            let motion = [0, 1, 2].map(|a| at.motion[a] + step[a] * self.unit(a, &at));
-            match self.plane.at(motion, &at.kinds) {
-                Some(next) if self.missing(&next, free) < 0.7 * missing => at = next,
+            let motion = [0, 1, 2].map(|a| state.motion[a] + step[a] * self.unit_motion(a, &state));
+            match self.plane.at(motion, &state.kinds) {
+                Some(next) if self.imbalance(&next, free) < 0.7 * imbalance => state = next,
                 _ => break,
             }
         }
-        at
+        state
     }
 
-    /// Largest part that is out of balance.
-    fn missing(&self, state: &PlasticState, free: &[usize]) -> f64 {
+    /// Largest relative imbalance.
+    fn imbalance(&self, state: &PlasticState, free: &[usize]) -> f64 {
         let parts = free
             .iter()
-            .map(|&axis| self.out(state, axis).abs() / self.size(axis));
+            .map(|&axis| self.excess(state, axis).abs() / self.size(axis));
         parts.fold(0.0, f64::max)
     }
 
     /// The motion that moves the farthest node by the contact's depth.
-    fn unit(&self, axis: usize, state: &PlasticState) -> f64 {
-        self.deep(state) / self.scale(axis)
+    fn unit_motion(&self, axis: usize, state: &PlasticState) -> f64 {
+        self.depth(state) / self.scale(axis)
     }
 
     /// Balances the last of the `free` motions with those before it.
@@ -334,48 +331,47 @@ impl LoadBalance<'_> {
             return Some(start);
         };
         let scale = self.scale(axis);
-        let slack = SLACK * 10f64.powi(axis.min(1) as i32) * self.size(axis);
-        let mut at = self.balanced(start, inner)?;
-        let mut out = self.out(&at, axis);
-        let mut step = FIRST * self.deep(&at) / scale * if out > 0.0 { -1.0 } else { 1.0 };
-        // A state on the other side of the balance, once there is one, with the weight that the
-        // secant gives it.
+        let slack = BALANCE_RTOL * 10f64.powi(axis.min(1) as i32) * self.size(axis);
+        let mut state = self.balanced(start, inner)?;
+        let mut excess = self.excess(&state, axis);
+        let mut step = FIRST * self.depth(&state) / scale * if excess > 0.0 { -1.0 } else { 1.0 };
+        // The motion and the weighted imbalance of a state on the other side of the balance.
         let mut other: Option<(f64, f64)> = None;
-        for _ in 0..TRIALS {
+        for _ in 0..MAX_TRIALS {
             if self.options.stopped() {
                 return None;
             }
-            if out.abs() <= slack {
-                return Some(at);
+            if excess.abs() <= slack {
+                return Some(state);
             }
-            let here = at.motion[axis];
+            let current = state.motion[axis];
             let next = match other {
-                None => here + step,
-                Some((there, there_out)) => {
-                    let share = (out / (out - there_out)).clamp(0.05, 0.95);
-                    here + share * (there - here)
+                None => current + step,
+                Some((opposite, opposite_excess)) => {
+                    let weight = (excess / (excess - opposite_excess)).clamp(0.05, 0.95);
+                    current + weight * (opposite - current)
                 }
             };
-            if next == here || other.is_some_and(|(there, _)| next == there) {
-                return Some(at);
+            if next == current || other.is_some_and(|(opposite, _)| next == opposite) {
+                return Some(state);
             }
-            let mut motion = at.motion;
+            let mut motion = state.motion;
             motion[axis] = next;
-            let moved = self.balanced(self.plane.at(motion, &at.kinds)?, inner)?;
-            let now = self.out(&moved, axis);
-            if now * out <= 0.0 {
-                other = Some((here, out));
+            let trial = self.balanced(self.plane.at(motion, &state.kinds)?, inner)?;
+            let trial_excess = self.excess(&trial, axis);
+            if trial_excess * excess <= 0.0 {
+                other = Some((current, excess));
             } else {
-                other = other.map(|(there, there_out)| (there, 0.5 * there_out));
+                other = other.map(|(opposite, opposite_excess)| (opposite, 0.5 * opposite_excess));
                 step *= 2.0;
             }
-            (at, out) = (moved, now);
+            (state, excess) = (trial, trial_excess);
         }
         None
     }
 
-    /// What a state carries too much along a motion.
-    fn out(&self, state: &PlasticState, axis: usize) -> f64 {
+    /// Excess of a state's resultant along a motion.
+    fn excess(&self, state: &PlasticState, axis: usize) -> f64 {
         self.plane.resultant(&state.force)[axis] - self.motion.balance[axis]
     }
 
@@ -384,14 +380,14 @@ impl LoadBalance<'_> {
         self.scale(axis) * self.motion.balance[0].abs()
     }
 
-    /// What a unit of a motion moves the farthest node.
+    /// Displacement of the farthest node by a unit of a motion.
     fn scale(&self, axis: usize) -> f64 {
         let reach = self.plane.rows.iter().map(|row| row[axis].abs());
         reach.fold(f64::MIN_POSITIVE, f64::max)
     }
 
     /// Deepest place of the runner in the undeformed ice [m].
-    fn deep(&self, state: &PlasticState) -> f64 {
+    fn depth(&self, state: &PlasticState) -> f64 {
         let below = |i: usize| dot(self.plane.rows[i], state.motion) - self.plane.gap[i];
         (0..state.force.len())
             .filter(|&i| state.force[i] > 0.0)
@@ -400,13 +396,13 @@ impl LoadBalance<'_> {
     }
 }
 
-// A state with its groove, and where another mesh's solve begins.
+// A state with its groove, and the initial state of a mesh's solve.
 
 /// The state on one mesh with its groove.
 #[derive(Clone)]
 pub(crate) struct SlidingState {
     pub state: State,
-    /// On the candidates.
+    /// State of the candidates.
     pub grooved: PlasticState,
     /// Plastic depth on the whole plane, x fastest [m].
     pub depth: Vec<f64>,
@@ -414,19 +410,19 @@ pub(crate) struct SlidingState {
     pub iterations: usize,
     /// Corrections of the plane's response by the bodies.
     pub corrections: usize,
-    /// What the last correction changed: the sum of the forces' changes over the load.
+    /// Ratio of the sum of the forces' changes in the last correction to the load.
     pub residual: f64,
 }
 
-/// Where a mesh's solve begins.
+/// Initial state of a mesh's solve.
 pub(crate) enum Start {
-    /// At the indentation at rest, searched near this motion [m].
+    /// The indentation at rest, searched near this motion [m].
     AtRest(f64),
-    /// At what another mesh found.
+    /// The solution of another mesh.
     From(WarmStart),
 }
 
-/// What nodes do, and the motion, as another mesh found them.
+/// States of the nodes and motion from the solution of another mesh.
 pub(crate) struct WarmStart {
     x: Vec<f64>,
     y: Vec<f64>,
@@ -451,7 +447,7 @@ impl WarmStart {
         }
     }
 
-    /// Those of the nearest nodes, for another mesh's candidates.
+    /// States of another mesh's candidates, from the nearest nodes.
     pub fn on(&self, mesh: &Discretisation) -> Vec<Kind> {
         let nearest = |places: &[f64], at: f64| {
             let next = places

@@ -16,26 +16,26 @@ use crate::precondition::dense::DenseLu;
 /// 0 <= f  _|_  gap >= 0,     0 <= r  _|_  f <= bound
 /// ```
 ///
-/// It is no minimum problem (r couples to the nodes behind alone), and is solved, at a given motion
-/// q, by Newton's method on the sets of nodes that are open (f = 0, r = 0), closed (gap = 0, r = 0)
-/// or full (gap = 0, f = bound): M. Hintermüller, K. Ito, K. Kunisch, SIAM J. Optim. 13 (2003)
-/// 865-888. Where the sets come back to earlier ones, sweeps from the front to the back lead on.
+/// It is not a minimisation problem (r only acts on the nodes behind). At a given motion q it is
+/// solved by Newton's method on the sets of nodes that are open (f = 0, r = 0), closed (gap = 0, r
+/// = 0) or full (gap = 0, f = bound): M. Hintermüller, K. Ito, K. Kunisch, SIAM J. Optim. 13 (2003)
+/// 865-888. If the sets cycle, sweeps from the front to the back give new ones.
 pub(crate) struct PlasticContact {
     /// G, the response of the gap to forces [m/N].
     pub green: Mat<f64>,
     /// g, the gap without motion, forces and groove [m].
     pub gap: Vec<f64>,
-    /// Rows N.
+    /// Rows of N.
     pub rows: Vec<[f64; 3]>,
     /// Forces at the ice's hardness [N].
     pub bound: Vec<f64>,
     /// Whether the next node is the next one ahead in the same row.
     pub has_ahead: Vec<bool>,
-    /// Depth of the groove that is there when the ice comes [m].
+    /// Depth of the groove of earlier runners [m].
     pub before: Vec<f64>,
 }
 
-/// What a node does.
+/// State of a node in the active set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Open,
@@ -59,22 +59,21 @@ pub(crate) struct PlasticState {
     pub gap: Vec<f64>,
 }
 
-/// Newton steps in all.
-const STEPS: usize = 300;
-/// Newton steps without fewer contradictions before sweeps lead on.
+/// Largest total number of Newton steps.
+const MAX_STEPS: usize = 300;
+/// Number of Newton steps without fewer contradictions after which sweeps follow.
 const PATIENCE: usize = 12;
-/// Sweeps at a time.
+/// Number of sweeps at a time.
 const SWEEPS: usize = 12;
-/// Contradictions below this part of the largest force or depth are rounding.
+/// Contradictions below this fraction of the largest force or depth are rounding.
 const SLACK: f64 = 1e-11;
 
 impl PlasticContact {
-    /// Solves at a given motion, from sets that may be wrong; `None` where no sets confirm
-    /// themselves.
+    /// Solves at a given motion from initial sets; `None` if no set is confirmed.
     pub fn at(&self, motion: [f64; 3], kinds: &[Kind]) -> Option<PlasticState> {
         let mut kinds = kinds.to_vec();
         let (mut fewest, mut patience) = (usize::MAX, PATIENCE);
-        for _ in 0..STEPS {
+        for _ in 0..MAX_STEPS {
             let state = self.newton(kinds, motion)?;
             let (next, changes) = self.corrected(&state);
             if changes == 0 {
@@ -117,7 +116,7 @@ impl PlasticContact {
         })
     }
 
-    /// Forces and groove under which the sets hold, whatever their signs.
+    /// Forces and groove that satisfy the equations of the sets, regardless of their signs.
     fn newton(&self, kinds: Vec<Kind>, motion: [f64; 3]) -> Option<PlasticState> {
         let full = |i: usize| match kinds[i] {
             Kind::Full => self.bound[i],
@@ -128,7 +127,7 @@ impl PlasticContact {
         if !closed.is_empty() {
             let anchor = self.anchors(&kinds);
             let pressed = self.deflection(&force);
-            // Difference of a node to the closed ones' forces.
+            // Gap of a node without the forces of the closed nodes.
             let missing = |i: usize| self.gap[i] - dot(self.rows[i], motion) + pressed[i];
             let mut solved = Mat::from_fn(closed.len(), 1, |row, _| {
                 let i = closed[row];
@@ -143,8 +142,8 @@ impl PlasticContact {
         finite.then(|| self.state(kinds, force, motion))
     }
 
-    /// Change of N^T f with the motion while the sets hold: row by row the resultant's parts,
-    /// column by column the motion's.
+    /// Derivative of N^T f by the motion on fixed sets: a row per component of the resultant, a
+    /// column per motion.
     pub fn slopes(&self, kinds: &[Kind]) -> [[f64; 3]; 3] {
         let closed = self.closed(kinds);
         let mut slopes = [[0.0; 3]; 3];
@@ -173,7 +172,8 @@ impl PlasticContact {
             .collect()
     }
 
-    /// The closed nodes' response, each against the full one ahead whose depth it meets.
+    /// The factorised response of the closed nodes, each relative to the full node ahead whose
+    /// depth it has.
     fn response(&self, closed: &[usize], anchor: &[Option<usize>]) -> DenseLu {
         let matrix = Mat::from_fn(closed.len(), closed.len(), |row, column| {
             let (i, j) = (closed[row], closed[column]);
@@ -182,7 +182,7 @@ impl PlasticContact {
         DenseLu::new(matrix)
     }
 
-    /// For each node the nearest full one ahead, whose depth it meets.
+    /// For each node the nearest full node ahead, whose depth it has.
     fn anchors(&self, kinds: &[Kind]) -> Vec<Option<usize>> {
         let mut anchor = vec![None; kinds.len()];
         for i in (0..kinds.len().saturating_sub(1)).rev() {
@@ -196,7 +196,7 @@ impl PlasticContact {
         anchor
     }
 
-    /// The groove that full nodes leave, and the gaps over it.
+    /// The state with the groove of the full nodes, and the gaps over it.
     fn state(&self, kinds: Vec<Kind>, force: Vec<f64>, motion: [f64; 3]) -> PlasticState {
         let n = kinds.len();
         let deflection = self.deflection(&force);
@@ -226,7 +226,7 @@ impl PlasticContact {
         }
     }
 
-    /// The sets that signs require, and how many nodes they move.
+    /// The sets that the signs require, and the number of nodes that change.
     fn corrected(&self, state: &PlasticState) -> (Vec<Kind>, usize) {
         let largest = state.force.iter().fold(0.0f64, |m, f| m.max(f.abs()));
         let deep = (0..state.gap.len())
@@ -249,8 +249,7 @@ impl PlasticContact {
         (next, changes)
     }
 
-    /// Projected sweeps at fixed motion, each row from its front to its back with the groove that
-    /// it leaves on the way.
+    /// Projected sweep at fixed motion, each row from front to back, with its groove updated.
     fn sweep(&self, force: &mut [f64], motion: [f64; 3]) {
         let mut deflection = self.deflection(force);
         for _ in 0..SWEEPS {

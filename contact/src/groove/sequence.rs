@@ -1,4 +1,4 @@
-//! Finer and finer meshes of one sliding contact.
+//! The sequence of meshes of one sliding contact.
 
 use crate::accuracy::answer::SolvedMesh;
 use crate::accuracy::mesh_solve::Forces;
@@ -19,19 +19,18 @@ use crate::solve::{add_tilt_error, check_answer};
 use crate::symmetry::unfolded;
 use crate::{Error, Measure, Options, Problem};
 
-/// Cells over half the patch while it is being found.
+/// Resolution of the search for the patch.
 const COARSE_MESH: Resolution = Resolution {
     cells: 6.0,
     growth: 0.7,
 };
-/// Meshes on the contact plane alone until one fits the patch found on it.
-const ROUNDS: usize = 30;
-/// Ratio of the resolutions of successive meshes, and the least where the largest mesh allowed
-/// leaves no more.
+/// Largest number of solutions on the contact plane in the search for the patch.
+const MAX_ROUNDS: usize = 30;
+/// Refinement ratio of successive meshes, and the smallest one if the largest mesh allows no more.
 const REFINEMENT: f64 = 1.5;
-const LEAST_REFINEMENT: f64 = 1.1;
+const MIN_REFINEMENT: f64 = 1.1;
 
-/// What is known of a sliding contact, mesh by mesh.
+/// The solution of a sliding contact on a sequence of meshes.
 struct SlidingMeshes<'a> {
     checked: &'a CheckedProblem<'a>,
     before: Option<&'a GrooveProfile>,
@@ -41,7 +40,7 @@ struct SlidingMeshes<'a> {
 
 /// Results of the meshes solved so far.
 struct SlidingHistory {
-    /// The forces found last.
+    /// The last forces.
     forces: Forces,
     measures: Vec<Measures>,
     sections: Vec<Section>,
@@ -51,7 +50,7 @@ struct SlidingHistory {
 }
 
 impl<'a> SlidingMeshes<'a> {
-    /// Finds the patch on the contact plane alone, with the forces on it.
+    /// The patch, found on the contact plane alone, and the forces on it.
     fn find_patch(
         checked: &'a CheckedProblem<'a>,
         before: Option<&'a GrooveProfile>,
@@ -63,7 +62,7 @@ impl<'a> SlidingMeshes<'a> {
             before,
             patch,
         };
-        for _ in 0..ROUNDS {
+        for _ in 0..MAX_ROUNDS {
             checked.options.check_stop()?;
             let mesh = checked.mesh(&meshes.patch, COARSE_MESH, Reach::WholeHull)?;
             let slid = meshes.on(&mesh).on_plane(&meshes.start)?;
@@ -73,7 +72,7 @@ impl<'a> SlidingMeshes<'a> {
                 return Ok((meshes, Forces::of(&mesh, &slid.state)));
             }
         }
-        Err(Error::no_patch(ROUNDS))
+        Err(Error::no_patch(MAX_ROUNDS))
     }
 
     /// Solves mesh after mesh until two agree, and combines their figures.
@@ -91,8 +90,8 @@ impl<'a> SlidingMeshes<'a> {
         let mut cells = options
             .cells
             .map_or_else(|| first_cells(tolerance), |c| c as f64);
-        // The first mesh is fitted to the rims that it finds on the contact plane alone, so that it
-        // is one of those that follow.
+        // The first mesh is fitted to the rims found on the contact plane alone, so that it is
+        // similar to the following ones.
         let mesh = self.mesh(cells)?;
         let slid = self.on(&mesh).on_plane(&self.start)?;
         self.next_patch(&mesh, &slid);
@@ -107,7 +106,7 @@ impl<'a> SlidingMeshes<'a> {
             })?;
             let plain = self.reading(&mesh, &plain);
             let before = std::mem::take(&mut history.sections);
-            let measures = self.take(&mesh, &slid, &mut history);
+            let measures = self.record(&mesh, &slid, &mut history);
             history.coarser = (level > 0).then(|| Coarser {
                 before,
                 plain: plain.sections(),
@@ -119,7 +118,7 @@ impl<'a> SlidingMeshes<'a> {
                 return Ok(self.solution(mesh, slid, errors, history));
             }
             let room = (options.max_dofs as f64 / dofs as f64).cbrt();
-            if room < LEAST_REFINEMENT {
+            if room < MIN_REFINEMENT {
                 return Err(Error::SlidingAccuracyNotReached {
                     dofs,
                     tolerance,
@@ -158,14 +157,14 @@ impl<'a> SlidingMeshes<'a> {
         GrooveReading::new(self.checked, mesh, slid, &self.field(mesh))
     }
 
-    /// Fits the next mesh to the rims that this one found.
+    /// Fits the next mesh to the rims of this one.
     fn next_patch(&mut self, mesh: &Discretisation, slid: &SlidingState) {
         let rims = self.reading(mesh, slid).rims();
         self.patch = fitted(self.field(mesh).of(&slid.state).patch, rims);
         self.start = Start::From(WarmStart::of(mesh, slid));
     }
 
-    /// Passes a state of a mesh on, before which the meshes had this error.
+    /// Reports a state of a mesh, with the error of the previous meshes.
     fn report(&self, mesh: &Discretisation, slid: &SlidingState, level: usize, error: f64) {
         let Some(watcher) = &self.checked.options.sliding_progress else {
             return;
@@ -186,7 +185,7 @@ impl<'a> SlidingMeshes<'a> {
     }
 
     /// Adds a mesh to the history; returns its figures.
-    fn take(
+    fn record(
         &self,
         mesh: &Discretisation,
         slid: &SlidingState,
@@ -209,7 +208,7 @@ impl<'a> SlidingMeshes<'a> {
         if self.checked.options.subsurface {
             let values = self.pressure(mesh, slid).values;
             let largest = mesh.largest_shear(self.checked.material, &values, &slid.state);
-            // Each mesh is fitted to rims of its own: what they differ by is the error.
+            // Each mesh is fitted to its own rims, so that differences of figures are errors.
             let number = history.meshes.len() as f64;
             history.under.push(largest, number, true);
         }
@@ -240,13 +239,13 @@ impl<'a> SlidingMeshes<'a> {
         let pressure = self.pressure(&mesh, &slid);
         let depth = over_mirror(&slid.depth, &mesh);
         let nx = mesh.grid.x.len();
-        // The groove is followed from the front to the back: ahead is the ice as it came.
+        // The depth at the front of a row is that of the groove of earlier runners.
         let came = |n: usize| slid.depth[n - n % nx + nx - 1];
         let grown: Vec<f64> = (0..slid.depth.len())
             .map(|n| slid.depth[n] - came(n))
             .collect();
         let yielded = over_mirror(&grown, &mesh);
-        // The ice that is met lies lower by the groove.
+        // The gap is larger by the depth of the groove.
         for (gap, depth) in mesh.contact.gap.iter_mut().zip(&slid.depth) {
             *gap += depth;
         }
@@ -254,7 +253,7 @@ impl<'a> SlidingMeshes<'a> {
         let relative = largest(&errors, &m);
         let [p_max, depth_error, ploughing, front, back, load_ahead] = errors;
         let length_error = front + back;
-        // Of one mesh nothing is known, of a tilt of 0 neither.
+        // One mesh gives no estimate, and neither does a tilt of 0.
         let tilt_error = |tilt: f64| {
             if relative.is_finite() {
                 tilt.abs() * relative
@@ -267,7 +266,7 @@ impl<'a> SlidingMeshes<'a> {
         let limits = Limits {
             peak: of(m.p_max, p_max),
             approach: of(m.approach, m.approach * relative),
-            // The width is taken to be as uncertain as the length.
+            // The relative error of the width is taken to be that of the length.
             area_error: 2.0 * length_error / (m.front - m.back) * figures.area,
             length_error,
             width_error: figures.width * length_error / figures.length,
@@ -303,8 +302,9 @@ impl<'a> SlidingMeshes<'a> {
     }
 }
 
-/// Cells over half the patch of the first mesh. A stricter request goes on with the same meshes:
-/// where nodes lie next to the rims is chance, and meshes of its own could leave it a larger error.
+/// Cells over half the patch of the first mesh. A stricter tolerance continues the same sequence of
+/// meshes: the error depends on the positions of nodes next to the rims, and other meshes might
+/// have a larger one.
 fn first_cells(tolerance: f64) -> f64 {
     (0.8 / tolerance.sqrt()).ceil().clamp(4.0, 6.0)
 }
@@ -322,7 +322,7 @@ fn over_mirror(values: &[f64], mesh: &Discretisation) -> Vec<f64> {
         .collect()
 }
 
-// From a problem to steady sliding.
+// Solution of steady sliding.
 
 /// Solves the steady sliding of a runner towards +x, on ice that yields at `problem.ice.hardness` H
 /// and keeps its plastic depth.
@@ -332,19 +332,20 @@ fn over_mirror(values: &[f64], mesh: &Discretisation) -> Vec<f64> {
 /// u_p never falls towards the back, and p = H where it grows;   ploughing force = H times the section that is added
 /// ```
 ///
-/// `before` is the groove in which the ice comes, that of an earlier runner. Meshes are refined
-/// until the estimated errors of peak pressure, groove depth and ploughing force are below
-/// `options.p_max_tolerance`; `options.sliding_progress` is called in place of `options.progress`.
-/// The load's line of action stays where it is: a runner that is free to tilt turns until the
-/// pressure is under it, and the drag's own moment is not in the balance. What the runner's sides
-/// push up is not in it either.
+/// `before` is the groove of an earlier runner. Meshes are refined until the estimated errors of
+/// peak pressure, groove depth and ploughing force are below `options.p_max_tolerance`;
+/// `options.sliding_progress` is called in place of `options.progress`. The load's line of action
+/// is fixed: a runner that is free to tilt does so until the centre of pressure is on it. The
+/// moment of the drag is not part of the balance, and neither is ice that the runner's sides push
+/// up.
 ///
 /// # Errors
-/// [`Error::NotSliding`] for ice without a hardness or of varying height; those of
-/// [`solve`](crate::solve()) for problems without an answer and answers that are none:
-/// [`Error::LoadExceedsHardness`] too where the hull bears the load at rest but not sliding;
-/// [`Error::NotConverged`], [`Error::Unsolved`], and [`Error::SlidingAccuracyNotReached`], with the
-/// best solution in it, where the largest mesh allowed does not do.
+/// - [`Error::NotSliding`]: ice without a hardness or of varying height.
+/// - [`Error::LoadExceedsHardness`]: also if the hull carries the load at rest but not in sliding.
+/// - [`Error::SlidingAccuracyNotReached`]: the largest mesh allowed is not accurate enough; the
+///   error holds the best solution.
+/// - [`Error::NotConverged`], [`Error::Unsolved`] and the other errors of
+///   [`solve`](crate::solve()).
 ///
 /// ```
 /// use std::sync::Arc;
@@ -390,19 +391,19 @@ pub fn slide(
     })
 }
 
-// How far the last mesh's figures are from those of fine meshes.
+// Errors of the last mesh's figures.
 
 /// Estimated errors of peak pressure, groove's depth, ploughing force, front, back and place of the
 /// load, in their own units.
 type Errors = [f64; 6];
 
-/// Ploughing force over the load below which its error is measured by this [1].
-const LEAST_PLOUGHING: f64 = 1e-4;
-/// Depth of the groove over the approach below which its error is measured by this.
-const LEAST_DEPTH: f64 = 0.05;
+/// Ratio of ploughing force to load below which the error is relative to this ratio.
+const MIN_PLOUGHING: f64 = 1e-4;
+/// Ratio of groove depth to approach below which the error is relative to this ratio.
+const MIN_DEPTH: f64 = 0.05;
 
-/// By the last two meshes, and `plain`, the last one without the area between nodes and rims;
-/// infinite for one mesh.
+/// Errors from the last two meshes and from `plain`, the last one without the area between nodes
+/// and rims; infinite for one mesh.
 fn errors(measures: &[Measures], plain: Measures, refined: f64) -> Errors {
     let of = |m: &Measures| [m.p_max, m.depth, m.ploughing, m.front, m.back, m.load_ahead];
     let [.., before, last] = measures else {
@@ -416,12 +417,12 @@ fn errors(measures: &[Measures], plain: Measures, refined: f64) -> Errors {
     [0, 1, 2, 3, 4, 5].map(|k| coarser.error(of(last)[k], |m| of(m)[k]))
 }
 
-/// Largest of the errors of peak pressure, groove and ploughing, over their values.
+/// Largest relative error of peak pressure, groove and ploughing.
 fn largest([p_max, depth, ploughing, ..]: &Errors, of: &Measures) -> f64 {
     let shares = [
         p_max / of.p_max,
-        depth / of.depth.max(LEAST_DEPTH * of.approach),
-        ploughing / of.ploughing.max(LEAST_PLOUGHING * of.fz),
+        depth / of.depth.max(MIN_DEPTH * of.approach),
+        ploughing / of.ploughing.max(MIN_PLOUGHING * of.fz),
     ];
     shares.into_iter().fold(0.0, f64::max)
 }

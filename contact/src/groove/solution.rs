@@ -1,9 +1,9 @@
-//! What steady sliding comes to.
+//! The solution of steady sliding.
 
 use crate::accuracy::estimators::grid_convergence_index;
 use crate::{Error, Measure, Solution};
 
-/// The patch at one place along the runner.
+/// Cross-section of the contact patch at one place along the runner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Section {
     /// Place along the runner [m].
@@ -19,7 +19,7 @@ pub struct Section {
 pub struct SlidingSolution {
     /// The contact: pressures, and gaps over the groove.
     pub contact: Solution,
-    /// What it leaves in the ice, and where the runner is in it.
+    /// The groove, and the position of the runner in it.
     pub groove: Groove,
     /// The largest of the relative errors of peak pressure, groove's depth and ploughing force;
     /// infinite for a single mesh.
@@ -30,50 +30,50 @@ pub struct SlidingSolution {
 /// and the patch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Groove {
-    /// Largest plastic depth that the runner leaves, with what was there before [m].
+    /// Largest plastic depth behind the runner, including the groove of earlier ones [m].
     pub deepest: Measure,
-    /// Force against the motion that deepens the groove, F = H A with the area A of the section
-    /// added, or the sum of pressure times the runner's slope: the mean of both for a rigid runner,
-    /// the first for one that bends [N].
+    /// Ploughing force, the drag that deepens the groove [N]: F = H A with the area A of the
+    /// section added, or the integral of pressure times the runner's slope. The mean of both for a
+    /// rigid runner, the first for an elastic one.
     pub ploughing: Measure,
     /// Front end of the patch ahead of the lowest point [m].
     pub front: Measure,
-    /// Back end of the patch ahead of the lowest point: negative where it lies behind [m].
+    /// Back end of the patch ahead of the lowest point; negative if it lies behind [m].
     pub back: Measure,
     /// Centre of pressure ahead of the lowest point [m].
     pub load_ahead: Measure,
-    /// The lowest point of the runner as it is turned, along x [m].
+    /// The lowest point of the tilted runner, along x [m].
     pub lowest: f64,
-    /// Section that remains.
+    /// Cross-section of the remaining groove.
     pub profile: GrooveProfile,
     /// Plastic depth at the nodes of the contact's surface [m].
     pub depth: Vec<f64>,
     /// The patch from its front to its back.
     pub sections: Vec<Section>,
-    /// The same of coarser solutions; `None` where a single mesh was solved.
+    /// Sections of coarser solutions; `None` if a single mesh was solved.
     pub coarser: Option<Coarser<Vec<Section>>>,
-    /// What happened, mesh by mesh.
+    /// History of all meshes.
     pub meshes: Vec<SlidingMesh>,
 }
 
-/// What two coarser solutions have in place of a value: what its error is estimated by.
+/// A value in two coarser solutions, from which its error is estimated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coarser<T> {
-    /// On the mesh before the last.
+    /// Value on the mesh before the last.
     pub before: T,
-    /// On the last mesh without the area between its nodes and the rims.
+    /// Value on the last mesh without the area between its nodes and the rims.
     pub plain: T,
-    /// How many times as fine as the mesh before the last one is.
+    /// Refinement ratio of the last mesh to the mesh before.
     pub refined: f64,
 }
 
 impl<T> Coarser<T> {
     /// Error of a figure that is `value` on the last mesh: the grid convergence index of the last
-    /// two meshes, and what the area between nodes and rims changes on the last one. The two add
-    /// up as independent errors do.
+    /// two meshes, and the change by the area between nodes and rims on the last one, added in
+    /// quadrature.
     ///
-    /// The index alone does not do: where nodes lie next to rims is chance, and two meshes may
-    /// agree by it.
+    /// The index alone is not sufficient: two meshes may agree by chance, depending on the
+    /// positions of nodes next to rims.
     pub fn error(&self, value: f64, of: impl Fn(&T) -> f64) -> f64 {
         let by_mesh = grid_convergence_index(of(&self.before), value, self.refined);
         by_mesh.hypot(of(&self.plain) - value)
@@ -91,11 +91,11 @@ pub struct SlidingMesh {
     pub corrections: usize,
     /// Conjugate-gradient iterations of all corrections.
     pub iterations: usize,
-    /// Sum of the forces' changes in the last correction, over the load.
+    /// Ratio of the sum of the forces' changes in the last correction to the load.
     pub residual: f64,
     /// Groove's depth on this mesh alone [m].
     pub groove_depth: f64,
-    /// Ploughing force on this mesh alone, from the plastic work over the way [N].
+    /// Ploughing force on this mesh alone, from the plastic work per distance [N].
     pub plastic_work: f64,
     /// Ploughing force on this mesh alone from pressures and the slope of the undeformed runner
     /// [N].
@@ -107,21 +107,21 @@ pub struct SlidingMesh {
 pub struct SlidingIterate {
     /// Pressure at which the ice yields [Pa].
     pub hardness: f64,
-    /// The mesh, counted from the coarsest.
+    /// Number of the mesh, counted from the coarsest.
     pub level: usize,
-    /// Its unknowns.
+    /// Number of unknowns.
     pub dofs: usize,
-    /// Relative error that the meshes before it leave; `None` before there are two.
+    /// Relative error on the previous meshes; `None` for less than two.
     pub error_before: Option<f64>,
     /// Corrections so far; 0 on the contact plane alone.
     pub corrections: usize,
-    /// Sum of the forces' changes in the last one, over the load.
+    /// Ratio of the sum of the forces' changes in the last correction to the load.
     pub residual: f64,
     /// Normal force [N].
     pub fz: f64,
-    /// As [`Groove::ploughing`], at this moment [N].
+    /// Present [`Groove::ploughing`] [N].
     pub ploughing: f64,
-    /// As [`Groove::sections`], at this moment.
+    /// Present [`Groove::sections`].
     pub sections: Vec<Section>,
 }
 
@@ -187,7 +187,7 @@ impl GrooveProfile {
         self.depth[next - 1] + share * (self.depth[next] - self.depth[next - 1])
     }
 
-    /// Deepest place [m].
+    /// Largest depth [m].
     pub fn deepest(&self) -> f64 {
         self.depth.iter().copied().fold(0.0, f64::max)
     }
@@ -199,7 +199,7 @@ impl GrooveProfile {
         (0..self.y.len() - 1).map(trapezoid).sum()
     }
 
-    /// Whether it is its own image in the plane y = 0, to rounding of its depth.
+    /// Whether it is symmetric about y = 0, to rounding of its depth.
     pub(crate) fn mirror_symmetric(&self) -> bool {
         let slack = 1e-9 * self.deepest();
         self.y

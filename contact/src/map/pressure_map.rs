@@ -7,9 +7,9 @@ use rayon::prelude::*;
 use crate::map::rim::squared_pressure;
 use crate::result::solution::{Solution, SurfaceField};
 
-/// Pixels across the whole window, along each axis.
-const FEWEST: usize = 384;
-const MOST: usize = 8192;
+/// Smallest and largest number of pixels of a window along each axis.
+const MIN_PIXELS: usize = 384;
+const MAX_PIXELS: usize = 8192;
 /// Width of the empty frame around the contact, relative to the contact's extent.
 const MARGIN: f64 = 0.25;
 
@@ -45,21 +45,21 @@ impl PressureMap {
         PressureMap::new(&solution.surface, solution.fz, solution.bound())
     }
 
-    /// The fields in a window around the contact; the pressure carries the force `fz` [N] and is
-    /// nowhere above `bound`, what the ice bears [Pa]; infinite for ice that bears all.
+    /// The fields in a window around the contact. The pressure integrates to the force `fz` [N] and
+    /// is nowhere above `bound`, the hardness of the ice [Pa] (infinite for elastic ice).
     ///
-    /// It is the pressure of the mesh, whose peak is [`Solution::p_max_mesh`]: [`Solution::p_max`]
-    /// is the limit of finer and finer meshes, of which there is no map.
+    /// It is the pressure of the last mesh, whose peak is [`Solution::p_max_mesh`].
+    /// [`Solution::p_max`] is the extrapolated limit of finer meshes, which has no map.
     ///
     /// Gap and displacement are averages of the bilinear fields over the pixels; see [`pressure`]
-    /// for the pressure. Where nothing touches, the window is the whole field.
+    /// for the pressure. Without contact, the window is the whole field.
     pub fn new(field: &SurfaceField, fz: f64, bound: f64) -> PressureMap {
         let (columns, rows) = (field.x.len(), field.y.len());
         let touches = |i: usize, j: usize| field.pressure[j * columns + i] > 0.0;
         let along = Axis::around(&field.x, |i| (0..rows).any(|j| touches(i, j)));
         let across = Axis::around(&field.y, |j| (0..columns).any(|i| touches(i, j)));
         let average = |values: &[f64]| average(values, columns, &along, &across);
-        // Nodes in contact have no gap; the solver's tolerance may leave a small one.
+        // The gap of nodes in contact is 0; the solver's tolerance may leave a small one.
         let gap: Vec<f64> = field
             .pressure
             .iter()
@@ -97,8 +97,8 @@ impl PressureMap {
             + t * ((1.0 - s) * p(i, j + 1) + s * p(i + 1, j + 1))
     }
 
-    /// Position of the highest pressure [m]; on a plateau, the place nearest to the load's line of
-    /// action.
+    /// Position of the highest pressure (x, y) [m]; on a plateau, the point nearest to the load's
+    /// line of action.
     pub fn peak(&self) -> (f64, f64) {
         let highest = self.pressure.iter().copied().fold(0.0, f64::max);
         let place = |k: usize| {
@@ -116,7 +116,7 @@ impl PressureMap {
     }
 }
 
-/// Pixels along one axis and how much of each node's hat function each of them holds.
+/// Pixels along one axis, with the weights of the nodes' hat functions in each.
 struct Axis {
     first: f64,
     step: f64,
@@ -143,7 +143,7 @@ impl Axis {
             .windows(2)
             .map(|pair| pair[1] - pair[0])
             .fold(f64::INFINITY, f64::min);
-        let count = (((end - start) / finest).ceil() as usize).clamp(FEWEST, MOST);
+        let count = (((end - start) / finest).ceil() as usize).clamp(MIN_PIXELS, MAX_PIXELS);
         let step = (end - start) / count as f64;
         let weights = |k: usize| {
             let from = start + k as f64 * step;
@@ -238,10 +238,10 @@ fn pressure(field: &SurfaceField, fz: f64, bound: f64, along: &Axis, across: &Ax
     pressure
 }
 
-/// Makes the pressures' sum the requested one, p <- p (1 + c (1 - (p / p_top)^2)).
+/// Scales the pressures to the requested sum, p <- p (1 + c (1 - (p / p_top)^2)).
 ///
-/// What interpolation misses lies near the rim; the peak and a plateau at the ice's hardness stay.
-/// The factor is limited to a tenth.
+/// The error of the interpolation lies near the rim; the peak and a plateau at the ice's hardness
+/// do not change. The factor c is limited to a tenth.
 fn carry(pressure: &mut [f64], sum: f64) {
     let top = pressure.iter().copied().fold(0.0, f64::max);
     let share = |p: f64| 1.0 - (p / top).powi(2);
@@ -258,9 +258,10 @@ fn carry(pressure: &mut [f64], sum: f64) {
 /// A piecewise cubic through values on increasing nodes; NaN marks nodes without a value.
 ///
 /// Slopes come from the parabola through a node and its neighbours (one-sided next to a gap), so
-/// parabolas are reproduced exactly. Cells without one of their ends are gaps. Between two values
-/// that are not positive nothing is; between two positive ones nothing is lower than both, and from
-/// a positive one to the other kind it falls all the way, however steep the adjacent cells are.
+/// parabolas are reproduced exactly. A cell with a NaN end is a gap. Between two values that are
+/// not positive the value is not positive; between two positive ones it is not lower than both; and
+/// from a positive to a non-positive one it falls monotonically, however steep the adjacent cells
+/// are.
 pub struct Hermite<'a> {
     nodes: &'a [f64],
     values: &'a [f64],
@@ -301,8 +302,8 @@ impl<'a> Hermite<'a> {
         // over the cell
         let value = self.values[left]
             + t * (from + t * (3.0 * rise - 2.0 * from - to + t * (from + to - 2.0 * rise)));
-        // A cubic may swing over zero between two values that are not positive: no contact is
-        // there.
+        // A cubic may overshoot zero between two values that are not positive, where there is no
+        // contact.
         match (low > 0.0, high > 0.0) {
             (false, false) => value.min(0.0),
             (true, true) => value.max(low.min(high)),
@@ -338,12 +339,11 @@ fn slope(nodes: &[f64], values: &[f64], k: usize) -> f64 {
     }
 }
 
-// Maps of contacts that are far apart along the runner, as those of a runner that rests on its two
-// ends.
+// Separate maps of contacts that are far apart along the runner, such as a runner that rests on its
+// two ends.
 
-/// Contacts are shown apart where the empty stretch between them is this many times as long as they
-/// are.
-const APART: f64 = 5.0;
+/// Ratio of the empty stretch between two contacts to their length from which they get a map each.
+const MIN_EMPTY_RATIO: f64 = 5.0;
 
 /// One map for the whole contact, or two where it consists of two parts that are far apart along
 /// the runner.
@@ -361,7 +361,7 @@ pub fn pressure_maps(solution: &Solution) -> Vec<PressureMap> {
     vec![part(0), part(1)]
 }
 
-/// A map cut in two where it shows two parts that are far apart, each with a margin around its
+/// The map, or two maps if it shows two parts that are far apart, each with a margin around its
 /// contact.
 pub fn parted(map: PressureMap) -> Vec<PressureMap> {
     let x: Vec<f64> = (0..map.nx).map(|i| map.x0 + i as f64 * map.dx).collect();
@@ -371,7 +371,7 @@ pub fn parted(map: PressureMap) -> Vec<PressureMap> {
     }
 }
 
-/// The columns of a part that touch, and half as many again around them.
+/// The columns of a part that are in contact, with half as many again around them.
 fn part(map: &PressureMap, columns: Range<usize>) -> PressureMap {
     let touches = |&i: &usize| map.pressure.chunks(map.nx).any(|row| row[i] > 0.0);
     let first = columns.clone().find(touches).unwrap_or(columns.start);
@@ -393,8 +393,8 @@ fn part(map: &PressureMap, columns: Range<usize>) -> PressureMap {
     }
 }
 
-/// The columns at `x` on both sides of the middle of the longest empty stretch of these rows of
-/// pressures, where that is long.
+/// The columns, at `x`, on both sides of the middle of the longest empty stretch of these rows of
+/// pressures; `None` if that stretch is short ([`MIN_EMPTY_RATIO`]).
 fn split(x: &[f64], pressure: &[f64]) -> Option<[Range<usize>; 2]> {
     let columns = x.len();
     let touched: Vec<usize> = (0..columns)
@@ -406,7 +406,7 @@ fn split(x: &[f64], pressure: &[f64]) -> Option<[Range<usize>; 2]> {
         .max_by(|a, b| length(a).total_cmp(&length(b)))?;
     let whole = x[*touched.last()?] - x[touched[0]];
     let empty = length(widest);
-    if empty < APART * (whole - empty) {
+    if empty < MIN_EMPTY_RATIO * (whole - empty) {
         return None;
     }
     let middle = 0.5 * (x[widest[0]] + x[widest[1]]);

@@ -1,4 +1,4 @@
-//! The contact's rim below the cell.
+//! The rim of the contact with sub-cell resolution.
 
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
@@ -6,30 +6,36 @@ use rayon::prelude::*;
 use crate::result::measure::ROUNDED;
 use crate::result::solution::SurfaceField;
 
-/// Nodes on each side of a node that its surface is fitted to, and where their weights are 1 / e,
-/// in nodes.
+/// Number of nodes on each side of a node in its paraboloid fit, and the distance in nodes at which
+/// their weight is 1 / e.
 const REACH: usize = 4;
 const SPREAD: f64 = 2.0;
-/// Weight of nodes next to the rim, whose pressures are means, against those within.
+/// Weight of nodes next to the rim, whose pressures are means, relative to inner nodes.
 const RIM_WEIGHT: f64 = 0.1;
-/// How much steeper than one cell the pressure of ice that yields falls to zero at its rim.
-const STEEP: f64 = 10.0;
-/// Least overlap over the mean gap of the open nodes for the rim to lie where it is zero.
-const LEAST: f64 = 0.1;
+/// Ratio of the slope with which the pressure of yielding ice falls to zero at its rim to that over
+/// one cell.
+const STEEPNESS: f64 = 10.0;
+/// Smallest ratio of the overlap to the mean gap of the open nodes for which the rim is taken at
+/// zero overlap.
+const MIN_OVERLAP: f64 = 0.1;
 
 /// The square of the pressure at the nodes, continued to negative values just outside the contact;
 /// NaN farther out.
 ///
 /// The square of a smooth contact's pressure is smooth through the rim, where it passes zero (it is
-/// a paraboloid in Hertz's contact): the root of its positive part ends where the contact does, not
-/// at a node. A node next to the rim carries a mean over its hat function, which reaches out of the
-/// contact. So nodes with an open one among their eight neighbours, and the open ones next to them,
-/// take the value of a paraboloid (weighted least squares) through the nodes around, which those
-/// within decide. Where that does not fall outwards (an edge of the hull) or has too few nodes, the
-/// rim lies half-way between nodes. AtRim nodes that bear all they can, `bound` [Pa], it lies where
-/// the ice begins to yield: where the overlap with the elastic surface is zero, or, of a runner
-/// that slides, where its groove begins. A node there that bears a part of it, in ice that has not
-/// yielded, is one over which the rim goes, half of whose hat function presses where it bears half.
+/// a paraboloid in Hertz's contact): the root of its positive part ends at the rim of the contact,
+/// not at a node. The pressure of a node next to the rim is a mean over its hat function, which
+/// reaches out of the contact.
+///
+/// - Nodes with an open node among their eight neighbours, and these open nodes, take the value of
+///   a paraboloid through the nodes around them (weighted least squares), which the inner nodes
+///   dominate.
+/// - If the paraboloid does not fall outwards (at an edge of the hull) or has too few nodes, the
+///   rim lies half-way between nodes.
+/// - Next to nodes at the hardness, `bound` [Pa], the rim lies where the ice begins to yield: where
+///   the overlap with the elastic surface is zero or, in sliding, where the groove begins.
+/// - A node there with a pressure below the hardness, in ice that has not yielded, is crossed by
+///   the rim: at half the hardness, half of its hat function is in contact.
 pub fn squared_pressure(field: &SurfaceField, bound: f64) -> Vec<f64> {
     let square: Vec<f64> = field.pressure.iter().map(|p| p * p).collect();
     let nodes = Nodes::new(field, &square);
@@ -43,12 +49,12 @@ pub fn squared_pressure(field: &SurfaceField, bound: f64) -> Vec<f64> {
         .collect();
     let full = |n: usize| field.pressure[n] >= ROUNDED * bound;
     let yields = |n: usize| nodes.block(n, 1).any(full);
-    // Next to nodes that yield, or to nodes that carry a part next to these.
+    // Next to nodes that yield, or to nodes below the hardness that are next to such nodes.
     let jumps = |n: usize| yields(n) || nodes.facing(n).all(yields);
     let closest = closest(field);
-    // Behind where it yields the ice presses elastically on the runner that rises.
+    // Behind the yielding part, the ice presses elastically on the rising runner.
     let recovers = |n: usize| square[n] > 0.0 && !full(n) && field.yielded[n] > 0.0;
-    // Ice next to such a part of the groove: the rim is the groove's wall, as it was made ahead.
+    // Ice next to such a part of the groove: the rim is the wall of the groove, formed ahead.
     let walled = |n: usize| field.yielded[n] <= 0.0 && nodes.facing(n).any(recovers);
     let wall = |n: usize| {
         let recovering = || nodes.facing(n).filter(|&k| recovers(k));
@@ -59,16 +65,17 @@ pub fn squared_pressure(field: &SurfaceField, bound: f64) -> Vec<f64> {
     };
     let touching = |n: usize| nodes.block(n, 1).filter(|&k| square[k] > 0.0);
     let mean = |n: usize| touching(n).map(|k| square[k]).sum::<f64>() / touching(n).count() as f64;
-    // An open node where the surface has fallen from the nodes that touch.
+    // An open node where the fitted surface has fallen to zero from the nodes in contact.
     let ended = |n: usize| {
         nodes.place[n] == Place::Open && fitted[n] < 0.5 * mean(n) && !jumps(n) && !walled(n)
     };
-    // The gap over the ice as it came; a groove behind the runner is not the beginning of a rim.
+    // The gap over the ice before it yields; a groove behind the runner is not the beginning of a
+    // rim.
     let before = |n: usize| match field.gap[n] - field.yielded[n] {
         gap if gap >= 0.0 => gap,
         _ => f64::NAN,
     };
-    let steep = STEEP * bound * bound / overlap(field, &nodes.place, bound);
+    let steep = STEEPNESS * bound * bound / overlap(field, &nodes.place, bound);
     (0..count)
         .into_par_iter()
         .map(|n| match nodes.place[n] {
@@ -77,7 +84,7 @@ pub fn squared_pressure(field: &SurfaceField, bound: f64) -> Vec<f64> {
             }
             Place::AtRim if full(n) && steep > 0.0 => steep * field.yielded[n],
             Place::AtRim if yields(n) && steep > 0.0 && field.yielded[n] <= 0.0 => {
-                STEEP * bound * (field.pressure[n] - 0.5 * bound)
+                STEEPNESS * bound * (field.pressure[n] - 0.5 * bound)
             }
             Place::Open if walled(n) && closest[n].is_finite() => wall(n),
             Place::Open if jumps(n) && steep > 0.0 && before(n).is_finite() => -steep * before(n),
@@ -101,30 +108,30 @@ fn closest(field: &SurfaceField) -> Vec<f64> {
     closest
 }
 
-/// How far the ice has yielded next to the rim, on average [m]; infinite where it has not.
+/// Mean depth to which the ice has yielded next to the rim [m]; infinite if it has not.
 fn overlap(field: &SurfaceField, place: &[Place], bound: f64) -> f64 {
     let yields = |n: &usize| place[*n] == Place::AtRim && field.pressure[*n] >= ROUNDED * bound;
     let overlaps = (0..place.len()).filter(yields).map(|n| field.yielded[n]);
     let open = (0..place.len()).filter(|&n| place[n] == Place::Open && field.gap[n].is_finite());
     let [overlap, gap] = [overlaps.collect(), open.map(|n| field.gap[n]).collect()]
         .map(|of: Vec<f64>| of.iter().sum::<f64>() / of.len() as f64);
-    if overlap > LEAST * gap {
+    if overlap > MIN_OVERLAP * gap {
         overlap
     } else {
         f64::INFINITY
     }
 }
 
-/// Where a node lies.
+/// Position of a node relative to the contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Place {
-    /// It touches, and so do its eight neighbours.
+    /// It and its eight neighbours are in contact.
     Within,
-    /// It touches, and a neighbour does not or is not there.
+    /// It is in contact, and a neighbour is open or does not exist.
     AtRim,
-    /// It does not touch, and a neighbour does.
+    /// It is open, and a neighbour is in contact.
     Open,
-    /// Neither it nor a neighbour touches.
+    /// It and its neighbours are open.
     Far,
 }
 
@@ -157,7 +164,7 @@ impl Nodes<'_> {
         nodes
     }
 
-    /// The nodes at most `reach` columns and rows away, itself too.
+    /// The nodes at most `reach` columns and rows away, including the node itself.
     fn block(&self, node: usize, reach: usize) -> impl Iterator<Item = usize> + use<> {
         let [columns, rows] = [self.x.len(), self.y.len()];
         let [i, j] = [node % columns, node / columns];
@@ -165,8 +172,8 @@ impl Nodes<'_> {
         near(j, rows - 1).flat_map(move |j| near(i, columns - 1).map(move |i| j * columns + i))
     }
 
-    /// The touching ones of the four neighbours of a node; of its eight neighbours where none of
-    /// those touches.
+    /// The nodes in contact among the four neighbours of a node; if there are none, among its eight
+    /// neighbours.
     fn facing(&self, node: usize) -> impl Iterator<Item = usize> + use<'_> {
         let columns = self.x.len();
         let straight =
@@ -177,8 +184,8 @@ impl Nodes<'_> {
         near.filter(move |&k| !any || straight(k))
     }
 
-    /// The paraboloid through the touching nodes around a node, at that node; NaN where they do not
-    /// determine one.
+    /// The value at a node of the paraboloid through the nodes in contact around it; NaN if they do
+    /// not determine one.
     fn fitted(&self, node: usize) -> f64 {
         let columns = self.x.len();
         let [i, j] = [node % columns, node / columns];
@@ -206,7 +213,7 @@ impl Nodes<'_> {
         }
         let scale = normal.diagonal();
         match normal.cholesky() {
-            // Each term has a part of its own, whatever the rounding.
+            // Each term is independent of the others beyond rounding.
             Some(factor) if (0..6).all(|k| factor.l()[(k, k)].powi(2) > 1e-9 * scale[k]) => {
                 factor.solve(&right)[0]
             }

@@ -17,16 +17,16 @@ pub struct AssembledBody {
     /// K of all displacements of the body, component after component, nodes as in
     /// [`VolumeField`](crate::VolumeField) or [`RunnerField`](crate::RunnerField) [N/m].
     pub stiffness: Arc<SparseStiffness>,
-    /// Displacements that mirror planes, outer faces or a mount hold, ascending.
+    /// Displacements that mirror planes, outer faces or a mount fix, ascending.
     pub fixed: Vec<usize>,
 }
 
-/// Assembles the stiffness of every body of a mesh, to be multiplied with from now on.
+/// Assembles the stiffness of every body of a mesh, which its products then use.
 ///
 /// `element` is that of a runner on mapped hexahedra.
 ///
 /// # Errors
-/// [`Error::StiffnessTooLarge`] where the bodies together would need more than `limit` bytes,
+/// [`Error::StiffnessTooLarge`] if the bodies together need more than `limit` bytes,
 /// [`Error::Unsuitable`].
 pub(crate) fn assemble(
     mesh: &mut Discretisation,
@@ -70,7 +70,7 @@ fn named(error: kufe_fem::Error) -> Error {
     }
 }
 
-/// The assembled bodies with their fixed displacements; none where nothing was assembled.
+/// The assembled bodies with their fixed displacements; empty if not assembled.
 pub(crate) fn assembled_bodies(contact: &ContactMesh) -> Vec<AssembledBody> {
     let bodies = ["ice", "runner"].into_iter().zip(&contact.bodies);
     let assembled = bodies.filter_map(|(name, body)| {

@@ -12,7 +12,7 @@ use crate::green::modal::ModalGreen;
 use crate::motion::{Motion, dot, dot_rows};
 use crate::vector;
 
-/// A mesh with everything the iteration needs; plane arrays have x fastest.
+/// The discretised contact problem; plane arrays have x fastest.
 pub(crate) struct ContactMesh {
     /// The elastic bodies, in the order of their parts of a displacement vector: the ice, then an
     /// elastic runner.
@@ -22,7 +22,7 @@ pub(crate) struct ContactMesh {
     pub lumped: [Vec<f64>; 2],
     /// Undeformed gap; infinite where there is no hull [m].
     pub gap: Vec<f64>,
-    /// Rows N of the rigid motion.
+    /// Rows of N, the closing of the gap by the rigid motion.
     pub rows: Vec<[f64; 3]>,
     /// Largest contact force of each node [N].
     pub bound: Vec<f64>,
@@ -58,7 +58,7 @@ impl ContactMesh {
         self.bodies.iter().map(ElasticBody::work).collect()
     }
 
-    /// A plane array's values at the candidates.
+    /// Values of a plane array at the candidates.
     pub fn on_candidates<T: Copy>(&self, plane: &[T]) -> Vec<T> {
         self.candidates.iter().map(|&node| plane[node]).collect()
     }
@@ -68,20 +68,20 @@ impl ContactMesh {
         self.bodies.iter().map(ElasticBody::len).sum()
     }
 
-    /// The Green's matrix of the candidates: that of the preconditioner, and that closer to
-    /// elasticity's. Stored where there are at `most` so many candidates.
-    pub fn greens(&self, most: StorageLimit) -> [Green<'_>; 2] {
+    /// The Green's matrix of the candidates: that of the preconditioner, and one closer to that of
+    /// elasticity. Stored if the number of candidates is within the `limit`.
+    pub fn greens(&self, limit: StorageLimit) -> [Green<'_>; 2] {
         let modal = |scaled: bool| {
             let (bodies, plane) = (&self.bodies, self.gap.len());
             ModalGreen::new(bodies, &self.candidates, plane, scaled)
         };
         let on_faces = |body: &ElasticBody| matches!(body.inverse, Inverse::Planewise(_));
-        let most = if self.bodies.iter().all(on_faces) {
-            most.faces
+        let limit = if self.bodies.iter().all(on_faces) {
+            limit.faces
         } else {
-            most.mounted
+            limit.mounted
         };
-        if self.candidates.len() > most
+        if self.candidates.len() > limit
             && let (Some(own), Some(scaled)) = (modal(false), modal(true))
         {
             return [own, scaled].map(|green| Green::Modal(Box::new(green)));
@@ -90,7 +90,7 @@ impl ContactMesh {
             .map(|green| Green::Dense(Cow::Owned(green)))
     }
 
-    /// As [`ContactMesh::greens`], stored.
+    /// [`ContactMesh::greens`], stored.
     pub fn dense_greens(&self) -> [Mat<f64>; 2] {
         let mut bodies = self.bodies.iter().map(|body| body.green(&self.candidates));
         let first = bodies.next().unwrap_or_else(|| [0, 1].map(|_| Mat::new()));
@@ -102,7 +102,7 @@ impl ContactMesh {
         })
     }
 
-    /// Forces of the candidates and the motion with them, without displacements.
+    /// The state with these forces of the candidates and this motion, and zero displacements.
     pub fn state_of(&self, force: &[f64], motion: [f64; 3]) -> State {
         let mut forces = vec![0.0; self.gap.len()];
         for (&node, f) in self.candidates.iter().zip(force) {
@@ -135,7 +135,7 @@ impl ContactMesh {
         nodes.map(|&node| self.gap[node] - closing[node]).collect()
     }
 
-    /// Vertical displacement of the ice surface: what it closes of the gap.
+    /// Vertical displacement of the ice surface, upwards.
     pub fn ice_surface(&self, displacement: &[f64]) -> Vec<f64> {
         let mut surface = vec![0.0; self.gap.len()];
         if let Some((ice, part)) = self.parts().next() {
@@ -152,9 +152,9 @@ impl ContactMesh {
             .collect()
     }
 
-    /// What penetration is compared with [m]: the deepest interpenetration of the undeformed
-    /// shapes, or how deep the ice sinks where a carried runner bends away from its own shape by
-    /// more than it presses in.
+    /// Length scale of the contact, with which penetration is compared [m]: the deepest
+    /// interpenetration of the undeformed shapes, or the deflection of the ice if a runner on
+    /// mounts bends by more than it presses in.
     pub fn depth(&self, state: &State) -> f64 {
         let undeformed = (0..self.gap.len()).map(|i| dot(self.rows[i], state.motion) - self.gap[i]);
         let deepest = undeformed.fold(f64::MIN_POSITIVE, f64::max);
@@ -171,14 +171,14 @@ impl ContactMesh {
         [0, 1, 2].map(|a| dot_rows(&self.rows, a, &force, 0))
     }
 
-    /// Twice the energy stored by the contact forces: sum of force times closing.
+    /// Twice the strain energy due to the contact forces: sum of force times closing.
     pub fn energy(&self, state: &State) -> f64 {
         let closing = self.closing(&state.displacement);
         let work = state.force.iter().zip(&closing).map(|(f, c)| f * c);
         work.sum::<f64>().abs()
     }
 
-    /// Forces 0 outside the set and at their bound where full.
+    /// Sets forces to 0 outside the set and to their bound on full nodes.
     pub fn project_forces(&self, sets: &Sets, state: &mut State) {
         let mut forces = vec![0.0; state.force.len()];
         for &i in &sets.inside {
@@ -221,9 +221,9 @@ impl ContactMesh {
     }
 }
 
-// Which nodes touch, and which of them carry all they can.
+// Contact sets.
 
-/// Nodes whose gap is closed, and nodes that carry all they can.
+/// A contact set: nodes with a closed gap, and nodes at their upper bound.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Sets {
     /// Gap zero, force between its bounds.
@@ -246,11 +246,11 @@ impl Sets {
         sets
     }
 
-    /// Lets one node between its bounds where none is and what is full does not bear the load.
+    /// Adds one node to `inside` if it is empty and the full nodes do not balance the load.
     ///
-    /// Full nodes alone determine no motion, and their forces sum to what they sum to. Where load
-    /// remains the open node that is nearest to touching takes it, where they bear too much the
-    /// full one that is pressed in least gives way.
+    /// The forces of full nodes are fixed, so that full nodes alone determine no motion. If they
+    /// carry less than the load, the open node with the smallest gap is added; if they carry more,
+    /// the full node with the largest gap.
     pub fn free_one(&mut self, motion: &Motion, bound: &[f64], gap: impl Fn(usize) -> f64) {
         if !self.inside.is_empty() || self.full.is_empty() || !motion.free[0] {
             return;
@@ -272,8 +272,8 @@ impl Sets {
     }
 }
 
-/// From forces within their bounds towards others, up to where the first one meets its bound: the
-/// part of the way and the forces there.
+/// Step from forces within their bounds towards others, up to the first bound that is met: the step
+/// length, at most 1, and the forces there.
 pub(crate) fn clip(from: &[f64], to: &[f64], bound: &[f64]) -> (f64, Vec<f64>) {
     let end = |(f, (t, b)): (&f64, (&f64, &f64))| match t - f {
         down if down < 0.0 && *t < 0.0 => f / -down,

@@ -1,4 +1,4 @@
-//! From a patch and a resolution to a mesh.
+//! The mesh of a patch with a resolution.
 
 use kufe_fem::{ElementKind, LowerLayer, TensorOperator};
 use kufe_mesh::{HexMesh, TensorGrid};
@@ -18,13 +18,13 @@ use crate::problem::check::{CheckedProblem, solid_material};
 use crate::symmetry::image_count;
 use crate::{Error, Foundation, Load};
 
-/// How far the mesh reaches and which of its nodes may touch.
+/// Extent of the mesh and of its candidates of contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reach {
-    /// What the patch needs; nodes on and near it.
+    /// The mesh around the patch; candidates on and near it.
     Patch,
-    /// Under the whole hull where that is bounded; every node under the hull. Contact far from
-    /// where it is expected is seen, if coarsely.
+    /// The mesh under the whole hull, if that is bounded; every node under the hull is a candidate.
+    /// It shows contact far from the patch, with coarse cells.
     WholeHull,
 }
 
@@ -32,7 +32,7 @@ pub(crate) enum Reach {
 pub(crate) struct Discretisation {
     /// Nodes of the ice, z = 0 on top.
     pub grid: TensorGrid,
-    /// The iteration's view of it.
+    /// The contact problem on the mesh.
     pub contact: ContactMesh,
     /// Mirror planes x = 0 and y = 0 that were used.
     pub symmetry: [bool; 2],
@@ -41,7 +41,7 @@ pub(crate) struct Discretisation {
 }
 
 impl Discretisation {
-    /// Layers of cells that are an elastic bed's, the lowest ones.
+    /// Number of layers of cells of an elastic bed, which are the lowest.
     pub fn bed_layers(&self) -> usize {
         let ice = self.contact.bodies[0].stiffness.grid();
         let layer = ice.and_then(TensorOperator::lower_layer);
@@ -53,29 +53,30 @@ impl Discretisation {
         self.contact.bodies.iter().map(ElasticBody::free_dofs).sum()
     }
 
-    /// How often mirror planes repeat the modelled part.
+    /// Number of symmetric images of the modelled part, itself included.
     pub fn image_count(&self) -> f64 {
         image_count(self.symmetry)
     }
 }
 
-/// Distance from the patch to the outer faces over the patch's largest half-length, on a
-/// half-space.
+/// Ratio of the distance from the patch to the outer faces of a half-space to the patch's largest
+/// half-length.
 ///
-/// The faces carry the half-space's own displacements under the contact forces, so this only has to
-/// be far enough for the forces to be gathered into a few lumps.
+/// The faces have the displacements of the half-space under the contact forces, so the distance
+/// only has to be large enough for the forces to be gathered into a few lumps.
 const HALF_SPACE_REACH: f64 = 3.0;
-/// Distance from the patch to the sides over the thickness of what lies on the rigid bed: exp(-pi 6
-/// / 2) < 1e-4.
+/// Ratio of the distance from the patch to the sides to the thickness of the layers on the rigid
+/// bed: exp(-pi 6 / 2) < 1e-4.
 const LAYER_REACH: f64 = 6.0;
 
-/// Depth of even layers over the patch's smaller half-width: the stresses vary most there.
+/// Ratio of the depth of even layers to the patch's smaller half-width: the stresses vary most
+/// there.
 const EVEN_DEPTH: f64 = 1.5;
 
-/// Cells over half the patch whose bending a patch is found with.
+/// Number of cells over half the patch for the bending of a runner in the search for the patch.
 const SEARCH_CELLS: f64 = 4.0;
 
-/// What a mesh is made for.
+/// Input for a mesh.
 struct MeshPlan<'a> {
     checked: &'a CheckedProblem<'a>,
     patch: &'a Patch,
@@ -146,7 +147,7 @@ impl MeshPlan<'_> {
         })
     }
 
-    /// From the patch to the outer faces, along and across [m].
+    /// Distance from the patch to the outer faces, along and across [m].
     fn margin(&self) -> f64 {
         match self.checked.problem.ice.foundation {
             Foundation::HalfSpace => self.depth(),
@@ -208,7 +209,7 @@ impl MeshPlan<'_> {
             Start::AtOrBelow(low)
         };
         let mut nodes = graded_axis(start, high, &zones, self.resolution.growth)?;
-        // Contact up to a runner's own ends needs nodes there.
+        // Contact up to the ends of a runner needs nodes there.
         if elastic.is_some() && bounded {
             hull.iter().for_each(|&end| put_node(&mut nodes, end));
         }
@@ -225,8 +226,8 @@ impl MeshPlan<'_> {
     /// Nodes of the ice and of an elastic bed under it along z, and that bed.
     fn layers(&self) -> Result<(Vec<f64>, Option<LowerLayer>), Error> {
         let (narrowest, depth) = (self.narrowest(), self.depth());
-        // Under a contact that is wider than the ice is thick layers refine with the cells: four of
-        // the coarsest mesh.
+        // Under a contact that is wider than the thickness of the ice, layers are refined with the
+        // cells; the coarsest mesh has four.
         let spacing = narrowest.min(0.75 * depth) / self.resolution.cells;
         let even_depth = spacing * (EVEN_DEPTH * narrowest / spacing - 1e-6).ceil();
         let mut layers = Stretch::even(-even_depth.min(depth), 0.0);
@@ -270,8 +271,7 @@ impl MeshPlan<'_> {
         let mut bound = Vec::with_capacity(nx * ny);
         let mut candidates = Vec::new();
         let hardness = problem.ice.hardness.unwrap_or(f64::INFINITY);
-        // A wide plane is searched where contact is expected: the rest would cost more than it is
-        // worth.
+        // On a large plane only the expected contact has candidates, to limit the cost.
         let everywhere = self.reach == Reach::WholeHull && nx * ny <= 1500;
         for j in 0..ny {
             for i in 0..nx {

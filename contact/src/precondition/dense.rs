@@ -7,15 +7,15 @@ use faer::linalg::solvers::Llt;
 use faer::perm::Perm;
 use faer::{Mat, MatRef, Par, Side};
 
-/// A = L L^T.
+/// Cholesky factor of a dense symmetric matrix, A = L L^T.
 #[derive(Clone, Debug)]
 pub(crate) struct DenseCholesky(Llt<f64>);
 
 impl DenseCholesky {
-    /// Factorises a symmetric matrix by its lower half; `None` where it is not positive definite.
+    /// Factorises a symmetric matrix given by its lower half; `None` if it is not positive
+    /// definite.
     ///
-    /// On all threads: they share the factor's blocks among them, and each block is summed by one
-    /// of them.
+    /// Runs on all threads; each block of the factor is summed by one thread.
     pub fn new(matrix: &Mat<f64>) -> Option<Self> {
         Llt::new(matrix.as_ref(), Side::Lower)
             .ok()
@@ -27,7 +27,7 @@ impl DenseCholesky {
         self.0.L()
     }
 
-    /// A^-1 `sides`, on one thread: more of them would share the sum of one row.
+    /// A^-1 `sides`, on one thread: several threads would divide the sum of one row.
     pub fn solve(&self, sides: &Mat<f64>) -> Mat<f64> {
         let mut solved = sides.clone();
         let n = self.lower().nrows();
@@ -43,7 +43,7 @@ impl DenseCholesky {
 
 /// P A = L U with partial pivoting.
 pub(crate) struct DenseLu {
-    /// L below the diagonal, without its ones, U on it and above.
+    /// L below the diagonal (its diagonal is 1), U on and above it.
     factors: Mat<f64>,
     rows: Perm<usize>,
 }

@@ -1,4 +1,4 @@
-//! The factor of a solid as its preconditioner.
+//! Exact preconditioner of a runner of unstructured hexahedra: its sparse factor.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -10,14 +10,14 @@ use kufe_mesh::TensorGrid;
 use crate::RunnerSolid;
 use crate::precondition::planewise::InverseWork;
 
-/// K^-1 by sparse Cholesky, with the contact plane reached through a mortar.
+/// K^-1 by sparse Cholesky, with a mortar as trace on the contact plane.
 pub(crate) struct FactoredInverse {
     solid: Arc<RunnerSolid>,
     mortar: Arc<Mortar>,
 }
 
 impl FactoredInverse {
-    /// Of a solid over the plane of `mortar`.
+    /// The inverse of a solid over the plane of `mortar`.
     pub fn new(solid: Arc<RunnerSolid>, mortar: Arc<Mortar>) -> Self {
         FactoredInverse { solid, mortar }
     }
@@ -92,9 +92,9 @@ impl FactoredInverse {
     }
 }
 
-// From the nodes of a runner's own mesh to those of the ice: a lumped mortar.
+// Displacements at the ice's nodes from those of a runner's own mesh: a lumped mortar.
 
-/// Weights of runner nodes in the displacement that a node of the ice's plane meets.
+/// Weights of runner nodes in the displacement of the runner at a node of the ice's plane.
 ///
 /// With the ice's bilinear functions phi_i and the runner's psi_j on their faces seen from above,
 ///
@@ -103,22 +103,22 @@ impl FactoredInverse {
 /// ```
 ///
 /// both over the part of the plane that lies under the runner's faces. Rows sum to 1, so rigid
-/// motions pass; and the forces p * integral of phi_i of a constant pressure become p * integral of
-/// psi_j on the runner, its own consistent forces: the patch test of constant pressure holds. Faces
-/// are cut by the ice's lines, and each piece is integrated exactly where the faces are
-/// parallelograms.
+/// motions are exact. The forces p * integral of phi_i of a constant pressure become p * integral
+/// of psi_j on the runner, its consistent forces: the patch test of constant pressure is passed.
+/// Faces are cut along the ice's grid lines; the integration of each piece is exact for faces that
+/// are parallelograms.
 pub(crate) type Rows = Vec<Vec<(usize, f64)>>;
 
-/// W as a body's way to the contact plane.
+/// The trace of a body on the contact plane by W.
 pub(crate) struct Mortar {
     /// For each plane node the weights of nodes of the runner's underside.
     pub rows: Rows,
-    /// Where the vertical displacement of each node of the underside is in the body's vector.
+    /// Index in the body's vector of the vertical displacement of each node of the underside.
     pub entries: Vec<usize>,
 }
 
 impl Mortar {
-    /// `closing` += B u of a body above, whose rising opens the gap.
+    /// `closing` += B u for a body above, whose upward displacement opens the gap.
     pub fn add_closing(&self, u: &[f64], closing: &mut [f64]) {
         for (closing, row) in closing.iter_mut().zip(&self.rows) {
             let terms = row.iter().map(|&(k, w)| w * u[self.entries[k]]);
@@ -136,8 +136,8 @@ impl Mortar {
     }
 }
 
-/// The rows of W for the nodes of the plane of `grid`, x fastest; empty where a node's function
-/// meets no face.
+/// The rows of W for the nodes of the plane of `grid`, x fastest; empty if no face overlaps a
+/// node's function.
 ///
 /// `faces` are four positions each with their nodes' numbers.
 pub(crate) fn mortar_rows(grid: &TensorGrid, faces: &[([usize; 4], [[f64; 2]; 4])]) -> Rows {
@@ -232,8 +232,8 @@ fn clip(mut polygon: Vec<[f64; 2]>, cell: [f64; 4]) -> Vec<[f64; 2]> {
     polygon
 }
 
-/// The four bilinear functions of a convex quadrilateral at a point in it; none where the map has
-/// no inverse there.
+/// The four bilinear functions of a convex quadrilateral at a point in it; `None` if the map cannot
+/// be inverted there.
 fn face_functions(corners: &[[f64; 2]; 4], at: [f64; 2]) -> Option<[f64; 4]> {
     const NATURAL: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let functions = |s: f64, t: f64| NATURAL.map(|n| 0.25 * (1.0 + n[0] * s) * (1.0 + n[1] * t));

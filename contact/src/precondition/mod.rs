@@ -1,4 +1,5 @@
-//! Cheap inverses of the stiffness of bodies on tensor grids, and exact ones of small systems.
+//! Approximate inverses of the stiffness of bodies on tensor grids, and exact ones of small
+//! systems.
 
 pub(crate) mod dense;
 pub(crate) mod factored;

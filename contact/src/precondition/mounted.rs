@@ -1,4 +1,5 @@
-//! The preconditioner of a body on a tensor grid, ready for a constraint on its contact plane.
+//! Preconditioner of a body on a tensor grid with a mount: fast diagonalisation, beam motions and
+//! clamps.
 
 use faer::{Mat, MatRef};
 use kufe_fem::{Axis, BeamModes, FastDiagonal, TensorOperator, to_components, to_nodes};
@@ -7,10 +8,10 @@ use rayon::prelude::*;
 use crate::precondition::dense::DenseCholesky;
 use crate::precondition::planewise::{Columns, InverseWork, PlaneBasis, Side, surface_response};
 
-/// M^-1 = P^-1 + Z C^-1 Z^T, in the subspace where the clamps hold.
+/// M^-1 = P^-1 + Z C^-1 Z^T, restricted to the subspace in which the clamped displacements are 0.
 ///
 /// P is fast diagonalisation, Z the motions of a beam ([`BeamSpace`]), and the clamps ([`Clamps`])
-/// are places on the body's top that no face of P holds. The contact plane is the lowest one.
+/// are nodes of the body's top that are not fixed in P. The contact plane is the lowest one.
 pub(crate) struct MountedInverse {
     fast: FastDiagonal,
     contact: PlaneModes,
@@ -21,14 +22,14 @@ pub(crate) struct MountedInverse {
     clamps: Clamps,
 }
 
-/// The gap shrinks by this times a vertical displacement of the contact plane.
+/// Ratio of the closing of the gap to a vertical displacement of the contact plane.
 const SIGN: f64 = Side::Above.sign();
 
 impl MountedInverse {
-    /// With the nodes (i, j) of the highest plane that the mount holds, by component; `first` is
-    /// the x axis of component x where it is not the operator's own.
+    /// The inverse with the nodes (i, j) of the highest plane that the mount fixes, by component;
+    /// `first` is the x axis of component x if it differs from the operator's.
     ///
-    /// None where the clamps are no independent constraint.
+    /// `None` if the clamps are not linearly independent.
     pub fn new(
         operator: &TensorOperator,
         first: Option<&Axis>,
@@ -66,14 +67,14 @@ impl MountedInverse {
         self.fast.to_modes(residual, modal, &mut work.scratch);
         self.fast.divide(modal);
         self.beam.project(residual, work);
-        self.hold(work);
+        self.apply_clamps(work);
         self.add_closing(1.0, work, closing);
     }
 
     /// See [`crate::bodies::elastic_body::ElasticBody::finish`].
     pub fn finish(&self, multipliers: &[(usize, f64)], step: &mut [f64], work: &mut InverseWork) {
         self.subtract_forces(multipliers, work);
-        self.hold(work);
+        self.apply_clamps(work);
         self.fast
             .from_modes(&work.intermediate, step, &mut work.scratch);
         let amplitudes = self.beam.answer(&work.motion);
@@ -85,7 +86,7 @@ impl MountedInverse {
         work.intermediate.fill(0.0);
         work.motion.fill(0.0);
         self.subtract_forces(forces, work);
-        self.hold(work);
+        self.apply_clamps(work);
         self.add_closing(-1.0, work, closing);
     }
 
@@ -99,7 +100,7 @@ impl MountedInverse {
         });
     }
 
-    /// Takes the forces m on nodes from what an application has gathered: r - B^T m.
+    /// Subtracts the forces m on nodes from the residual of the first pass: r - B^T m.
     fn subtract_forces(&self, multipliers: &[(usize, f64)], work: &mut InverseWork) {
         let forces = multipliers.iter().map(|&(node, m)| (node, SIGN * m));
         let forces: Vec<(usize, f64)> = forces.collect();
@@ -113,8 +114,8 @@ impl MountedInverse {
             .subtract_load(&self.fast, plane.as_ref(), &mut work.intermediate);
     }
 
-    /// Subtracts the clamps' reactions that keep them still.
-    fn hold(&self, work: &mut InverseWork) {
+    /// Subtracts the clamps' reactions, so that the clamped displacements are 0.
+    fn apply_clamps(&self, work: &mut InverseWork) {
         let (modal, motion) = (&mut work.intermediate, &mut work.motion);
         self.clamps.hold(&self.fast, &self.beam, modal, motion);
     }
@@ -135,10 +136,10 @@ impl MountedInverse {
         })
     }
 
-    /// The clamps' reduction of the Green's matrix of contact nodes: X G^-1 X^T, X between those
-    /// and the fixed ones.
+    /// Reduction of the Green's matrix of contact nodes by the clamps: X G^-1 X^T, with X the
+    /// Green's matrix between contact nodes and clamps.
     ///
-    /// `kind` is the number of the scale of P's part, `scale` its value.
+    /// `kind` is the index of the scale of P's part, `scale` its value.
     fn clamped_share(&self, kind: usize, scale: f64, nodes: &[[usize; 2]]) -> Mat<f64> {
         let clamps = &self.clamps;
         let vertical = clamps.rows.len() - clamps.fixed[2].len();
@@ -152,8 +153,7 @@ impl MountedInverse {
                 cross[(vertical + i, j)] += scale * direct[(j, i)];
             }
         }
-        // Half of the factor on either side, so that the share is symmetric: Y = L^-1 X^T, share =
-        // Y^T Y.
+        // With the Cholesky factor the result is symmetric: Y = L^-1 X^T, result = Y^T Y.
         let mut half = cross;
         faer::linalg::triangular_solve::solve_lower_triangular_in_place(
             clamps.factors[kind].lower(),
@@ -164,13 +164,13 @@ impl MountedInverse {
     }
 }
 
-// Places of a body's top that a mount holds, as a constraint of its preconditioner.
+// Fixed displacements of a body's top as a constraint in its preconditioner.
 
 /// Fixed displacements of one horizontal plane.
 ///
-/// With D picking them, the preconditioner in the subspace D z = 0 is M^-1 r = Q^-1 (r - D^T m), G
-/// m = D Q^-1 r, G = D Q^-1 D^T, where Q^-1 = P^-1 + Z C^-1 Z^T knows no clamps. Restricting
-/// stiffness and preconditioner to one subspace keeps their spectral bounds.
+/// With D selecting them, the preconditioner in the subspace D z = 0 is M^-1 r = Q^-1 (r - D^T m),
+/// G m = D Q^-1 r, G = D Q^-1 D^T, where Q^-1 = P^-1 + Z C^-1 Z^T is that without clamps. The
+/// restriction of stiffness and preconditioner to one subspace preserves their spectral bounds.
 struct Clamps {
     /// The plane's modes by component.
     modes: [PlaneModes; 3],
@@ -188,7 +188,7 @@ impl Clamps {
     /// Clamps `fixed`, nodes (i, j) of plane `plane` by component, with P's part of G scaled by
     /// each of `scales`.
     ///
-    /// None where G is not definite.
+    /// `None` if G is not positive definite.
     fn new(
         fast: &FastDiagonal,
         plane: usize,
@@ -224,8 +224,8 @@ impl Clamps {
         })
     }
 
-    /// Takes from Q^-1 r, given by its modal values and by Z^T r, the part that moves the fixed
-    /// displacements.
+    /// Subtracts from Q^-1 r, given by its modal values and by Z^T r, the part due to the clamps'
+    /// reactions.
     fn hold(&self, fast: &FastDiagonal, beam: &BeamSpace, modal: &mut [f64], motion: &mut [f64]) {
         let clamped = || {
             let components = self.modes.iter().zip(&self.fixed);
@@ -318,7 +318,7 @@ impl PlaneModes {
         self.basis.to_nodes(trace)
     }
 
-    /// Subtracts what P^-1 answers to nodal forces on the plane from a modal vector of the body.
+    /// Subtracts P^-1 times nodal forces on the plane from a modal vector of the body.
     fn subtract_load(
         &self,
         preconditioner: &FastDiagonal,
@@ -345,7 +345,7 @@ impl PlaneModes {
     }
 }
 
-// The motions of a beam in a body's preconditioner, where they meet the contact plane and the
+// The motions of a beam in a body's preconditioner, with their values on the contact plane and the
 // mount.
 
 /// Entries (motion, value) of a row of Z.
@@ -365,7 +365,7 @@ pub(crate) struct BeamSpace {
 }
 
 impl BeamSpace {
-    /// For a body of `shape` whose contact plane is the lowest.
+    /// The motions of a body of `shape` whose contact plane is the lowest plane.
     pub fn new(modes: BeamModes, shape: [usize; 3]) -> Self {
         let n = modes.count();
         let [nx, ny, nz] = shape;

@@ -1,5 +1,5 @@
-//! Preconditioner of a body that is constrained only on faces of its grid: fast diagonalisation in x
-//! and y, elimination in z.
+//! Preconditioner of a body that is constrained only on faces of its grid: fast diagonalisation in
+//! x and y, elimination in z.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};

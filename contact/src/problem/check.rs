@@ -1,4 +1,4 @@
-//! Ranges of the numbers in a problem, and what does not go together.
+//! Checks of a problem: the ranges of its numbers, and combinations that exclude each other.
 
 use kufe_fem::Material;
 
@@ -10,11 +10,11 @@ use crate::{
 const PASCALS: &str = "a positive number of Pa";
 const METRES: &str = "a positive number of m";
 
-/// A problem whose numbers are in their ranges, with its options and what its checks derive.
+/// A problem whose numbers are in their ranges, with its options, material and gap.
 pub(crate) struct CheckedProblem<'a> {
     pub problem: &'a Problem,
     pub options: &'a Options,
-    /// Of the ice.
+    /// Material of the ice.
     pub material: Material,
     pub gap: Gap<'a>,
 }
@@ -30,7 +30,7 @@ impl<'a> CheckedProblem<'a> {
         })
     }
 
-    /// As [`CheckedProblem::new`], with a load that the hull can pass on at the stated hardness.
+    /// [`CheckedProblem::new`], and checks that the hull can carry the load at the stated hardness.
     pub fn bearable(problem: &'a Problem, options: &'a Options) -> Result<Self, Error> {
         let checked = CheckedProblem::new(problem, options)?;
         if let (Load::Force { fz, .. }, Some(hardness)) = (problem.load, problem.ice.hardness) {
@@ -49,7 +49,7 @@ impl<'a> CheckedProblem<'a> {
     }
 }
 
-/// The ice's material, where every number of the problem is in its range.
+/// Checks every number of the problem; returns the material of the ice.
 fn check(problem: &Problem, options: &Options) -> Result<Material, Error> {
     check_ice(&problem.ice)?;
     let curvature = problem.track_curvature;
@@ -76,7 +76,7 @@ fn check(problem: &Problem, options: &Options) -> Result<Material, Error> {
     solid_material("ice material", ice.youngs_modulus, ice.poissons_ratio)
 }
 
-/// The material of these constants; an error with the `name` of what has them where no solid does.
+/// The material of these constants; an error with the body's `name` if they are those of no solid.
 pub(crate) fn solid_material(
     name: &'static str,
     youngs_modulus: f64,
@@ -86,15 +86,14 @@ pub(crate) fn solid_material(
         .map_err(|_| Error::out_of_range(name, youngs_modulus, "an elastic solid"))
 }
 
-/// Smallest Young's modulus of a runner over that of the ice. A softer one is a wrong unit, and its
-/// compliance has no digits in common with that of the ice.
-const SOFTEST: f64 = 1e-9;
+/// Smallest ratio of a runner's Young's modulus to that of the ice. A smaller one is a wrong unit,
+/// and the ice's compliance is then below the rounding of the runner's.
+const MIN_STIFFNESS_RATIO: f64 = 1e-9;
 
-/// Largest tilt [rad]. Free tilts and those of a deformed runner are taken as small.
-pub(crate) const MOST_TILT: f64 = 0.12;
+/// Largest tilt [rad]. Free tilts and those of a deformed runner are treated as small angles.
+pub(crate) const MAX_TILT: f64 = 0.12;
 
-/// Force or approach is positive, offsets and tilts are numbers, tilts those of a runner on its
-/// underside.
+/// Force or approach must be positive, offsets finite, and tilts at most [`MAX_TILT`].
 fn check_load(load: &Load) -> Result<(), Error> {
     let (offsets, tilts) = match *load {
         Load::Force {
@@ -128,7 +127,7 @@ fn check_load(load: &Load) -> Result<(), Error> {
     }
     for tilt in tilts {
         let expected = "at most 0.12 rad either way";
-        within(tilt.abs() <= MOST_TILT, "fixed tilt", tilt, expected)?;
+        within(tilt.abs() <= MAX_TILT, "fixed tilt", tilt, expected)?;
     }
     Ok(())
 }
@@ -181,7 +180,7 @@ fn check_ice(ice: &Ice) -> Result<(), Error> {
     }
 }
 
-/// A runner's material is a solid's; on the ice's columns its top and its flank are numbers.
+/// Checks a runner's material and, where it is meshed on the ice's columns, its top and its flank.
 fn check_elastic(problem: &Problem, elastic: &ElasticRunner) -> Result<(), Error> {
     positive("runner's Young's modulus", elastic.youngs_modulus, PASCALS)?;
     check_ratio("runner's Poisson's ratio", elastic.poissons_ratio)?;
@@ -189,7 +188,7 @@ fn check_elastic(problem: &Problem, elastic: &ElasticRunner) -> Result<(), Error
     let young = own.map_or(elastic.youngs_modulus, |solid| {
         solid.material().youngs_modulus()
     });
-    let stiff = young >= SOFTEST * problem.ice.youngs_modulus;
+    let stiff = young >= MIN_STIFFNESS_RATIO * problem.ice.youngs_modulus;
     let expected = "at least 1e-9 of the ice's";
     within(stiff, "runner's Young's modulus", young, expected)?;
     if elastic.solid.is_none() && problem.runner.is_bounded() {
@@ -201,7 +200,8 @@ fn check_elastic(problem: &Problem, elastic: &ElasticRunner) -> Result<(), Error
     }
 }
 
-/// Places lie on the hull and are longer than nothing; loads without a mount balance the load.
+/// Places must lie on the hull and have a positive length; loads without a mount must balance the
+/// load.
 fn check_mount(problem: &Problem, elastic: &ElasticRunner) -> Result<(), Error> {
     if elastic.mount == Mount::Top {
         return Ok(());

@@ -1,4 +1,4 @@
-//! What is pressed on what, and how hard.
+//! The contact problem: runner, ice, track and load.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ pub struct Problem {
     pub runner: Runner,
     /// The ice.
     pub ice: Ice,
-    /// Height of the unloaded ice over the track; even where absent.
+    /// Height of the unloaded ice over the track; `None` for even ice.
     pub ice_surface: Option<Arc<dyn IceSurface>>,
     /// Curvature of the track in the vertical plane, positive in a valley [1/m].
     pub track_curvature: f64,
@@ -23,7 +23,7 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// On even ice and a track that is straight in the vertical plane.
+    /// A problem on even ice and a track that is straight in the vertical plane.
     pub fn new(runner: Runner, ice: Ice, load: Load) -> Self {
         Problem {
             runner,
@@ -34,8 +34,8 @@ impl Problem {
         }
     }
 
-    /// How both bodies give as half-spaces, 1 / E* = (1 - nu^2) / E of the ice and, where it is
-    /// elastic, of the runner [1/Pa].
+    /// Compliance of both bodies as half-spaces, 1 / E* [1/Pa]: (1 - nu^2) / E of the ice plus,
+    /// where it is elastic, that of the runner.
     pub fn compliance(&self) -> f64 {
         let runner = self.runner.elastic.as_ref();
         self.ice.compliance() + runner.map_or(0.0, ElasticRunner::compliance)
@@ -84,7 +84,7 @@ impl Load {
 /// Whether the runner may turn about its line of action.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tilt {
-    /// Pitch and roll settle where the moments balance.
+    /// Pitch and roll follow from the balance of moments.
     Free,
     /// Pitch and roll are fixed.
     Fixed {
@@ -96,7 +96,7 @@ pub enum Tilt {
 }
 
 impl Tilt {
-    /// Fixed as the hull is drawn.
+    /// Fixed pitch and roll of 0.
     pub const LEVEL: Tilt = Tilt::Fixed {
         pitch: 0.0,
         roll: 0.0,
@@ -110,7 +110,7 @@ impl Tilt {
 pub struct Runner {
     /// Its lower surface.
     pub underside: Arc<dyn Underside>,
-    /// Its elasticity; rigid where absent.
+    /// Its elasticity; `None` for a rigid runner.
     pub elastic: Option<ElasticRunner>,
 }
 
@@ -123,16 +123,16 @@ impl Runner {
         }
     }
 
-    /// Whether its hull ends along x and y.
+    /// Whether its hull has finite extents along x and y.
     pub fn is_bounded(&self) -> bool {
         self.underside.extent().iter().all(|end| end.is_finite())
     }
 }
 
-/// The elasticity of a runner, its solid and what holds it.
+/// The elasticity of a runner, its solid and its mount.
 ///
-/// A bounded hull is meshed between its underside and its flat top on the ice's columns, unless it
-/// brings a `solid`. An unbounded one (the paraboloid) is a half-space above the contact plane.
+/// A bounded hull is meshed between its underside and its flat top on the ice's columns, unless a
+/// `solid` is given. An unbounded hull (the paraboloid) is a half-space above the contact plane.
 #[derive(Clone, Debug)]
 pub struct ElasticRunner {
     /// Young's modulus [Pa].
@@ -142,20 +142,20 @@ pub struct ElasticRunner {
     /// Height of the flat top over the contact plane [m]; not used by an unbounded hull, nor by a
     /// solid.
     pub top: f64,
-    /// What holds the meshed runner.
+    /// Mount of the meshed runner.
     pub mount: Mount,
-    /// Steepest slope of the meshed solid's underside, where its mount's own ([`Mount::flank`]) is
-    /// not to be taken.
+    /// Largest slope of the meshed solid's underside; `None` for the default of its mount
+    /// ([`Mount::flank`]).
     ///
-    /// Where the hull is steeper the solid goes on straight at this slope: it gains steel next to
-    /// the contact, the gap does not change.
+    /// Where the hull is steeper, the solid continues straight at this slope: it has more steel
+    /// next to the contact, the gap does not change.
     pub flank: Option<f64>,
-    /// A runner on hexahedra of its own.
+    /// Unstructured hexahedra of the runner; `None` if it is meshed on the ice's columns.
     pub solid: Option<Arc<RunnerSolid>>,
 }
 
 impl ElasticRunner {
-    /// How it gives as a half-space, (1 - nu^2) / E [1/Pa].
+    /// Compliance as a half-space, (1 - nu^2) / E [1/Pa].
     pub fn compliance(&self) -> f64 {
         (1.0 - self.poissons_ratio * self.poissons_ratio) / self.youngs_modulus
     }
@@ -172,7 +172,7 @@ impl ElasticRunner {
         }
     }
 
-    /// The element of its hexahedra: on the ice's columns that of its mount.
+    /// Element of its hexahedra; on the ice's columns it depends on the mount.
     pub fn element_kind(&self) -> ElementKind {
         match self.solid {
             Some(_) => ElementKind::Hex8Incompatible,

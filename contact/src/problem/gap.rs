@@ -3,26 +3,25 @@
 use crate::error::plain;
 use crate::{Error, Load, Problem, Tilt};
 
-/// Undeformed gap g(x, y) = height of the underside - height of the track - height of the ice on
-/// it, with the fixed part of the tilt in it, and how the runner's rigid motion changes it.
+/// Undeformed gap g(x, y) = height of the underside - height of the track - height of the ice over
+/// the track, including the fixed part of the tilt, and its change by the runner's rigid motion.
 ///
 /// gap(q) = g - N q with q = (approach, pitch, roll) and the row N = (1, x - x0, -(y - y0)):
-/// pressing in lowers the runner, positive pitch lowers its nose, positive roll lifts its left
-/// side. (x0, y0) is the line of action, so that the moments of the pressure about it balance to
-/// zero.
+/// approach lowers the runner, positive pitch lowers its nose, positive roll lifts its left side.
+/// (x0, y0) is the line of action, so that the moments of the pressure about it are zero.
 pub(crate) struct Gap<'a> {
     problem: &'a Problem,
     /// Line of action [m].
     pub line_of_action: [f64; 2],
-    /// Pitch and roll that are fixed and so part of g [rad].
+    /// Fixed pitch and roll, which are part of g [rad].
     fixed_tilt: [f64; 2],
     /// Which of approach, pitch and roll follow from balance.
     pub free_motion: [bool; 3],
-    /// A rotation taken out of g when pitch and roll are free, so that g is level at the line of
+    /// Rotation subtracted from g when pitch and roll are free, so that g is level at the line of
     /// action [rad].
     pub levelling: [f64; 2],
-    /// Mirror planes x = 0 and y = 0 to be used where hull, ice and load have them: sliding has
-    /// none across the runner.
+    /// Mirror planes x = 0 and y = 0 that may be used if hull, ice and load have them; x = 0 is
+    /// excluded in sliding.
     pub mirrored: [bool; 2],
 }
 
@@ -88,19 +87,20 @@ impl<'a> Gap<'a> {
     pub fn at(&self, x: f64, y: f64) -> f64 {
         let [x0, y0] = self.line_of_action;
         let [pitch, roll] = self.levelling;
-        let height = self.turned([x - x0, y - y0]);
+        let height = self.tilted_height([x - x0, y - y0]);
         let surface = self.problem.ice_surface.as_ref();
         let ice = surface.map_or(0.0, |surface| surface.height(x, y));
         height - ice - track_height(self.problem.track_curvature, x) - pitch * (x - x0)
             + roll * (y - y0)
     }
 
-    /// Height of the underside [m] at a place from the line of action [m], by the fixed tilt turned
-    /// about that line on the contact plane: by the roll about x, then by the pitch about y.
+    /// Height [m] of the tilted underside at (x, y), relative to the line of action [m]: the hull
+    /// is rotated about the line of action on the contact plane by the fixed roll about x, then by
+    /// the fixed pitch about y.
     ///
-    /// The place of the underside that comes to lie there is found by substitution, which contracts
-    /// where slope times tilt is below 1; nothing of a steeper flank is near the ice.
-    fn turned(&self, [x, y]: [f64; 2]) -> f64 {
+    /// The point of the underside that is rotated to (x, y) is found by fixed-point iteration. It
+    /// contracts where slope times tilt is below 1; steeper flanks are not near the ice.
+    fn tilted_height(&self, [x, y]: [f64; 2]) -> f64 {
         let [pitch, roll] = self.fixed_tilt;
         let [x0, y0] = self.line_of_action;
         let height = |[u, v]: [f64; 2]| self.problem.runner.underside.height(x0 + u, y0 + v);
@@ -109,13 +109,13 @@ impl<'a> Gap<'a> {
         }
         let ([sp, cp], [sr, cr]) = ([pitch.sin(), pitch.cos()], [roll.sin(), roll.cos()]);
         let mut place = [x, y];
-        for _ in 0..TURNS {
+        for _ in 0..MAX_ITERATIONS {
             let z = height(place);
             let v = (y + sr * z) / cr;
             let rolled = sr * v + cr * z;
             let u = (x - sp * rolled) / cp;
             let moved = (u - place[0]).abs().max((v - place[1]).abs());
-            if moved <= TURNED {
+            if moved <= TOLERANCE {
                 return cp * rolled - sp * u;
             }
             place = [u, v];
@@ -123,8 +123,7 @@ impl<'a> Gap<'a> {
         f64::INFINITY
     }
 
-    /// Places where measured surfaces of runner and ice come nearer to one another than in their
-    /// surroundings [m].
+    /// Local minima of the gap between measured surfaces of runner and ice, as places (x, y) [m].
     pub fn lows(&self) -> impl Iterator<Item = [f64; 2]> {
         let highs = self.problem.ice_surface.iter().flat_map(|ice| ice.highs());
         let lows = self.problem.runner.underside.lows().iter();
@@ -140,7 +139,7 @@ impl<'a> Gap<'a> {
         ]
     }
 
-    /// Pitch and roll in the result, from the motion that was solved for.
+    /// Pitch and roll of the result from those of the solved motion.
     pub fn tilt(&self, pitch: f64, roll: f64) -> [f64; 2] {
         [
             self.fixed_tilt[0] + self.levelling[0] + pitch,
@@ -188,11 +187,12 @@ impl<'a> Gap<'a> {
     }
 }
 
-/// Most substitutions for a place of a turned underside, and the move at which they end [m].
-const TURNS: usize = 100;
-const TURNED: f64 = 1e-13;
+/// Largest number of fixed-point iterations for a point of a tilted underside, and the change at
+/// which they end [m].
+const MAX_ITERATIONS: usize = 100;
+const TOLERANCE: f64 = 1e-13;
 
-/// Part of a hull's length or width next to its rim in which no load acts that is to be balanced.
+/// Fraction of a hull's length or width next to its rim in which no force-controlled load may act.
 const RIM: f64 = 2e-3;
 
 fn off_the_rim(axis: &'static str, at: f64, low: f64, high: f64) -> Result<(), Error> {

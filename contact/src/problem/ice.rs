@@ -1,8 +1,8 @@
-//! The pressed body and what carries it.
+//! The ice: elastic constants, hardness and foundation.
 
 use kufe_fem::ElementKind;
 
-/// The pressed body.
+/// The ice under the runner.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ice {
     /// Young's modulus [Pa].
@@ -11,12 +11,12 @@ pub struct Ice {
     pub poissons_ratio: f64,
     /// What the ice rests on.
     pub foundation: Foundation,
-    /// Largest pressure the surface bears, where one is stated [Pa].
+    /// Hardness: largest pressure of the surface [Pa]; `None` for elastic ice.
     pub hardness: Option<f64>,
 }
 
 impl Ice {
-    /// Elastic ice without end, of a Young's modulus [Pa] and a Poisson's ratio.
+    /// An elastic half-space of a Young's modulus [Pa] and a Poisson's ratio.
     pub fn half_space(youngs_modulus: f64, poissons_ratio: f64) -> Self {
         Ice {
             youngs_modulus,
@@ -26,12 +26,12 @@ impl Ice {
         }
     }
 
-    /// How it gives as a half-space, (1 - nu^2) / E [1/Pa].
+    /// Compliance as a half-space, (1 - nu^2) / E [1/Pa].
     pub fn compliance(&self) -> f64 {
         (1.0 - self.poissons_ratio * self.poissons_ratio) / self.youngs_modulus
     }
 
-    /// The element of its hexahedra and of its bed's.
+    /// Element of its hexahedra and of those of its bed.
     pub fn element_kind(&self) -> ElementKind {
         let ratio = match self.foundation {
             Foundation::ElasticBed { bed, .. } => self.poissons_ratio.max(bed.poissons_ratio),
@@ -41,10 +41,10 @@ impl Ice {
     }
 }
 
-/// What carries the ice from below.
+/// Foundation of the ice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Foundation {
-    /// Ice without end: the far field is that of a half-space.
+    /// Unbounded ice: the far field is that of a half-space.
     HalfSpace,
     /// A layer bonded to a rigid bed.
     RigidBed {
@@ -56,7 +56,7 @@ pub enum Foundation {
     ElasticBed {
         /// Thickness of the ice [m].
         thickness: f64,
-        /// What it is bonded to.
+        /// The elastic layer under the ice.
         bed: Bed,
     },
 }
@@ -72,11 +72,11 @@ pub struct Bed {
     pub thickness: f64,
 }
 
-// What the temperature makes of ice.
+// Properties of ice as functions of temperature.
 
 /// Poisson's ratio of polycrystalline ice (P. H. Gammon, H. Kiefte, M. J. Clouter and W. W. Denner,
-/// J. Glaciol. 29 (1983) 433-460, doi 10.1017/s0022143000030355); all elastic constants change
-/// alike with the temperature.
+/// J. Glaciol. 29 (1983) 433-460, doi 10.1017/s0022143000030355). All elastic constants change with
+/// temperature by the same factor, so the ratio does not.
 pub const ICE_POISSONS_RATIO: f64 = 0.325;
 
 /// Young's modulus of polycrystalline ice at `temperature` [C], in [Pa].
@@ -110,7 +110,7 @@ pub fn ice_hardness(temperature: f64) -> f64 {
     14.7e6 - 0.6e6 * temperature
 }
 
-/// Pressure that melts ice of `temperature` [C], below which no contact lasts, in [Pa].
+/// Pressure that melts ice of `temperature` [C], in [Pa].
 ///
 /// p = -T/(0.074 K/MPa): 13.5 MPa a kelvin below 0 C (V. F. Petrenko and R. W. Whitworth, Physics
 /// of Ice, Oxford 1999).

@@ -1,4 +1,4 @@
-//! What holds an elastic runner.
+//! Mounts of an elastic runner.
 
 use kufe_fem::ElementKind;
 
@@ -20,13 +20,14 @@ impl Place {
 /// A stretch of the runner's top that carries a share of the normal force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadedPlace {
-    /// Where it is.
+    /// The stretch.
     pub place: Place,
-    /// Part of the normal force that it carries.
+    /// Fraction of the normal force that it carries.
     pub share: f64,
 }
 
-/// What holds an elastic runner, and moves with its rigid motion.
+/// Mount of an elastic runner: the fixed or loaded part of its top, which moves with its rigid
+/// motion.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Mount {
     /// The whole flat top.
@@ -35,25 +36,25 @@ pub enum Mount {
     /// The top's full width at some places along it, as a luge steel on its bridges or a runner in
     /// its carriers.
     Places(Vec<Place>),
-    /// Nothing: places along the top carry the load down, spread evenly along each place on the
-    /// line of action. The shares sum to 1, and their line of action is the load's, so that the
+    /// No fixed nodes: places along the top apply the load, distributed evenly along each place on
+    /// the line of action. The shares sum to 1, and their line of action is the load's, so that the
     /// body is in balance for any support.
     Loads(Vec<LoadedPlace>),
 }
 
-/// A mounted runner has at least this many cells along it for each over half the patch, so that its
-/// bending is followed, and converges with the contact.
+/// Smallest number of cells along a mounted runner per cell over half the patch, so that its
+/// bending is resolved and converges with the contact.
 const CELLS_ALONG: f64 = 10.0;
-/// Cells over a place for each over half the patch.
+/// Number of cells over a place per cell over half the patch.
 const CELLS_A_PLACE: f64 = 1.0;
 
 impl Mount {
-    /// The steepest slope of the meshed underside that serves this mount.
+    /// Default limit of the slope of the meshed underside.
     ///
-    /// A runner fixed all over its top does not bend, and a gentle flank costs nothing; where it
-    /// bends, the steel that the limit adds counts: 0.35 adds 4.1 per cent to the bending stiffness
-    /// of a runner with a half circle for its section, 10 mm x 30 mm, and 0.5 takes up to a fifth
-    /// more iterations.
+    /// A runner that is fixed all over its top does not bend, and a gentle flank does no harm.
+    /// Where the runner bends, the limit adds steel: 0.35 adds 4.1 per cent to the bending
+    /// stiffness of a runner with a half circle for its section, 10 mm x 30 mm, and 0.5 takes up to
+    /// a fifth more iterations.
     pub fn flank(&self) -> f64 {
         match self {
             Mount::Top => 0.25,
@@ -61,8 +62,8 @@ impl Mount {
         }
     }
 
-    /// The element of a runner on the ice's columns: a runner fixed all over its top cannot bend,
-    /// and what serves a block serves it.
+    /// Element of a runner on the ice's columns: a runner that is fixed all over its top cannot
+    /// bend, and has the element of a block.
     pub fn element(&self, poissons_ratio: f64) -> ElementKind {
         match self {
             Mount::Top => ElementKind::of_block(poissons_ratio),
@@ -70,7 +71,7 @@ impl Mount {
         }
     }
 
-    /// The places that it names.
+    /// The fixed or loaded places; none for the whole top.
     pub fn places(&self) -> Vec<Place> {
         match self {
             Mount::Top => Vec::new(),
@@ -79,7 +80,7 @@ impl Mount {
         }
     }
 
-    /// Whether it is the same seen from the other end.
+    /// Whether it is symmetric about x = 0.
     pub fn mirror_symmetric(&self) -> bool {
         let close = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (a.abs() + b.abs());
         let same = |a: &Place, b: &Place| close(a.x, -b.x) && close(a.length, b.length);
@@ -106,7 +107,7 @@ impl Mount {
             for &end in ends {
                 let [first, last] = [nodes[0], nodes[nodes.len() - 1]];
                 if first < end && end < last {
-                    // Nodes too near an end make way for it, but for the runner's own ends.
+                    // Nodes too near an end of a place are removed, except the runner's own ends.
                     let fixed = [low, high, first, last];
                     let near = 0.2 * place.length;
                     nodes.retain(|x| (x - end).abs() > near || fixed.contains(x));
@@ -125,8 +126,8 @@ impl Mount {
             let of_place = over.map(|(place, _)| place.length / (CELLS_A_PLACE * cells));
             of_place.fold((high - low) / (CELLS_ALONG * cells), f64::min)
         };
-        // Neighbours that are too long are divided as one, so that cells of finer meshes are
-        // smaller in proportion to their number.
+        // Adjacent cells that are too long are divided as one, so that the size of cells of finer
+        // meshes is in inverse proportion to their number.
         let limit = |pair: &[f64]| {
             let middle = 0.5 * (pair[0] + pair[1]);
             let on_runner = (low..=high).contains(&middle);
@@ -163,8 +164,8 @@ impl Mount {
     }
 }
 
-/// Integrals of the hat functions of `nodes` over a stretch, per its length: they sum to the part
-/// of it that the nodes span.
+/// Integrals of the hat functions of `nodes` over a place, divided by its length: they sum to the
+/// fraction of the place that the nodes span.
 pub(crate) fn spread_along(nodes: &[f64], place: &Place) -> Vec<f64> {
     let [low, high] = place.ends();
     let mut share = vec![0.0; nodes.len()];

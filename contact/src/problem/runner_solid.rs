@@ -1,4 +1,4 @@
-//! A runner on hexahedra of its own: fixed somewhere, touched from below.
+//! A runner of unstructured hexahedra.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
@@ -11,11 +11,11 @@ use kufe_mesh::{HexMesh, Hull, Noise, noise_of_faces};
 
 use crate::Error;
 
-/// The stiffness of a runner of unstructured hexahedra, factorised, and the faces that may touch
-/// the ice.
+/// The factorised stiffness of a runner of unstructured hexahedra, and the faces that may touch the
+/// ice.
 ///
-/// Cells have incompatible modes, so that thin steel bends. The factor is made once and serves
-/// every mesh of the ice.
+/// Cells have incompatible modes, for the bending of thin steel. The factor is computed once and
+/// used on every mesh of the ice.
 pub struct RunnerSolid {
     pub(crate) body: Body,
     pub(crate) stiffness: BlockMatrix,
@@ -27,8 +27,8 @@ pub struct RunnerSolid {
     heights: Vec<f64>,
     /// Nodes of the underside.
     pub(crate) surface: Vec<usize>,
-    /// Vertical displacements of the underside's nodes under 1 N on one of them, as they were
-    /// requested [m/N].
+    /// Vertical displacements of the underside's nodes under 1 N on one of them, by that node:
+    /// those requested so far [m/N].
     responses: Mutex<HashMap<usize, Vec<f64>>>,
 }
 
@@ -50,11 +50,11 @@ const BATCH: usize = 32;
 impl RunnerSolid {
     /// A solid of one material whose nodes where `fixed` are clamped; z points up.
     ///
-    /// The underside is what faces down and is connected with the lowest face.
+    /// The underside consists of the faces that face down and are connected with the lowest one.
     ///
     /// # Errors
-    /// [`Error::Unsuitable`] where a cell is inside out, no node is fixed, the fixed nodes leave a
-    /// mechanism, or nothing faces down.
+    /// [`Error::Unsuitable`] if a cell is inside out, no node is fixed, the fixed nodes leave a
+    /// mechanism, or no face faces down.
     pub fn new(
         mesh: HexMesh,
         youngs_modulus: f64,
@@ -129,8 +129,8 @@ impl RunnerSolid {
         noise_of_faces(&self.mesh().points, &self.faces)
     }
 
-    /// Largest extents along x, y and z of the hexahedra on the underside's faces with their middle
-    /// between these ends of x and y [m]; zero where there are none.
+    /// Largest extents along x, y and z of the hexahedra on the underside's faces whose middle lies
+    /// within these intervals of x and y [m]; zero if there are none.
     pub(crate) fn largest_cell(&self, x: [f64; 2], y: [f64; 2]) -> [f64; 3] {
         let mut largest = [0.0f64; 3];
         for (face, &height) in self.faces.iter().zip(&self.heights) {
@@ -179,17 +179,18 @@ impl RunnerSolid {
     }
 }
 
-/// What keeps nodes and cells from being hexahedra of anything.
+/// The first defect of a mesh, in words: a node that is not finite, or a cell with a node that does
+/// not exist.
 fn wrong_in(mesh: &HexMesh) -> Option<String> {
     let count = mesh.points.len();
     let infinite = |point: &[f64; 3]| point.iter().any(|x| !x.is_finite());
     if let Some(node) = mesh.points.iter().position(infinite) {
-        return Some(format!("node {node} of its mesh is nowhere"));
+        return Some(format!("node {node} of its mesh is not finite"));
     }
     let strange = |cell: &[usize; 8]| cell.iter().any(|&node| node >= count);
     let cell = mesh.cells.iter().position(strange)?;
     Some(format!(
-        "cell {cell} of its mesh has a node that is none of its {count}"
+        "cell {cell} of its mesh has a node that is not one of the {count} nodes"
     ))
 }
 

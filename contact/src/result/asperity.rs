@@ -1,23 +1,23 @@
-//! The asperities of a contact: places that touch apart from one another.
+//! The asperities of a contact: its connected components.
 
 use crate::SurfaceField;
 
-/// A stretch of the contact plane that touches, apart from all others.
+/// A connected component of the contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asperity {
-    /// Where the resultant of its pressure acts, x and y [m].
+    /// Centre of pressure, x and y [m].
     pub centre: [f64; 2],
     /// Normal force [N].
     pub force: f64,
-    /// Area of its nodes, half a cell beyond its rim in the mean [m2].
+    /// Area of its nodes, which exceeds the contact by half a cell at its rim on average [m2].
     pub area: f64,
     /// Largest nodal pressure [Pa].
     pub p_max: f64,
 }
 
 impl SurfaceField {
-    /// The asperities in contact, the largest force first: nodes with pressure, each with its four
-    /// neighbours on the grid's lines.
+    /// The asperities in contact, the largest force first. Two nodes with pressure belong to the
+    /// same asperity if they are neighbours on a line of the grid.
     ///
     /// ```
     /// use kufe_contact::SurfaceField;

@@ -47,8 +47,8 @@ impl CentreLine {
         self.stress.iter().map(|&s| maximum_shear(s)).collect()
     }
 
-    /// The largest maximum shear stress and its depth: stresses are cubic between depths. `None`
-    /// where it is largest at an end of the line.
+    /// The largest maximum shear stress and its depth, with stresses cubic between depths; `None`
+    /// if it is largest at an end of the line.
     ///
     /// Under a circular Hertz contact of radius a it is 0.310 p_max at 0.481 a, under a line
     /// contact of half-width b 0.300 p_max at 0.786 b, for a Poisson's ratio of 0.3 (K. L. Johnson,
@@ -57,8 +57,8 @@ impl CentreLine {
         let shear = self.shear();
         let top = (0..shear.len()).max_by(|&a, &b| shear[a].total_cmp(&shear[b]))?;
         let last = shear.len() - 1;
-        // Principal stresses change places where two are equal: shear has a kink there, stresses
-        // have none.
+        // The shear has a kink where two principal stresses are equal; the stress components are
+        // smooth there.
         let between = (top.saturating_sub(1)..last.min(top + 1)).flat_map(|k| {
             let (from, to) = (self.depth[k], self.depth[k + 1]);
             (0..=STEPS).map(move |step| from + (to - from) * f64::from(step) / f64::from(STEPS))
@@ -88,8 +88,8 @@ impl CentreLine {
     }
 }
 
-/// Steps between two depths in which the largest shear is searched: it is off by the square of
-/// one at the most.
+/// Number of steps between two depths in the search for the largest shear; its error is of second
+/// order in the step.
 const STEPS: u32 = 200;
 
 /// The polynomial through all nodes that is 1 at node `k` and 0 at the others, at `x`.
@@ -103,9 +103,9 @@ pub(crate) fn lagrange(nodes: &[f64], k: usize, x: f64) -> f64 {
 // Stresses of a mesh's displacements on the line under the highest pressure.
 
 /// Stresses in the ice on the vertical line under the highest pressure, down to the end of the mesh
-/// or the bed; `None` where the contact plane alone was solved.
+/// or the bed; `None` if only the contact plane was solved.
 ///
-/// The line is where the parabolas through the highest node and its neighbours have their vertex.
+/// The line is at the vertex of the parabolas through the highest node and its neighbours.
 /// sigma = lambda tr(epsilon) I + 2 mu epsilon with the strains of the nodal displacements by
 /// central differences: along x and y through the neighbouring columns (mirrored at a plane of
 /// symmetry), along z over each layer of cells; between columns stresses are parabolas. Second
@@ -113,7 +113,7 @@ pub(crate) fn lagrange(nodes: &[f64], k: usize, x: f64) -> f64 {
 /// [`UnderPeak`](crate::UnderPeak) gives the limit of finer meshes.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] where the ice's elastic constants are none.
+/// [`Error::OutOfRange`] if the ice's elastic constants are out of range.
 pub fn centre_line(solution: &Solution) -> Result<Option<CentreLine>, Error> {
     let (surface, Some(volume)) = (&solution.surface, &solution.volume) else {
         return Ok(None);
@@ -135,16 +135,16 @@ pub fn centre_line(solution: &Solution) -> Result<Option<CentreLine>, Error> {
     Ok(Some(under.line(&pressure)))
 }
 
-/// Displacements under a contact plane: those of the part of it that was solved.
+/// Displacements under a contact plane, of the part that was solved.
 pub(crate) struct SubsurfaceField<'a> {
     pub grid: &'a TensorGrid,
     /// Mirror planes x = 0 and y = 0.
     pub symmetry: [bool; 2],
-    /// Of the ice.
+    /// Material of the ice.
     pub material: Material,
-    /// Layers of an elastic bed, which lie lowest.
+    /// Number of lowest layers of cells that belong to an elastic bed.
     pub lowest: usize,
-    /// Of a node [m].
+    /// Displacement of a node [m].
     pub displacement: &'a dyn Fn(usize) -> [f64; 3],
 }
 
@@ -168,7 +168,7 @@ impl Discretisation {
     }
 }
 
-/// Pressures are equally high but for rounding from this part of the highest on.
+/// Pressures above this fraction of the highest one are equal to it up to rounding.
 const HIGHEST: f64 = 1.0 - 1e-9;
 
 impl SubsurfaceField<'_> {
@@ -203,8 +203,8 @@ impl SubsurfaceField<'_> {
         }
     }
 
-    /// The node of the highest pressure; of several that bear it, as where ice yields, the one
-    /// nearest to the middle of them.
+    /// The node of the highest pressure; of several equal ones, as in yielding ice, the node
+    /// nearest to their middle.
     fn highest(&self, pressure: &[f64]) -> [usize; 2] {
         let nx = self.grid.x.len();
         let highest = HIGHEST * pressure.iter().copied().fold(0.0, f64::max);
@@ -227,8 +227,8 @@ impl SubsurfaceField<'_> {
         nearest.map_or([0, 0], |&n| [n % nx, n / nx])
     }
 
-    /// Where the parabola through a node's pressure and its neighbours' is highest; the node where
-    /// these are no contact or all as high.
+    /// Vertex of the parabola through the pressures of a node and its neighbours; the node itself
+    /// if a neighbour is open or all three are equal.
     fn vertex(&self, nodes: &[f64], k: usize, axis: usize, pressure: impl Fn(usize) -> f64) -> f64 {
         let inside = k > 0 && k + 1 < nodes.len();
         if !inside || (self.symmetry[axis] && nodes[k] == 0.0) {
@@ -268,7 +268,7 @@ impl SubsurfaceField<'_> {
     }
 }
 
-/// Neighbours of node `k`, with what each counts in a parabola at `at`.
+/// Node `k` and its neighbours, with their weights in the interpolating parabola at `at`.
 fn weights(nodes: &[f64], k: usize, at: f64) -> Vec<(usize, f64)> {
     if at == nodes[k] {
         return vec![(k, 1.0)];
@@ -280,7 +280,7 @@ fn weights(nodes: &[f64], k: usize, at: f64) -> Vec<(usize, f64)> {
 /// Central difference of a vector field at node `at` of an axis; one-sided at an end that is no
 /// mirror plane.
 ///
-/// A mirror plane turns the component along the axis round and keeps the others.
+/// A mirror plane reverses the component along the axis and keeps the others.
 fn slope(
     nodes: &[f64],
     at: usize,

@@ -1,4 +1,4 @@
-//! From nodal forces to pressures and figures, and what a solve returns.
+//! Pressures and figures from nodal forces, and the solution of a solve.
 
 pub(crate) mod asperity;
 pub(crate) mod centre_line;

@@ -17,19 +17,20 @@ pub(crate) struct Pressure {
     pub patch: Patch,
 }
 
-/// How the states of a mesh, made for `patch`, are read.
+/// Evaluates pressures and figures of the states of a mesh, which was made for `patch`.
 pub(crate) struct Field<'a> {
     mesh: &'a Discretisation,
     patch: &'a Patch,
     hardness: f64,
     /// 1 / E* of ice and runner [1/Pa].
     compliance: f64,
-    /// Cells of ridges over even ones; fewer under faces of hexahedra, whose edges look like ridges.
+    /// Ratio of the number of cells at ridges to that at even places; smaller under faces of
+    /// hexahedra, whose edges look like ridges.
     finer: f64,
 }
 
 impl<'a> Field<'a> {
-    /// Of a mesh that was made for `patch`.
+    /// The evaluation on a mesh that was made for `patch`.
     pub fn new(mesh: &'a Discretisation, problem: &Problem, patch: &'a Patch) -> Self {
         let elastic = problem.runner.elastic.as_ref();
         let faces = elastic.is_some_and(|elastic| elastic.solid.is_some());
@@ -42,7 +43,7 @@ impl<'a> Field<'a> {
         }
     }
 
-    /// Its pressures, to be read line by line.
+    /// The pressure field of a state.
     pub fn pressure_field<'b>(&self, state: &'b State) -> PressureField<'b>
     where
         'a: 'b,
@@ -60,10 +61,10 @@ impl<'a> Field<'a> {
 
     /// Gaps at the nodes, negative where the runner overlaps with the ice's elastic surface [m].
     ///
-    /// A node that bears a part s of what it can has none. Next to a pressure that jumps its
-    /// surface sinks by its own load, so that as it is lifted up by half of that, as at a rim
-    /// through it, the gap is (1/2 - s) H w, w being what a pressure of 1 on its own part of the
-    /// plane makes of a half-space ([`love_depth`]).
+    /// A node at a fraction s of the hardness H has no gap of its own. Next to a jump of the
+    /// pressure its surface sinks by its own load; raised by half of that, as at a rim through the
+    /// node, the gap is (1/2 - s) H w, with w the depth of a half-space under unit pressure on the
+    /// node's own part of the plane ([`love_depth`]).
     fn gaps(&self, state: &State) -> Vec<f64> {
         let contact = &self.mesh.contact;
         let mut gaps = contact.gaps(state);
@@ -82,7 +83,7 @@ impl<'a> Field<'a> {
         gaps
     }
 
-    /// Whether a node in contact has a neighbour under no hull.
+    /// Whether a node in contact has a neighbour that is not under the hull.
     fn touches_edge(&self, state: &State) -> bool {
         let nx = self.mesh.grid.x.len();
         let gap = &self.mesh.contact.gap;
@@ -114,9 +115,9 @@ impl<'a> Field<'a> {
 
     /// The patch that a pressure field covers, with the cell sizes that resolve it.
     ///
-    /// Sizes start from those of the patch that the mesh was made for. Where the contact ends at
-    /// the hull's own sharp edge the pressure is singular, and where the ice yields it falls from
-    /// its hardness to 0 at a rim: no mesh resolves that, and the sizes stay as they are.
+    /// Sizes start from those of the patch that the mesh was made for. They are kept where no mesh
+    /// resolves the pressure: it is singular where the contact ends at a sharp edge of the hull,
+    /// and jumps from the hardness to 0 at a rim where the ice yields.
     fn found_patch(&self, field: &PressureField, pressure: &[f64], state: &State) -> Patch {
         let before = self.patch;
         let [mut x, mut y] = [0, 1].map(|axis| {
@@ -125,7 +126,7 @@ impl<'a> Field<'a> {
         });
         let last = y.pop().unwrap_or_else(|| before.y.clone());
         let mut y = Stretch::even(y.first().map_or(last.low, |first| first.low), last.high);
-        // At each node of an axis the highest pressure on the line across it.
+        // For each node of an axis, the highest pressure on the line across it.
         let highest = [0, 1].map(|axis| -> Vec<f64> {
             let across = 0..field.nodes[1 - axis].len();
             let line = |k: usize| across.clone().map(move |line| field.node(axis, line, k));
@@ -158,7 +159,7 @@ impl<'a> Field<'a> {
     }
 }
 
-/// The union of the stretches on all lines; whole where a mirror plane cuts one.
+/// The union of the stretches on all lines; stretches that a mirror plane cuts are completed.
 ///
 /// Stretches closer together than a fifth of the longer one count as one: their grids would merge
 /// anyway.

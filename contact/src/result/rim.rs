@@ -1,24 +1,25 @@
-//! Stretches of a line in contact, with their ends below the cell.
+//! Stretches of a line in contact, with ends of sub-cell resolution.
 
 /// Estimator of the end of a stretch between two nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RimEstimator {
-    /// The pressures inside, which Hertz' contact continues exactly: [`rim_by_shape`].
+    /// Extrapolation of the pressures inside, exact for Hertz' contact: [`rim_by_shape`].
     Shape,
-    /// What the outermost node bears, which hardly depends on the pressure's shape:
+    /// From the force on the outermost node, which hardly depends on the shape of the pressure:
     /// [`rim_by_load`].
     Load,
-    /// The same where the pressure goes to zero, and half-way to the next node where it jumps: ends
-    /// that stay on all meshes that are made for them, which those below the cell would not.
+    /// [`RimEstimator::Load`] where the pressure falls to zero, half-way to the next node where it
+    /// jumps: these ends stay the same on meshes that are graded to them, those of sub-cell
+    /// resolution would not.
     Cells,
 }
 
-/// Where p^2 reaches zero outside the outermost node in contact; `None` where it is no parabola
-/// there, or a rising one.
+/// Zero of p^2 outside the outermost node in contact; `None` if it is no parabola there, or a
+/// rising one.
 ///
-/// p^2 of a Hertz contact is a parabola along every line. The outermost node's own mean is too
-/// large (its hat reaches out of the contact), so the parabola goes through the next three inside;
-/// they have to be there, and below the bound of pressures.
+/// p^2 of a Hertz contact is a parabola along every line. The mean of the outermost node is biased
+/// (its hat reaches out of the contact), so the parabola goes through the next three nodes inside;
+/// they must be in contact and below the bound of pressures.
 fn rim_by_shape(inside: &[(f64, f64)], outside: f64, bound: f64) -> Option<f64> {
     let outermost = inside[0].0;
     let [_, a, b, c, ..] = inside else {
@@ -46,13 +47,13 @@ fn rim_by_shape(inside: &[(f64, f64)], outside: f64, bound: f64) -> Option<f64> 
     Some((a.0 + t).clamp(low.min(high), low.max(high)))
 }
 
-/// Where a pressure ends outside the outermost node in contact, by the last three nodes, from
-/// outside inwards; `None` where it does not end before the next node, `outside`.
+/// End of the pressure outside the outermost node in contact, from the last three nodes (outermost
+/// first); `None` if it does not end before the next node, `outside`.
 ///
 /// Along a line from X' to X a contact's pressure is p = sqrt(u) (c0 + c1 u + ...) with u = (X - x)
 /// (x - X'): c0 alone in Hertz' contact, while c1 grows on layers (`tests/data/layered.py`). c0 and
-/// c1 follow from the two inner nodes, X from what the outermost one bears: its `value` is the mean
-/// of p over its hat function, which reaches out of the contact. `other` is X' for X.
+/// c1 follow from the two inner nodes, X from the outermost node: its `value` is the mean of p over
+/// its hat function, which reaches out of the contact. `other` returns X' for X.
 fn rim_by_load(
     inside: &[(f64, f64)],
     outside: f64,
@@ -72,7 +73,7 @@ fn rim_by_load(
             (x - a.0) / (outermost - a.0)
         }
     };
-    // What the outermost node would bear more than it does if the pressure ended at `end`.
+    // Mean pressure of the outermost node if the pressure ended at `end`, less its actual one.
     let excess = |end: f64| {
         let u = |x: f64| (end - x) * (x - other(end));
         let [ua, ub] = [u(a.0), u(b.0)];
@@ -105,7 +106,7 @@ fn rim_by_load(
         };
         borne / (0.5 * (outside - a.0).abs()) - value
     };
-    // The false position, by halves where one end stays (M. Dowell and P. Jarratt, BIT 11, 1971).
+    // Illinois variant of regula falsi (M. Dowell and P. Jarratt, BIT 11, 1971).
     let [mut low, mut high] = [0.5 * (a.0 + outermost), outside].map(|end| (end, excess(end)));
     if low.1 >= 0.0 {
         return Some(low.0);
@@ -113,10 +114,10 @@ fn rim_by_load(
     if high.1.is_nan() || high.1 <= 0.0 {
         return None;
     }
-    for _ in 0..STEPS {
+    for _ in 0..MAX_STEPS {
         let end = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
         let found = excess(end);
-        if found.abs() <= ENOUGH * value {
+        if found.abs() <= TOLERANCE * value {
             return Some(end);
         }
         if found * high.1 < 0.0 {
@@ -129,12 +130,12 @@ fn rim_by_load(
     Some(high.0)
 }
 
-/// Most steps to an end, and the part of the outermost pressure that its hat function's mean may be
-/// off by.
-const STEPS: usize = 30;
-const ENOUGH: f64 = 1e-7;
+/// Largest number of steps of the search for an end, and its tolerance relative to the outermost
+/// pressure.
+const MAX_STEPS: usize = 30;
+const TOLERANCE: f64 = 1e-7;
 
-/// Weights and places of Gauss' rule with five points on [-1, 1].
+/// Weights and nodes of Gauss' rule with five points on [-1, 1].
 const GAUSS: [(f64, f64); 5] = [
     (0.236_926_885_056_189, -0.906_179_845_938_664),
     (0.478_628_670_499_366, -0.538_469_310_105_683),
@@ -143,13 +144,13 @@ const GAUSS: [(f64, f64); 5] = [
     (0.236_926_885_056_189, 0.906_179_845_938_664),
 ];
 
-/// Where the gap closes between the outermost node in contact, `inside` with the next one (place,
-/// pressure), and the two open ones (place, gap) outside it.
+/// Position at which the gap closes, from the outermost two nodes in contact, `inside` (place,
+/// pressure), and the two open nodes (place, gap) outside them.
 ///
 /// Next to a smooth contact the gap grows with the distance to the power 3/2 (K. L. Johnson,
-/// Contact Mechanics, 1985, section 5.1), so that its power 2/3 is a line. What the outermost node
-/// bears needs some of its part at the `bound` at least. Where the pressure jumps next to it, which
-/// no bound shows, it determines the compliance of the ice instead ([`Line::rim_of_yielding`]).
+/// Contact Mechanics, 1985, section 5.1), so that its power 2/3 is a line. The force on the
+/// outermost node needs a contact of at least its ratio to the `bound`. [`Line::rim_of_yielding`]
+/// treats a pressure that jumps next to the node.
 fn rim_by_gap(
     inside: [(f64, f64); 2],
     open: [Option<(f64, f64)>; 2],
@@ -167,23 +168,23 @@ fn rim_by_gap(
     Some(rim.clamp(least.min(near.0), least.max(near.0)))
 }
 
-/// A line's nodes with their pressures and, where these are to help to find rims, gaps.
+/// Nodes of a line with their pressures and, if rims are also estimated from them, gaps.
 pub(crate) struct Line<'a> {
     pub nodes: &'a [f64],
     pub pressure: Vec<f64>,
     pub gap: Vec<f64>,
-    /// Largest pressure there can be, but for rounding [Pa].
+    /// Largest possible pressure, less rounding [Pa].
     pub bound: f64,
     /// Whether the first node lies on a mirror plane.
     pub symmetric: bool,
 }
 
 impl Line<'_> {
-    /// Stretches of positive pressure, resolved below the cell.
+    /// Stretches of positive pressure with sub-cell resolution.
     ///
-    /// Where ends are not found `by` that estimator finds none, they are by [`rim_by_gap`] or where
-    /// the ice ceases to yield, if that is farther out, and where neither finds one, half-way; a
-    /// mirror plane at the first node is the start of a stretch that touches it.
+    /// If the estimator `by` finds no end, the end is the outer one of [`rim_by_gap`] and
+    /// [`Line::rim_of_yielding`]; if neither exists, it is half-way to the next node. A mirror
+    /// plane at the first node is the start of a stretch that touches it.
     pub fn chords(&self, by: RimEstimator) -> Vec<[f64; 2]> {
         let touching = |k: &usize| self.pressure[*k] > 0.0;
         let touching: Vec<usize> = (0..self.nodes.len()).filter(touching).collect();
@@ -233,8 +234,8 @@ impl Line<'_> {
             .unwrap_or(half_way[side])
     }
 
-    /// The end outside the outermost node of a stretch, `inside` with the next one, by the gap or
-    /// where the ice ceases to yield, if that is farther out.
+    /// The end outside the outermost two nodes of a stretch, `inside`: the outer one of the ends by
+    /// the gap and by the end of yielding.
     fn end_by_gap(&self, inside: [usize; 2], outwards: isize, by: RimEstimator) -> Option<f64> {
         let [outermost_full, next_full] = inside.map(|k| self.pressure[k] >= self.bound);
         let open = [1, 2].map(|k| {
@@ -251,15 +252,14 @@ impl Line<'_> {
         by_gap.into_iter().chain(yields).reduce(farther)
     }
 
-    /// Where the ice ceases to yield outside `end`, the outermost node in contact; `None` where
-    /// neither it nor the next one within bears all it can.
+    /// End of yielding outside `end`, the outermost node in contact; `None` if neither that node
+    /// nor the next one inside is at the hardness.
     ///
-    /// The ice bears the hardness wherever the runner overlaps with its elastic surface. The
-    /// overlap goes through zero steeply at a rim; the pressure shows only which nodes it lies
-    /// between.
+    /// The pressure is the hardness wherever the runner overlaps with the elastic surface of the
+    /// ice. The overlap crosses zero steeply at a rim; the pressure shows only between which nodes.
     fn rim_of_yielding(&self, end: usize, outwards: isize) -> Option<f64> {
         let end = end as isize;
-        // Before a mirror plane lie images.
+        // Nodes beyond a mirror plane are images.
         let node = |k: isize| (k >= 0 || self.symmetric).then(|| k.unsigned_abs());
         let full = |k: isize| {
             let pressure = node(k).and_then(|k| self.pressure.get(k));
@@ -282,10 +282,10 @@ impl Line<'_> {
     }
 }
 
-/// Where the overlap with the ice's elastic surface ends between the outermost node, which yields,
-/// and the `open` one: where the parabola through these and the next node `within` is zero, or the
-/// line where that one's is unknown (place, overlap); `None` where there is no gap or, outside the
-/// hull's edge, an infinite one.
+/// Zero of the overlap with the elastic surface of the ice between the outermost node, which
+/// yields, and the `open` one (place, overlap): that of the parabola through both and the next node
+/// `within`, or of the line if that node's overlap is unknown. `None` if the open node has no gap
+/// or, outside the hull, an infinite one.
 pub(crate) fn rim_by_overlap(
     within: Option<(f64, f64)>,
     outermost: (f64, f64),
@@ -307,8 +307,8 @@ pub(crate) fn rim_by_overlap(
     Some(outermost.0 + step * crossing(inside, outside, bend * step * step))
 }
 
-/// Where between 0 and 1 the parabola that is `inside` >= 0 at 0 and `-outside` < 0 at 1, bent by
-/// `bend`, is zero.
+/// Zero in [0, 1] of the parabola with the values `inside` >= 0 at 0 and `-outside` < 0 at 1 and
+/// the quadratic coefficient `bend`.
 fn crossing(inside: f64, outside: f64, bend: f64) -> f64 {
     if inside <= 0.0 {
         return 0.0;

@@ -8,26 +8,26 @@ use kufe_mesh::HexMesh;
 use crate::symmetry::images;
 use crate::{ElasticRunner, Error, Mount, Problem, RunnerField, Solution};
 
-/// What the steel bears, of the last mesh: nothing here is extrapolated.
+/// Stresses in the runner and its forces on the mount, on the last mesh (not extrapolated).
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunnerLoads {
     /// Largest von Mises stress at a node [Pa].
     pub von_mises: f64,
-    /// Where that is, undeformed, as in [`RunnerField::mesh`] [m]; where mirror planes were used
-    /// its images bear the same.
+    /// Undeformed position of that node, as in [`RunnerField::mesh`] [m]; where mirror planes were
+    /// used, its images have the same stress.
     pub at: [f64; 3],
     /// Von Mises stress at the nodes of [`RunnerField::mesh`] [Pa].
     pub von_mises_at_nodes: Vec<f64>,
-    /// The parts of the mount along the runner; none where the runner has no end.
+    /// The parts of the mount along the runner; empty for an unbounded runner.
     pub mounts: Vec<MountForce>,
 }
 
-/// What the runner pushes one part of its mount with.
+/// Force and moment of the runner on one part of its mount.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MountForce {
     /// Centre of the fixed or loaded part [m].
     pub at: [f64; 3],
-    /// Force on the mount; what carries a load has that load, upwards [N].
+    /// Force on the mount; on a part that applies a load, that load, upwards [N].
     pub force: [f64; 3],
     /// Moment on the mount about `at` [N m].
     pub moment: [f64; 3],
@@ -35,19 +35,19 @@ pub struct MountForce {
     pub von_mises: f64,
 }
 
-/// The runner's largest von Mises stress and its forces on the mount; `None` where it is rigid.
+/// The runner's largest von Mises stress and its forces on the mount; `None` if it is rigid.
 ///
-/// The steel's nodal forces f = K u are those that act on it from outside. On the nodes of a part
-/// of the mount they are the mount's,
+/// The nodal forces f = K u of the runner are the external forces on it. On the nodes of a part of
+/// the mount these are the forces of the mount,
 ///
 /// F = -sum f,  M = -sum (r - r0) x f,
 ///
-/// with r0 the middle of the part: a part is connected over fixed faces. They sum to the contact's
-/// force and to its moments as far as equilibrium is reached. Stresses are [`nodal_stresses`]; at
-/// the rim of a fixed part they are singular, so that they grow there with finer meshes.
+/// with r0 the middle of the part (the nodes connected over fixed faces). They sum to the force and
+/// moments of the contact up to the equilibrium residual. Stresses are [`nodal_stresses`]; at the
+/// rim of a fixed part they are singular, so that they grow there with finer meshes.
 ///
 /// # Errors
-/// [`Error::Unsuitable`] where the solution's mesh is no body.
+/// [`Error::Unsuitable`] if the solution's mesh is invalid.
 pub fn runner_loads(problem: &Problem, solution: &Solution) -> Result<Option<RunnerLoads>, Error> {
     let (Some(elastic), Some(field)) = (&problem.runner.elastic, &solution.runner_volume) else {
         return Ok(None);
@@ -93,7 +93,7 @@ pub fn runner_loads(problem: &Problem, solution: &Solution) -> Result<Option<Run
     }))
 }
 
-/// The nodes that a mount holds or loads.
+/// Whether each node is fixed or loaded by the mount.
 fn on_mount(elastic: &ElasticRunner, field: &RunnerField) -> Vec<bool> {
     let points = &field.mesh.points;
     if let Some(solid) = &elastic.solid {
@@ -108,8 +108,8 @@ fn on_mount(elastic: &ElasticRunner, field: &RunnerField) -> Vec<bool> {
     points.iter().map(fixed).collect()
 }
 
-/// Nodes that are connected over faces of which all corners are `on`; the remaining nodes, within
-/// cells.
+/// Groups of `on` nodes that are connected over faces with all corners `on`; the remaining nodes
+/// are grouped by cells.
 fn parts(mesh: &HexMesh, on: &[bool]) -> Vec<Vec<usize>> {
     let mut above: Vec<usize> = (0..on.len()).collect();
     let mut join = |nodes: &[usize]| {
@@ -138,7 +138,7 @@ fn parts(mesh: &HexMesh, on: &[bool]) -> Vec<Vec<usize>> {
     parts.into_values().collect()
 }
 
-/// The node that represents all that a node is connected with.
+/// The representative of a node's connected component (union-find).
 fn root(above: &mut [usize], mut node: usize) -> usize {
     while above[node] != node {
         above[node] = above[above[node]];
@@ -150,8 +150,8 @@ fn root(above: &mut [usize], mut node: usize) -> usize {
 /// Place of a node and force on the mount there [m], [N].
 type NodeForce = [[f64; 3]; 2];
 
-/// The forces on a part of the mount with its mirror images: one with it where it meets the plane,
-/// separate from it where it does not.
+/// The forces on a part of the mount and its mirror images: one force if the part touches the
+/// mirror plane, separate ones otherwise.
 fn unfolded(part: &[NodeForce], von_mises: f64, symmetry: [bool; 2]) -> Vec<MountForce> {
     let meets =
         [0, 1].map(|axis| symmetry[axis] && part.iter().any(|[place, _]| place[axis] == 0.0));
@@ -167,7 +167,7 @@ fn unfolded(part: &[NodeForce], von_mises: f64, symmetry: [bool; 2]) -> Vec<Moun
     images(separate).map(image).collect()
 }
 
-/// The force on some nodes of the mount together.
+/// Resultant force and moment on some nodes of the mount.
 fn mount_force(nodes: &[NodeForce], von_mises: f64) -> MountForce {
     let mut ends = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
     for [place, _] in nodes {

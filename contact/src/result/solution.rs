@@ -1,4 +1,4 @@
-//! What a solve returns.
+//! The solution of a contact problem.
 
 use kufe_fem::ElementKind;
 use kufe_mesh::{HexMesh, TensorGrid};
@@ -9,7 +9,7 @@ use crate::{AssembledBody, Bed, UnderPeak};
 /// A figure with its estimated discretisation error, in the same unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measure {
-    /// The figure; in the limit of finer and finer meshes, where that is estimated.
+    /// The figure, extrapolated to the limit of finer meshes where possible.
     pub value: f64,
     /// Its error.
     pub error: f64,
@@ -22,18 +22,18 @@ pub struct Solution {
     pub p_max: f64,
     /// Estimated discretisation error of the peak pressure [Pa].
     pub p_max_error: f64,
-    /// Peak pressure on the last mesh, which maps and fields are of [Pa].
+    /// Peak pressure on the last mesh, as in maps and fields [Pa].
     pub p_max_mesh: f64,
-    /// Largest pressure that the ice bears, where it has such a bound [Pa].
+    /// Hardness of the ice [Pa]; `None` for elastic ice.
     pub hardness: Option<f64>,
-    /// Force over contact area [Pa].
+    /// Mean pressure: ratio of force to contact area [Pa].
     pub p_mean: f64,
-    /// Estimated error of the mean pressure, that of the area [Pa].
+    /// Estimated error of the mean pressure, from that of the area [Pa].
     pub p_mean_error: f64,
-    /// Contact area, resolved below the cell [m2].
+    /// Contact area, with sub-cell resolution [m2].
     pub area: f64,
-    /// Estimated error of the area of this mesh, by the order that the last three show; infinite
-    /// after one mesh [m2].
+    /// Estimated error of the area on the last mesh, with the order observed on the last three;
+    /// infinite after one mesh [m2].
     pub area_error: f64,
     /// Extent of the contact along x, from its first to its last point [m].
     pub length: f64,
@@ -55,12 +55,12 @@ pub struct Solution {
     pub roll: f64,
     /// Estimated error of the roll; 0 where it is fixed [rad].
     pub roll_error: f64,
-    /// The largest shear in the ice under the peak pressure, where it was requested and lies under
-    /// the surface.
+    /// The largest shear in the ice under the peak pressure; `None` if it was not requested or lies
+    /// at the surface.
     pub under_peak: Option<UnderPeak>,
     /// Integrated normal force [N].
     pub fz: f64,
-    /// Where the resultant of the pressure acts, x and y [m].
+    /// Point of action of the pressure's resultant, x and y [m].
     pub centre_of_pressure: [f64; 2],
     /// Largest violation of the contact conditions and of equilibrium, relative.
     pub kkt_residual: f64,
@@ -68,25 +68,25 @@ pub struct Solution {
     pub dofs: usize,
     /// Conjugate-gradient iterations of the finest solve.
     pub iterations: usize,
-    /// What happened, solve by solve and set by set.
+    /// Updates of the contact set on all meshes, in order.
     pub history: Vec<Iterate>,
     /// Pressure, gap and displacement on the contact plane, over the whole patch (symmetry
     /// unfolded).
     pub surface: SurfaceField,
-    /// Displacements in the ice on the grid that was solved (one part of it where symmetry was
-    /// used); `None` where the contact plane alone was solved.
+    /// Displacements in the ice on the solved grid (one part of it where symmetry was used); `None`
+    /// if only the contact plane was solved.
     pub volume: Option<VolumeField>,
     /// Displacements in an elastic runner.
     pub runner_volume: Option<RunnerField>,
     /// The mirror planes that were used, x = 0 and y = 0.
     pub symmetry: [bool; 2],
-    /// The stiffness that the finest mesh was solved with, where it was assembled: first the ice,
-    /// then a runner that bends.
+    /// Assembled stiffness of the finest mesh, first of the ice, then of an elastic runner; empty
+    /// if the stiffness was not assembled.
     pub assembled: Vec<AssembledBody>,
 }
 
 impl Solution {
-    /// Largest pressure that there can be: the ice's hardness, infinite where it has none [Pa].
+    /// Largest possible pressure: the ice's hardness, infinite for elastic ice [Pa].
     pub fn bound(&self) -> f64 {
         self.hardness.unwrap_or(f64::INFINITY)
     }
@@ -99,8 +99,8 @@ pub struct Iterate {
     pub level: usize,
     /// Unknowns of that mesh.
     pub dofs: usize,
-    /// Relative error of the peak that the meshes before this one leave, of the area where the
-    /// ice's hardness fixes the peak; nothing before there are enough to estimate it.
+    /// Relative error of the peak on the previous meshes, or of the area where the ice's hardness
+    /// fixes the peak; `None` while there are too few meshes for an estimate.
     pub error_before: Option<f64>,
     /// Nodes in the contact set.
     pub contact_nodes: usize,
@@ -108,16 +108,16 @@ pub struct Iterate {
     pub iterations: usize,
     /// Relative residual reached.
     pub residual: f64,
-    /// Peak pressure of the forces at that moment [Pa].
+    /// Present peak pressure [Pa].
     pub p_max: f64,
     /// Projected SOR sweeps since the last update.
     pub sweeps: usize,
-    /// Accelerations since the last update: on the contact plane, and the iterations on this set.
-    /// By boundary elements, the contact sets whose equations were solved.
+    /// Accelerations since the last update: those on the contact plane plus the iteration on this
+    /// set. With boundary elements, the number of contact sets whose equations were solved.
     pub accelerations: usize,
-    /// Complementary energy of the contact forces accepted so far, which falls from update to
-    /// update of a mesh: at the solution minus the total potential energy, with the load's work
-    /// from first touch in it [J].
+    /// Complementary energy of the last accepted contact forces [J], which falls from update to
+    /// update of a mesh. At the solution it is minus the total potential energy, which includes the
+    /// load's work from first touch.
     pub energy: f64,
 }
 
@@ -132,8 +132,8 @@ pub struct SurfaceField {
     pub pressure: Vec<f64>,
     /// Gap at the nodes, 0 in contact; infinite where there is no hull [m].
     pub gap: Vec<f64>,
-    /// How far the ice has yielded under the runner at the nodes, below the groove in which it
-    /// came; 0 where it has not [m].
+    /// Depth to which the ice has yielded under the runner at the nodes, below the groove of
+    /// previous runners; 0 where it has not yielded [m].
     pub yielded: Vec<f64>,
     /// Vertical displacement of the ice surface, upwards positive [m].
     pub uz: Vec<f64>,
@@ -148,10 +148,10 @@ impl SurfaceField {
 
     /// Nodal pressures that integrate to `fz` [N], bilinear between nodes [Pa].
     ///
-    /// The pressure of a node inside the contact is the one at its place. That of a node at the rim
+    /// The pressure of a node inside the contact is the one at its place; that of a node at the rim
     /// is a mean over its hat function, which reaches out of the contact. Together they integrate
-    /// to some 1 % more than the load. The difference is taken from the nodes with an open
-    /// neighbour; the others, the peak and nodes at the ice's hardness stay as they are.
+    /// to about 1 % more than the load. The difference is subtracted at the nodes with an open
+    /// neighbour; the others, the peak and nodes at the ice's hardness are unchanged.
     pub fn balanced_pressure(&self, fz: f64) -> Vec<f64> {
         let nx = self.x.len();
         let top = self.pressure.iter().copied().fold(0.0, f64::max);
@@ -206,11 +206,11 @@ pub struct VolumeField {
     pub poissons_ratio: f64,
     /// The element of its cells.
     pub element: ElementKind,
-    /// The elastic bed that the lowest cells are of, and how many of them along z.
+    /// The elastic bed under the ice, and its number of cells along z, which are the lowest.
     pub bed: Option<(Bed, usize)>,
 }
 
-/// Displacements of an elastic runner on its hexahedra, against the motion of its mount.
+/// Displacements of an elastic runner on its hexahedra, relative to the rigid motion of its mount.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunnerField {
     /// The mesh, undeformed and before the approach.

@@ -15,8 +15,8 @@ pub const FACES: [[usize; 4]; 6] = [
     [4, 5, 6, 7],
 ];
 
-/// The faces that belong to one cell only, as nodes counter-clockwise seen from outside, in the
-/// order of the cells.
+/// The boundary faces, which belong to one cell only, as nodes counter-clockwise seen from outside,
+/// in the order of the cells.
 pub fn boundary_faces(mesh: &HexMesh) -> Vec<[usize; 4]> {
     let key = |mut face: [usize; 4]| {
         face.sort_unstable();

@@ -39,8 +39,7 @@ pub(crate) const EDGES: [[[usize; 2]; 3]; 8] = [
 /// Abscissa 1/sqrt(3) of the two-point Gauss rule; its weights are 1.
 pub const GAUSS: f64 = 0.577_350_269_189_625_8;
 
-/// Natural coordinates of the 2 x 2 x 2 Gauss points, in the order of the corners that they are
-/// next to.
+/// Natural coordinates of the 2 x 2 x 2 Gauss points, in the order of the nearest corners.
 pub fn gauss_points() -> [[f64; 3]; 8] {
     CORNERS.map(|corner| corner.map(|c| c * GAUSS))
 }
@@ -75,7 +74,7 @@ pub struct Jacobian {
 impl Jacobian {
     /// The map of the element with these corners at natural coordinates `xi`.
     ///
-    /// The inverse is not finite where the determinant is zero: check the determinant.
+    /// The inverse is not finite if the determinant is zero.
     pub fn at(corners: &Corners, xi: [f64; 3]) -> Self {
         Self::from_derivatives(corners, &shape_derivatives(xi))
     }
@@ -112,8 +111,8 @@ pub fn gradients(corners: &Corners, xi: [f64; 3]) -> ([[f64; 3]; 8], f64) {
     (g, jacobian.determinant)
 }
 
-/// Lengths along x, y and z [m] of an element that is a box along these axes, with its corners in
-/// their order; nothing of another.
+/// Lengths along x, y and z [m] of an element that is a box along these axes with its corners in
+/// order; `None` for another element.
 pub fn box_lengths(corners: &Corners) -> Option<[f64; 3]> {
     let (low, high) = (corners[0], corners[6]);
     let boxed = CORNERS.iter().zip(corners).all(|(natural, corner)| {
@@ -129,7 +128,7 @@ pub(crate) fn pull_back(d: [f64; 3], inverse: &[[f64; 3]; 3]) -> [f64; 3] {
 
 /// Smallest Jacobian determinant [m^3] over the Gauss points and the centre.
 ///
-/// The stiffness of an element is only meaningful where this is positive.
+/// The stiffness of an element is only meaningful if this is positive.
 pub fn smallest_determinant(corners: &Corners) -> f64 {
     if let Some([x, y, z]) = box_lengths(corners).filter(|lengths| lengths.iter().all(|l| *l > 0.0))
     {
@@ -138,7 +137,7 @@ pub fn smallest_determinant(corners: &Corners) -> f64 {
     let centre = Jacobian::at(corners, [0.0; 3]).determinant;
     gauss_points().iter().fold(centre, |smallest, &xi| {
         let d = Jacobian::at(corners, xi).determinant;
-        // A NaN must win over any number.
+        // NaN takes precedence over any number.
         if d < smallest || d.is_nan() {
             d
         } else {
@@ -194,8 +193,8 @@ pub(crate) fn add_block(
     }
 }
 
-/// Adds a point's weight times B^T D B to the upper half of a stiffness, for elements with a B (6
-/// x 24) of their own.
+/// Adds a point's weight times B^T D B to the upper half of a stiffness, for elements with a
+/// modified B (6 x 24).
 pub(crate) fn add_density(
     k: &mut ElementMatrix,
     b: &[[f64; 24]; 6],
@@ -211,7 +210,7 @@ pub(crate) fn add_density(
     }
 }
 
-/// The matrix with its upper half below the diagonal too.
+/// The symmetric matrix with the upper half of `k`.
 pub(crate) fn mirrored(mut k: ElementMatrix) -> ElementMatrix {
     for j in 0..24 {
         for i in 0..j {

@@ -1,25 +1,24 @@
-//! The eight-node hexahedron whose changes across its first axis are averaged along it where a beam
-//! has none.
+//! The eight-node hexahedron for beams along its first axis: shear strains averaged along it.
 //!
-//! A long thin cell that bends stores, as plain trilinear element, a shear strain linear along it
-//! that no beam has. Here, over the two Gauss points xi = -1/sqrt(3), 1/sqrt(3) of each line along
-//! the first natural axis, means weighted by det J replace
+//! In bending, a long thin trilinear cell has a parasitic shear strain that is linear along it.
+//! Here, over the two Gauss points xi = -1/sqrt(3), 1/sqrt(3) of each line along the first natural
+//! axis, means weighted by det J replace
 //!
 //! ```text
 //! gamma_xy, gamma_zx,   and in  eps_xx = d u_x / d xi  d xi / d x + [d u_x / d eta  d eta / d x + d u_x / d zeta  d zeta / d x]
 //! ```
 //!
-//! the bracket, which is there where the cell's sides climb along x; everything else is the plain
-//! element's. Means weighted by det J keep the forces of a constant stress (the argument of B-bar:
-//! T. J. R. Hughes, Int. J. Numer. Meth. Engng 15 (1980), 1413-1418). Linear displacements keep
-//! their strain where the corners lie in planes across x, so that the patch test is passed on
-//! columns of any height: runners are meshed that way, and other meshes take
-//! [`crate::element::hex8_incompatible`]. In planes across x the element remains the plain one.
+//! the bracket, which is not zero if the cell's sides are inclined along x. Everything else is as
+//! in the plain element. Means weighted by det J preserve the forces of a constant stress (the
+//! argument of B-bar: T. J. R. Hughes, Int. J. Numer. Meth. Engng 15 (1980), 1413-1418). The strain
+//! of linear displacements is exact if the corners lie in planes across x, so that the patch test
+//! is passed on columns of any height. Runners are meshed that way; for other meshes use
+//! [`crate::element::hex8_incompatible`]. In planes across x the element is the plain one.
 //!
-//! The remaining stiffness is, block by block, a sum of Kronecker products on a tensor grid again,
-//! with the mass matrix of x averaged in component x ([`crate::Axis::averaged`]), so that fast
-//! diagonalisation stays an effective preconditioner whatever the cells' aspect. Incompatible modes
-//! soften every plane at once, and no such sum follows them.
+//! On a tensor grid the blocks of the stiffness are still sums of Kronecker products, with the mass
+//! matrix of x averaged in component x ([`crate::Axis::averaged`]), so that fast diagonalisation is
+//! an effective preconditioner for any aspect ratio of the cells. Incompatible modes soften all
+//! planes at once, which no such sum represents.
 
 use crate::body::Material;
 use crate::element::hex8::{self, Corners, ElementMatrix, GAUSS, gauss_points};
@@ -47,7 +46,7 @@ fn split(corners: &Corners, xi: [f64; 3]) -> Split {
     (b, bracket, jacobian.determinant)
 }
 
-/// B averaged at two points of a line, from what [`split`] gives.
+/// Averages B over two points of a line, in the form of [`split`].
 fn averaged(ends: &mut [Split; 2]) {
     let weight = ends[0].2 / (ends[0].2 + ends[1].2);
     let mean = |p: f64, q: f64| weight * p + (1.0 - weight) * q;

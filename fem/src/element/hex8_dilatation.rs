@@ -1,15 +1,15 @@
-//! The eight-node hexahedron whose change of volume is its mean over the cell (B-bar).
+//! The eight-node hexahedron with the mean dilatation of the cell (B-bar).
 //!
 //! A plain trilinear cell of a nearly incompressible material must conserve its volume at each of
-//! its Gauss points, which gives it hardly a way to deform: it locks. Here the mean over the cell
-//! weighted by det J takes the place of the dilatation,
+//! its Gauss points, so that it can hardly deform: it locks. Here the dilatation is replaced by its
+//! mean over the cell, weighted by det J,
 //!
 //! ```text
 //! strain = e - tr(e) / 3 I + mean / 3 I,   mean = integral of tr(e) / volume,
 //! ```
 //!
-//! in the strain and in the virtual strain alike; the deviator stays the plain element's, so that
-//! only rigid motions are free. Linear displacements keep their strain whatever the cell's shape.
+//! in the strain and in the virtual strain. The deviator is that of the plain element, so that only
+//! rigid motions have no energy. The strain of linear displacements is exact for any shape of cell.
 //! On boxes the stiffness is a sum of Kronecker products
 //! ([`crate::TensorOperator::with_mean_dilatation`]). Source: T. J. R. Hughes, Generalization of
 //! selective integration procedures to anisotropic and nonlinear media, Int. J. Numer. Meth. Engng
@@ -18,12 +18,12 @@
 use crate::body::Material;
 use crate::element::hex8::{self, Corners, ElementMatrix, gauss_points};
 
-/// Poisson's ratio from which on a block takes this element.
+/// Poisson's ratio from which a block has this element.
 ///
-/// Hertz's paraboloid (rocker 30 m, section 5 mm, 1 kN, 18,192 unknowns): how far the mesh's own
-/// peak is off the closed form, and the error that is stated, in per cent.
+/// Hertz's paraboloid (rocker 30 m, section 5 mm, 1 kN, 18,192 unknowns): error of the mesh's peak
+/// relative to the closed form, and the estimated error, in per cent.
 ///
-/// | ratio | plain | stated | this | stated |
+/// | ratio | plain | estimated | this | estimated |
 /// |---|---|---|---|---|
 /// | 0.33 | 0.49 | 0.48 | 0.27 | 0.62 |
 /// | 0.40 | 0.69 | 0.59 | 0.26 | 0.79 |
@@ -31,9 +31,9 @@ use crate::element::hex8::{self, Corners, ElementMatrix, gauss_points};
 /// | 0.44 | 1.03 | 0.96 | 0.24 | 0.91 |
 /// | 0.45 | 1.21 | 1.44 | 0.22 | 0.94 |
 ///
-/// From 0.44 on the plain element's stated error, by which meshes are refined, is the larger one.
-/// At half of this lambda / mu (0.41) a product of twice the cost would gain nothing; at twice
-/// (0.474) a mesh is refined that need not be.
+/// From 0.44 on the plain element's estimated error, by which meshes are refined, is the larger
+/// one. With a limit of half this lambda / mu (0.41) products would cost twice as much without a
+/// gain; with twice (0.474) meshes would be refined unnecessarily.
 pub const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
 
 /// Stiffness (24 x 24), symmetric [N/m].
@@ -65,7 +65,7 @@ pub(crate) fn strain(corners: &Corners, u: &[f64; 24], xi: [f64; 3]) -> [f64; 6]
     strain
 }
 
-/// What a cell's mean dilatation is of its corners' displacements [1/m].
+/// Coefficients of a cell's mean dilatation by its corners' displacements [1/m].
 fn mean_divergence(corners: &Corners) -> [f64; 24] {
     let (mut mean, mut volume) = ([0.0; 24], 0.0);
     for xi in gauss_points() {

@@ -2,9 +2,8 @@
 //!
 //! Each element gets three inner modes 1 - xi^2, 1 - eta^2, 1 - zeta^2 in each displacement
 //! component. Their gradients are taken with the Jacobian J_0 of the centre and scaled by det J_0 /
-//! det J, so that their integral over the element vanishes: that is the condition under which the
-//! element passes the patch test when distorted. The nine amplitudes are condensed out of the
-//! element.
+//! det J, so that their integral over the element vanishes: with this condition distorted elements
+//! pass the patch test. The nine amplitudes are eliminated by static condensation.
 //!
 //! Source: R. L. Taylor, P. J. Beresford and E. L. Wilson, A non-conforming element for stress
 //! analysis, Int. J. Numer. Meth. Engng 10 (1976), 1211-1219.
@@ -75,8 +74,8 @@ impl Uncondensed {
     }
 }
 
-/// The factor of the stiffness with these entries; not finite where it is not definite, as in a
-/// cell that is turned inside out.
+/// The factor of the stiffness with these entries; not finite if it is not positive definite, as in
+/// a cell that is inside out.
 fn factor_of(entry: impl Fn(usize, usize) -> f64) -> InnerFactor {
     Cholesky::new_unchecked(SMatrix::from_fn(entry))
 }

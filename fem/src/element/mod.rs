@@ -1,4 +1,4 @@
-//! The eight-node hexahedra: their matrices and strains, and the faces that carry loads.
+//! The eight-node hexahedra: their matrices, strains and faces.
 
 pub mod face;
 pub mod hex8;

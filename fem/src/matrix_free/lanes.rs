@@ -1,4 +1,4 @@
-//! Products of four cells at a time, one cell a SIMD lane.
+//! Products of four cells at a time, one cell per SIMD lane.
 
 use std::ops::{Add, AddAssign, Mul, Sub};
 
@@ -7,8 +7,8 @@ use pulp::Simd;
 use crate::element::hex8::GAUSS;
 use crate::element::hex8_axial::LINES;
 
-/// Number of cells in a batch of the matrix-free operator: a vector holds as many or a whole part
-/// of them.
+/// Number of cells in a batch of the matrix-free operator; a vector register holds all of them or a
+/// whole fraction.
 pub(crate) const LANES: usize = 4;
 
 /// One number of each of a batch's cells, as it is stored.
@@ -16,8 +16,8 @@ pub(crate) type Stored = [f64; LANES];
 
 /// One number of each of the cells that a vector holds.
 ///
-/// The vector type is explicit. Loops that the compiler has to vectorise take it many times as
-/// long.
+/// The vector type is explicit: loops that rely on automatic vectorisation compile to code that is
+/// many times slower.
 #[derive(Clone, Copy)]
 pub(crate) struct Lanes<S: Simd> {
     simd: S,
@@ -32,7 +32,7 @@ impl<S: Simd> Lanes<S> {
         Lanes { simd, values }
     }
 
-    /// The vector instructions that these numbers go by.
+    /// The vector instructions of these numbers.
     #[inline(always)]
     pub fn simd(self) -> S {
         self.simd
@@ -144,10 +144,11 @@ fn hadamard<S: Simd>(v: [Lanes<S>; 8]) -> [Lanes<S>; 8] {
 /// VTK's corner of each binary index.
 const BINARY: [usize; 8] = [0, 1, 3, 2, 4, 5, 7, 6];
 
-/// Coefficients of the natural derivatives: by axis m those of 1, next axis, next but one, both.
+/// Indices of the Hadamard sums in the natural derivative by axis m: those of 1, the next axis, the
+/// next but one, and both.
 const OF_DERIVATIVE: [[usize; 4]; 3] = [[1, 3, 5, 7], [2, 6, 3, 7], [4, 5, 6, 7]];
 
-/// Their values at the Gauss points' signs over the Hadamard sums.
+/// Factors of these sums at the Gauss points.
 const SCALE: [f64; 4] = [1.0 / 8.0, GAUSS / 8.0, GAUSS / 8.0, GAUSS * GAUSS / 8.0];
 
 #[inline(always)]
@@ -193,7 +194,7 @@ pub(super) fn transposed_derivatives<S: Simd>(d: Derivatives<S>) -> [Lanes<S>; 8
             c[OF_DERIVATIVE[m][i]] += sums[i] * c[0].filled(SCALE[i]);
         }
     }
-    // Transpose of the Hadamard sums: from coefficients back to corners.
+    // Transpose of the Hadamard sums: corner values from coefficients.
     for bit in [1, 2, 4] {
         for i in 0..8 {
             if i & bit == 0 {
@@ -237,7 +238,8 @@ pub(super) fn tensor_at<S: Simd, const G: usize>(d: &[Derivatives<S>; 3]) -> Ten
     t
 }
 
-/// The body once for each Gauss point, its number a constant, so that every index in it is one.
+/// Repeats the body for each Gauss point with its number as a constant, so that all indices are
+/// constants.
 macro_rules! each_gauss_point {
     ($g:ident, $body:block) => {
         each_gauss_point!(@ $g, $body, 0 1 2 3 4 5 6 7)
@@ -250,20 +252,20 @@ macro_rules! each_gauss_point {
     };
 }
 
-/// What the cells of a vector are made of: Lame's constants [Pa].
+/// Lame's constants of the cells of a vector [Pa].
 pub(crate) struct LanesMaterial<S: Simd> {
     pub lambda: Lanes<S>,
     pub mu: Lanes<S>,
 }
 
-/// What the element takes means of over Gauss points.
+/// The quantity that an element averages over Gauss points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mean {
     /// Nothing.
     None,
-    /// Shear along the first axis.
+    /// Shear strains along the first axis.
     Shear,
-    /// The change of volume in the cell.
+    /// Dilatation of the cell.
     Dilatation,
 }
 
@@ -314,8 +316,8 @@ fn traction<S: Simd>(s: &[Lanes<S>; 6], v: &[Lanes<S>; 3]) -> [Lanes<S>; 3] {
     ]
 }
 
-/// Corner forces K u of a vector's cells; `inner` is given for cells with incompatible modes, with
-/// their first place in the batch, `mean` is what is averaged.
+/// Corner forces K u of a vector's cells. `inner` is given for cells with incompatible modes, with
+/// the index of the first one in the batch; `mean` is the averaged quantity.
 #[inline(always)]
 pub(crate) fn apply<S: Simd>(
     corners: &CornerField<S>,
@@ -359,9 +361,9 @@ pub(crate) fn apply<S: Simd>(
         average(&bracket, material, &inverse_determinant, &mut stresses);
     }
     if mean == Mean::Dilatation {
-        take_mean_dilatation(&trace, material, &inverse_determinant, &mut stresses);
+        use_mean_dilatation(&trace, material, &inverse_determinant, &mut stresses);
     }
-    // The stress xx that works on the bracket of eps_xx.
+    // The stress xx that is conjugate to the bracket of eps_xx.
     let mut on_bracket = [zero; 8];
     for g in 0..8 {
         on_bracket[g] = stresses[g][0];
@@ -442,12 +444,13 @@ fn average<S: Simd>(
     }
 }
 
-/// Stresses of the mean dilatation in place of each point's own (`trace`, given times det J): kappa
-/// times the difference more.
+/// Replaces each point's dilatation (`trace`, given times det J) by the mean one: adds kappa times
+/// the difference to the stresses.
 ///
-/// The stress' own trace is then the same at all points, so that the virtual strain needs no mean.
+/// The trace of the stress is then the same at all points, so that the virtual strain needs no
+/// mean.
 #[inline(always)]
-fn take_mean_dilatation<S: Simd>(
+fn use_mean_dilatation<S: Simd>(
     trace: &[Lanes<S>; 8],
     material: &LanesMaterial<S>,
     inverse_determinant: &[Lanes<S>; 8],
@@ -468,7 +471,7 @@ fn take_mean_dilatation<S: Simd>(
     }
 }
 
-/// Adds the stress of the incompatible modes at the amplitudes that balance the stresses given.
+/// Adds the stress of the incompatible modes with the amplitudes that balance the given stresses.
 #[inline(always)]
 fn add_inner_stress<S: Simd>(
     dx: &[Derivatives<S>; 3],

@@ -22,29 +22,29 @@ struct Batch {
 
 /// The stiffness of a body as an operator: [`crate::BlockMatrix`]'s product without its assembly.
 ///
-/// On two cores at 311,000 displacements: made in 0.06 s (0.6 s assembled), applied in 11 ms (13
-/// ms), 45 MB (193 MB); with incompatible modes applied in 20 ms (17 ms), 81 MB.
-/// `cargo run --release -p kufe-fem --example operators` measures it. Cells go through four at a
-/// time; their corner forces are then added node by node in a fixed order, so that results have the
-/// same bits for any number of threads.
+/// On two cores with 311,000 displacements it is set up in 0.06 s (0.6 s assembled) and applied in
+/// 11 ms (13 ms), and takes 45 MB (193 MB); with incompatible modes it is applied in 20 ms (17 ms)
+/// and takes 81 MB. `cargo run --release -p kufe-fem --example operators` measures it. Four cells
+/// are processed at a time; their corner forces are then added node by node in a fixed order, so
+/// that results have the same bits for any number of threads.
 pub struct MatrixFree {
     dofs: usize,
-    /// Plain cells' batches first, then those with averaged shear, with mean dilatation, with
-    /// incompatible modes.
+    /// Batches of plain cells, of cells with averaged shear, with mean dilatation, and with
+    /// incompatible modes, in this order.
     batches: Vec<Batch>,
-    /// Where the batches of each kind after the first begin.
+    /// Index of the first batch of each kind after the first.
     starts: [usize; 3],
     inner: Vec<InnerInverse>,
     cell_start: Vec<usize>,
     /// Index in `forces` of the x force of each node's corners; y and z follow at strides of
     /// [`LANES`].
     slots: Vec<u32>,
-    /// What [`MatrixFree::apply`] writes corner forces to; empty before.
+    /// Corner forces of [`MatrixFree::apply`]; empty before its first call.
     forces: Vec<f64>,
 }
 
-/// Batches that one task applies, and numbers of force in a batch.
-const BATCHES_A_TASK: usize = 32;
+/// Number of batches that one task applies, and number of corner forces of a batch.
+const BATCHES_PER_TASK: usize = 32;
 const FORCES: usize = 24 * LANES;
 
 impl MatrixFree {
@@ -107,7 +107,7 @@ impl MatrixFree {
         self.dofs
     }
 
-    /// Memory that the operator holds, with the vector that it writes corner forces to [bytes].
+    /// Memory of the operator, including the vector of corner forces [bytes].
     pub fn bytes(&self) -> usize {
         size_of_val(&self.batches[..])
             + size_of_val(&self.inner[..])
@@ -116,29 +116,28 @@ impl MatrixFree {
             + size_of::<f64>() * FORCES * self.batches.len()
     }
 
-    /// `y` = K `u`; both hold three numbers a node.
+    /// `y` = K `u`; both hold three numbers per node.
     ///
     /// # Panics
-    /// Where a vector has another length.
+    /// If a vector has another length.
     pub fn apply(&mut self, u: &[f64], y: &mut [f64]) {
         let mut forces = std::mem::take(&mut self.forces);
         self.apply_with(u, y, &mut forces);
         self.forces = forces;
     }
 
-    /// As [`MatrixFree::apply`], with the caller's vector for the corner forces, which is given its
-    /// length.
+    /// [`MatrixFree::apply`] with the caller's vector for the corner forces, which is resized.
     ///
     /// # Panics
-    /// Where `u` or `y` has another length.
+    /// If `u` or `y` has another length.
     pub fn apply_with(&self, u: &[f64], y: &mut [f64], forces: &mut Vec<f64>) {
         assert_eq!((u.len(), y.len()), (self.dofs, self.dofs));
         forces.resize(FORCES * self.batches.len(), 0.0);
         let (batches, inner) = (&self.batches, &self.inner);
         let starts = self.starts;
-        let tasks = forces.par_chunks_mut(BATCHES_A_TASK * FORCES).enumerate();
+        let tasks = forces.par_chunks_mut(BATCHES_PER_TASK * FORCES).enumerate();
         tasks.for_each(|(task, forces)| {
-            let first = task * BATCHES_A_TASK;
+            let first = task * BATCHES_PER_TASK;
             dispatch(Task {
                 batches,
                 starts,
@@ -149,12 +148,12 @@ impl MatrixFree {
             });
         });
         let (cell_start, slots, forces) = (&self.cell_start, &self.slots, &*forces);
-        const NODES_A_TASK: usize = 1024;
-        y.par_chunks_mut(3 * NODES_A_TASK)
+        const NODES_PER_TASK: usize = 1024;
+        y.par_chunks_mut(3 * NODES_PER_TASK)
             .enumerate()
             .for_each(|(task, y)| {
                 for (local, y) in y.chunks_exact_mut(3).enumerate() {
-                    let node = task * NODES_A_TASK + local;
+                    let node = task * NODES_PER_TASK + local;
                     let mut sum = [0.0; 3];
                     for &slot in &slots[cell_start[node]..cell_start[node + 1]] {
                         let force = &forces[slot as usize..];
@@ -168,7 +167,7 @@ impl MatrixFree {
     }
 }
 
-/// Some batches in a row, to be applied with one set of vector instructions.
+/// Consecutive batches that are applied with one set of vector instructions.
 struct Task<'a> {
     batches: &'a [Batch],
     starts: [usize; 3],
@@ -178,7 +177,7 @@ struct Task<'a> {
     forces: &'a mut [f64],
 }
 
-/// Runs a task with vectors of four numbers, or with as many as there are.
+/// Runs a task with vectors of four numbers, or with single numbers if the machine has none.
 #[cfg(target_arch = "x86_64")]
 fn dispatch(task: Task<'_>) {
     match V3::try_new() {
@@ -191,7 +190,7 @@ fn dispatch(task: Task<'_>) {
     }
 }
 
-/// Runs a task with the vectors that this machine has: of no more than four numbers, elsewhere.
+/// Runs a task with the vectors of this machine, which have at most four numbers.
 #[cfg(not(target_arch = "x86_64"))]
 fn dispatch(task: Task<'_>) {
     pulp::Arch::new().dispatch(task);
@@ -219,7 +218,7 @@ impl WithSimd for Task<'_> {
     }
 }
 
-/// The forces of a batch's cells from `first`, as many as a vector holds.
+/// The forces of as many cells of a batch as a vector holds, from `first` on.
 #[inline(always)]
 fn apply_from<S: Simd>(
     simd: S,
@@ -257,7 +256,7 @@ fn apply_from<S: Simd>(
     }
 }
 
-/// A group of one to four cells; empty lanes repeat the first, and nobody reads their forces.
+/// A batch of one to four cells; unused lanes repeat the first cell, and their forces are not read.
 fn batch(body: &Body, group: &[usize]) -> Batch {
     let cell = |lane: usize| group.get(lane).copied().unwrap_or(group[0]);
     let corners: [_; LANES] = std::array::from_fn(|lane| body.corners(cell(lane)));

@@ -8,46 +8,46 @@ use crate::tensor::axis::eigenpairs;
 
 /// Additive coarse correction by the motions of a beam along x.
 ///
-/// Korn's constant of a slender body falls with (height / length)^2, and with it what
-/// [`crate::FastDiagonal`] alone can do: its three scalar operators know no bending. The correction
-/// z += Z (Z^T K Z)^-1 Z^T r holds those motions exactly. On knots along x, Z has for each knot the
+/// Korn's constant of a slender body decreases with (height / length)^2, and with it the quality of
+/// [`crate::FastDiagonal`], whose three scalar operators do not represent bending. The correction z
+/// += Z (Z^T K Z)^-1 Z^T r is exact for the motions in Z. On knots along x, Z has for each knot the
 /// two cubic Hermite deflections w and v,
 ///
 /// ```text
 /// u = (-(z - z_0) w', 0, w)   and   u = (-(y - y_0) v', v, 0),
 /// ```
 ///
-/// and, piecewise linear, with y and z from the axis, a stretch u = (s, 0, 0), a twist u = (0, -z
-/// t, y t), the warping that a twist brings, u = (y z q, 0, 0), and bending across, u = (0, -2 y z
-/// c, y^2 c): eight motions a knot.
+/// and, piecewise linear, with y and z relative to the axis, a stretch u = (s, 0, 0), a twist u =
+/// (0, -z t, y t), the warping due to a twist, u = (y z q, 0, 0), and bending across, u = (0, -2 y
+/// z c, y^2 c): eight motions per knot.
 ///
-/// Measured on a clamped steel of 0.6 m x 20 mm x 8 mm to 1e-6 in energy, flat or rounded
-/// underneath, three refinements, either element: 245-612 iterations without, 29-40 with 25 knots
-/// (33-58 with 13).
+/// On a clamped steel of 0.6 m x 20 mm x 8 mm, flat or rounded underneath, three refinements,
+/// either element, to 1e-6 in energy: 245-612 iterations without, 29-40 with 25 knots (33-58 with
+/// 13).
 ///
-/// Vectors hold three numbers a node, node by node. Entries that `fixed` names are zero in Z.
+/// Vectors hold three numbers per node, node by node. Entries marked by `fixed` are zero in Z.
 #[derive(Clone, Debug)]
 pub struct BeamModes {
     knots: Vec<f64>,
     axis: [f64; 2],
     points: Vec<[f64; 3]>,
     fixed: Vec<bool>,
-    /// (Z^T K Z)^+ by columns: what motions that strain nothing would take is omitted.
+    /// The pseudo-inverse (Z^T K Z)^+ by columns, without motions that have no strain.
     inverse: Mat<f64>,
 }
 
-/// Motions of one knot.
+/// Number of motions of one knot.
 const MOTIONS: usize = 8;
-/// Nodes summed by one task.
-const NODES_A_TASK: usize = 2048;
+/// Number of nodes that one task sums.
+const NODES_PER_TASK: usize = 2048;
 
 impl BeamModes {
     /// The coarse space of a body whose nodes lie in planes across x.
     ///
-    /// `points` are the nodes' positions, whose x are among `lines` (ascending) [m]; about
-    /// `knot_count` of the lines, evenly spread, become knots. `axis` = (y_0, z_0) is the beam's
-    /// axis [m]; `fixed` marks the displacements that are zero; `apply` writes K u. It is called 24
-    /// times. Fails where a list's length is wrong.
+    /// `points` are the nodes' positions, whose x are among `lines` (ascending) [m]. About
+    /// `knot_count` equidistant lines become knots. `axis` = (y_0, z_0) is the beam's axis [m];
+    /// `fixed` marks the displacements that are zero; `apply` writes K u and is called 24 times.
+    /// Fails if a list has a wrong length.
     ///
     /// # Panics
     /// With fewer than two lines or knots.
@@ -76,8 +76,8 @@ impl BeamModes {
             inverse: Mat::zeros(n, n),
         };
         let mut reduced = Mat::<f64>::zeros(n, n);
-        // Knots lie on planes of nodes, so K couples a knot with its next ones only: every third
-        // knot goes at once.
+        // Knots lie on planes of nodes, so K couples a knot only with the adjacent ones: every
+        // third knot is computed at once.
         let dofs = 3 * modes.points.len();
         let (mut u, mut image, mut column) = (vec![0.0; dofs], vec![0.0; dofs], vec![0.0; n]);
         let mut partial = Vec::new();
@@ -121,10 +121,10 @@ impl BeamModes {
         }
     }
 
-    /// Entries of Z's row of a displacement as (motion, value); none where it is fixed.
+    /// Entries of Z's row of a displacement as (motion, value); empty if it is fixed.
     ///
     /// # Panics
-    /// Where the node or the component (0, 1, 2) does not exist.
+    /// If the node or the component (0, 1, 2) does not exist.
     pub fn row(&self, node: usize, component: usize) -> Vec<(usize, f64)> {
         if self.fixed[3 * node + component] {
             return Vec::new();
@@ -137,8 +137,8 @@ impl BeamModes {
             .collect()
     }
 
-    /// The first of the two knots about a node, and the node's displacement for each motion of
-    /// both.
+    /// The first of the two knots around a node, and the node's displacement for each motion of
+    /// both knots.
     fn local(&self, node: usize) -> (usize, [[[f64; 3]; MOTIONS]; 2]) {
         let [x, y, z] = self.points[node];
         let last = self.knots.len() - 2;
@@ -180,11 +180,11 @@ impl BeamModes {
 
     /// `u` += Z c.
     pub fn add_motion(&self, c: &[f64], u: &mut [f64]) {
-        u.par_chunks_mut(3 * NODES_A_TASK)
+        u.par_chunks_mut(3 * NODES_PER_TASK)
             .enumerate()
             .for_each(|(task, u)| {
                 for (offset, u) in u.chunks_exact_mut(3).enumerate() {
-                    let node = task * NODES_A_TASK + offset;
+                    let node = task * NODES_PER_TASK + offset;
                     let (knot, motions) = self.local(node);
                     for (motion, c) in motions.as_flattened().iter().zip(&c[MOTIONS * knot..]) {
                         for i in 0..3 {
@@ -198,20 +198,21 @@ impl BeamModes {
     }
 
     /// c = Z^T r, summed by nodes in a fixed order. `partial` is scratch for the tasks' sums, which
-    /// is given its length.
+    /// is resized.
     ///
     /// # Panics
-    /// Where `r` does not hold three numbers a node.
+    /// If `r` does not hold three numbers per node.
     pub fn project(&self, r: &[f64], c: &mut [f64], partial: &mut Vec<f64>) {
         assert_eq!(r.len(), 3 * self.points.len());
         let n = c.len();
-        partial.resize(self.points.len().div_ceil(NODES_A_TASK) * n, 0.0);
+        partial.resize(self.points.len().div_ceil(NODES_PER_TASK) * n, 0.0);
         partial
             .par_chunks_mut(n)
             .enumerate()
             .for_each(|(task, sums)| {
                 sums.fill(0.0);
-                let nodes = task * NODES_A_TASK..((task + 1) * NODES_A_TASK).min(self.points.len());
+                let nodes =
+                    task * NODES_PER_TASK..((task + 1) * NODES_PER_TASK).min(self.points.len());
                 for node in nodes {
                     let (knot, motions) = self.local(node);
                     let sums = &mut sums[MOTIONS * knot..];
@@ -233,7 +234,7 @@ impl BeamModes {
     }
 }
 
-/// About `count` of the lines, evenly spread, first and last among them.
+/// About `count` equidistant lines, including the first and the last.
 fn spread(lines: &[f64], count: usize) -> Vec<f64> {
     assert!(
         lines.len() >= 2 && count >= 2,
@@ -260,12 +261,11 @@ fn spread(lines: &[f64], count: usize) -> Vec<f64> {
     knots
 }
 
-/// Eigenvalues of the matrix with unit diagonal below which a motion strains nothing but by
-/// rounding.
+/// Eigenvalue of the matrix with unit diagonal below which the strain of a motion is rounding.
 const STRAINS: f64 = 1e-12;
 
-/// The pseudo-inverse of a positive semi-definite matrix whose rows are of very different units: D
-/// V L^+ V^T D from the eigenvalues L of D A D, which has a unit diagonal.
+/// The pseudo-inverse of a positive semi-definite matrix whose rows have very different units: D V
+/// L^+ V^T D from the eigenvalues L of D A D, which has a unit diagonal.
 fn pseudo_inverse(a: &Mat<f64>) -> Result<Mat<f64>, Error> {
     let n = a.nrows();
     let scale: Vec<f64> = (0..n)

@@ -1,11 +1,11 @@
-//! Many tridiagonal matrices of one pattern, eliminated side by side.
+//! Simultaneous elimination of many tridiagonal matrices of one pattern.
 
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 use crate::tensor::axis::Axis;
 
-/// The end of z that elimination goes towards.
+/// The end of z at which the elimination ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
     /// The plane of the lowest z.
@@ -19,15 +19,15 @@ pub enum End {
 pub(crate) struct Elimination {
     /// Nodes of the axis that are not fixed, in the order of elimination.
     pub planes: Vec<usize>,
-    /// s by matrix.
+    /// Shift s of each matrix.
     pub shift: Vec<f64>,
-    /// c K and M between a node and the one before it in that order.
+    /// Entries of c K and M between a node and the previous one in the order of elimination.
     pub coupling: Vec<[f64; 2]>,
-    /// One over the pivots, node by node in that order, matrices side by side.
+    /// Reciprocal pivots by node in the order of elimination, matrices fastest.
     pub inverse_pivots: Vec<f64>,
 }
 
-/// Matrices that one task works on: their values at all nodes stay in a core's cache.
+/// Number of matrices per task: their values at all nodes stay in a core's cache.
 const PAIRS: usize = 256;
 
 impl Elimination {
@@ -66,7 +66,7 @@ impl Elimination {
         }
     }
 
-    /// Forward and backward passes over `values`, which are laid out as the pivots are.
+    /// Forward and backward passes over `values`, which have the layout of the pivots.
     pub fn run(&self, values: &mut [f64], [forward, backward]: [bool; 2]) {
         let pairs = self.shift.len();
         let mut blocks: Vec<Vec<&mut [f64]>> = (0..pairs.div_ceil(PAIRS))

@@ -1,4 +1,5 @@
-//! The preconditioner: three scalar operators, each inverted by diagonalising its axes.
+//! Fast-diagonalisation preconditioner: three scalar operators, each inverted in the modes of its
+//! axes.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,8 +21,8 @@ use crate::tensor::operator::TensorOperator;
 /// fixed faces only, not on the grading (R. E. Lynch, J. R. Rice and D. H. Thomas, Numer. Math. 6
 /// (1964) 185-199, for the diagonalisation).
 ///
-/// [`FastDiagonal::to_modes`], a change to the modal vector, and [`FastDiagonal::from_modes`] are
-/// stored apart so that a constraint on one horizontal plane can act between them.
+/// [`FastDiagonal::to_modes`], [`FastDiagonal::divide`] and [`FastDiagonal::from_modes`] are
+/// separate methods, so that a constraint on one horizontal plane can act between them.
 #[derive(Clone, Debug)]
 pub struct FastDiagonal {
     shape: [usize; 3],
@@ -34,18 +35,18 @@ struct Component {
     modes: [AxisModes; 3],
     /// 1 / Lambda, first axis fastest.
     inverse: Vec<f64>,
-    /// Where this component's modal values start.
+    /// Index of this component's first modal value.
     start: usize,
 }
 
 impl FastDiagonal {
-    /// Diagonalises every axis once for each pair of fixed ends that occurs. Where `first` is
-    /// given, component x has that axis along x instead of the operator's own.
+    /// Diagonalises every axis once for each pair of fixed ends that occurs. If `first` is given,
+    /// component x has this axis along x instead of the operator's.
     ///
     /// For [`crate::element::hex8_axial`] `first` is the operator's first axis, [`Axis::averaged`].
     pub fn new(operator: &TensorOperator, first: Option<&Axis>) -> Self {
-        // Two layers give the vertical component a z axis of its own, an axis from outside
-        // component x one of x.
+        // With two layers the vertical component has another z axis, and with `first` component x
+        // another x axis.
         let variant = |c: usize, axis: usize| match (c, axis) {
             (2, 2) => usize::from(operator.lower_layer().is_some()),
             (0, 0) => usize::from(first.is_some()),
@@ -222,12 +223,12 @@ fn by_column_blocks(
         });
 }
 
-/// The beginning of `data` as a matrix of so many rows and columns, column by column.
+/// The beginning of `data` as a matrix of this many rows and columns, column by column.
 pub(crate) fn columns<T>(data: &[T], [rows, cols]: [usize; 2]) -> MatRef<'_, T> {
     MatRef::from_column_major_slice(&data[..rows * cols], rows, cols)
 }
 
-/// The same to be written to.
+/// [`columns`], mutable.
 pub(crate) fn columns_mut<T>(data: &mut [T], [rows, cols]: [usize; 2]) -> MatMut<'_, T> {
     MatMut::from_column_major_slice_mut(&mut data[..rows * cols], rows, cols)
 }

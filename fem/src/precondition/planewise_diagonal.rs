@@ -1,4 +1,4 @@
-//! The preconditioner of [`crate::FastDiagonal`] with less work: x and y by eigenvectors, z by
+//! The preconditioner of [`crate::FastDiagonal`] at a lower cost: x and y by eigenvectors, z by
 //! elimination.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -13,18 +13,18 @@ use crate::tensor::operator::TensorOperator;
 
 /// Inverse of the block diagonal of elasticity on a tensor grid, plane by plane.
 ///
-/// The operator is [`crate::FastDiagonal`]'s, and so is the result. In the modes of x and y a
-/// component's operator falls apart into one tridiagonal matrix a pair (a, b) of modes,
+/// Operator and result are those of [`crate::FastDiagonal`]. In the modes of x and y a component's
+/// operator decouples into one tridiagonal matrix per pair (a, b) of modes,
 ///
 /// T = c_z K_z + (c_x theta_a + c_y theta_b) M_z,
 ///
-/// which is eliminated towards one end of z: four small matrix products a component instead of six.
-/// What that end has gathered, y, gives the answer there before any other is known: z = T y with T
-/// one over the last pivot. A constraint on that plane acts between [`PlanewiseDiagonal::gather`]
-/// and [`PlanewiseDiagonal::spread`].
+/// which is eliminated towards one end of z: four small matrix products per component instead of
+/// six. The right-hand side y at that end after the forward pass gives the solution there, z = y /
+/// (last pivot), before the backward pass. A constraint on that plane acts between
+/// [`PlanewiseDiagonal::gather`] and [`PlanewiseDiagonal::spread`].
 ///
-/// The products are done in single precision ([`crate::precondition::planewise_diagonal`]), the
-/// elimination in double; so is the answer on that plane, where a constraint must hold to rounding.
+/// The products are computed in single precision. The elimination, and the solution on that plane,
+/// where a constraint must be satisfied to rounding, are computed in double precision.
 #[derive(Clone, Debug)]
 pub struct PlanewiseDiagonal {
     pub(crate) shape: [usize; 3],
@@ -46,7 +46,7 @@ impl PlanewiseDiagonal {
     /// `end`.
     ///
     /// # Panics
-    /// Where the plane at `end` is fixed in z: nothing could act there.
+    /// If the plane at `end` is fixed in z.
     pub fn new(operator: &TensorOperator, end: End) -> Self {
         let key = |c: usize, axis: usize| (axis, operator.fixed[c][axis]);
         let keys: BTreeSet<_> = (0..6).map(|k| key(k / 2, k % 2)).collect();
@@ -91,7 +91,8 @@ impl PlanewiseDiagonal {
         [&self.components[2].x, &self.components[2].y]
     }
 
-    /// What unit vertical forces on the end plane move there: modes of x by modes of y [m/N].
+    /// Vertical displacement of the end plane under unit vertical forces on it, modes of x by modes
+    /// of y [m/N].
     pub fn end_response(&self) -> MatRef<'_, f64> {
         let vertical = &self.components[2];
         let [mx, my] = vertical.pairs();
@@ -99,14 +100,14 @@ impl PlanewiseDiagonal {
         columns(&vertical.z.inverse_pivots[last..], [mx, my])
     }
 
-    /// What the end plane has gathered of the vertical component, modes of x by modes of y: times
-    /// [`PlanewiseDiagonal::end_response`] it is the displacement there.
+    /// Right-hand side of the vertical component on the end plane after the forward pass, modes of
+    /// x by modes of y; times [`PlanewiseDiagonal::end_response`] it is the displacement there.
     pub fn gathered<'a>(&self, modal: &'a [f64]) -> MatRef<'a, f64> {
         let [mx, my] = self.components[2].pairs();
         columns(&modal[self.end_plane()], [mx, my])
     }
 
-    /// The same to be changed by forces on the end plane.
+    /// [`PlanewiseDiagonal::gathered`], mutable, for forces on the end plane.
     pub fn gathered_mut<'a>(&self, modal: &'a mut [f64]) -> MatMut<'a, f64> {
         let [mx, my] = self.components[2].pairs();
         columns_mut(&mut modal[self.end_plane()], [mx, my])
@@ -119,8 +120,8 @@ impl PlanewiseDiagonal {
         end - mx * my..end
     }
 
-    /// The modal form of `r`, solved but for the vertical component, which is eliminated up to the
-    /// end plane.
+    /// First part of P^-1 `r`: transforms to modes, solves the horizontal components and eliminates
+    /// the vertical one up to the end plane (forward pass).
     pub fn gather(&self, r: &[f64], modal: &mut [f64]) {
         let nodes: usize = self.shape.iter().product();
         assert_eq!((r.len(), modal.len()), (3 * nodes, self.mode_count()));
@@ -132,7 +133,7 @@ impl PlanewiseDiagonal {
         }
     }
 
-    /// `z` from the result of [`PlanewiseDiagonal::gather`], which is overwritten.
+    /// Second part: `z` from the result of [`PlanewiseDiagonal::gather`], which is overwritten.
     pub fn spread(&self, modal: &mut [f64], z: &mut [f64]) {
         let nodes: usize = self.shape.iter().product();
         assert_eq!((z.len(), modal.len()), (3 * nodes, self.mode_count()));
@@ -234,15 +235,15 @@ impl Component {
 /// The eigenvectors Q of x and y, rounded.
 ///
 /// A preconditioner need not be exact, and numbers of half the length are multiplied twice as fast.
-/// Each plane is scaled by the power of two that brings its largest number to 1 or more and below
-/// 2, so nothing overflows, and what is lost is some 6e-8 sqrt(nx + ny) of that largest number.
+/// Each plane is scaled by the power of two that brings its largest number into [1, 2), so that
+/// nothing overflows. The rounding error is about 6e-8 sqrt(nx + ny) times the largest number.
 #[derive(Clone, Debug)]
 pub(crate) struct RoundedModes {
     x: Mat<f32>,
     y: Mat<f32>,
 }
 
-/// What products work in.
+/// Workspace of products.
 pub(crate) struct Room {
     nodal: Vec<f32>,
     half: Vec<f32>,
@@ -250,7 +251,7 @@ pub(crate) struct Room {
 }
 
 impl RoundedModes {
-    /// Of the modes of both axes.
+    /// The rounded modes of both axes.
     pub fn new(x: &AxisModes, y: &AxisModes) -> Self {
         let rounded = |v: &Mat<f64>| Mat::from_fn(v.nrows(), v.ncols(), |i, j| v[(i, j)] as f32);
         RoundedModes {
@@ -259,7 +260,7 @@ impl RoundedModes {
         }
     }
 
-    /// Room for one plane.
+    /// Workspace for one plane.
     pub fn room(&self) -> Room {
         let (x, y) = (&self.x, &self.y);
         Room {
@@ -323,7 +324,7 @@ fn widen(from: &[f32], scale: f64, to: &mut [f64]) {
     );
 }
 
-/// The largest size of a number, by eight running ones.
+/// Largest absolute value, with eight running maxima.
 #[inline(always)]
 fn largest(values: &[f64]) -> f64 {
     let (whole, rest) = values.as_chunks::<8>();
@@ -337,7 +338,7 @@ fn largest(values: &[f64]) -> f64 {
     all.fold(0.0, |largest, v| largest.max(v.abs()))
 }
 
-/// The power of two that brings `largest` to 1 or more and below 2; 1 where there is none.
+/// The power of two that brings `largest` into [1, 2); 1 if there is none.
 pub(crate) fn scale_of(largest: f64) -> f64 {
     // Outside these bounds the power or its reciprocal would not be a normal number.
     if (1e-300..1e300).contains(&largest) {

@@ -14,21 +14,21 @@ use crate::sparse::stiffness::SparseStiffness;
 
 /// A symmetric sparse matrix of 3 x 3 blocks over the nodes of a mesh.
 ///
-/// Two kilobytes a node for a hexahedral mesh, both triangles stored, so that rows can be applied
-/// in parallel with the same bits for any number of threads.
+/// Takes two kilobytes per node of a hexahedral mesh. Both triangles are stored, so that rows can
+/// be applied in parallel with the same bits for any number of threads.
 #[derive(Clone, Debug)]
 pub struct BlockMatrix {
-    /// Which blocks there are.
+    /// The sparsity pattern of the blocks.
     pub graph: Arc<NodeGraph>,
     /// The blocks by rows, as `graph.neighbours`; each 3 x 3 by rows.
     pub blocks: Vec<[[f64; 3]; 3]>,
 }
 
 /// Nodes whose rows are applied by one task.
-const ROWS_A_TASK: usize = 256;
+const ROWS_PER_TASK: usize = 256;
 
 impl BlockMatrix {
-    /// Number of rows, three a node.
+    /// Number of rows, three per node.
     pub fn dofs(&self) -> usize {
         3 * self.graph.node_count()
     }
@@ -44,15 +44,15 @@ impl BlockMatrix {
     /// `y` = K `u`; both hold [`BlockMatrix::dofs`] numbers.
     ///
     /// # Panics
-    /// Where a vector has another length.
+    /// If a vector has another length.
     pub fn apply(&self, u: &[f64], y: &mut [f64]) {
         assert_eq!((u.len(), y.len()), (self.dofs(), self.dofs()));
-        y.par_chunks_mut(3 * ROWS_A_TASK)
+        y.par_chunks_mut(3 * ROWS_PER_TASK)
             .enumerate()
             .for_each(|(task, y)| {
                 for (local, y) in y.chunks_exact_mut(3).enumerate() {
                     let mut sum = [0.0; 3];
-                    for (block, other) in self.row(task * ROWS_A_TASK + local) {
+                    for (block, other) in self.row(task * ROWS_PER_TASK + local) {
                         let v = &u[3 * other..3 * other + 3];
                         for i in 0..3 {
                             sum[i] += block[i][0] * v[0] + block[i][1] * v[1] + block[i][2] * v[2];
@@ -75,8 +75,8 @@ impl BlockMatrix {
 
     /// The lower triangle over the free displacements of `map` as a faer matrix, diagonal included.
     ///
-    /// Square, [`DofMap::free_count`] rows, columns and rows ascending; what a Cholesky
-    /// factorisation reads.
+    /// Square, [`DofMap::free_count`] rows, columns and rows ascending: the input of a Cholesky
+    /// factorisation.
     pub fn lower_free(&self, map: &DofMap) -> SparseColMat<u32, f64> {
         let n = map.free_count();
         // The matrix is symmetric, so a column's rows are read from the block row of its node.
@@ -107,14 +107,15 @@ impl BlockMatrix {
     }
 }
 
-/// Cells whose matrices are in memory at once: 4.6 kB each. A constant, so that sums never depend
-/// on the thread count.
-const CELLS_A_CHUNK: usize = 2048;
+/// Number of cells whose matrices are in memory at once: 4.6 kB each. A constant, so that sums do
+/// not depend on the number of threads.
+const CELLS_PER_CHUNK: usize = 2048;
 
 /// Assembles the stiffness matrix of a body.
 ///
-/// K = sum over cells of A_e^T K_e A_e. Element matrices are made in parallel, then added row by
-/// row in the order of the cells, in parallel over rows: the same bits for any number of threads.
+/// K = sum over cells of A_e^T K_e A_e. Element matrices are computed in parallel, then added row
+/// by row in the order of the cells, in parallel over rows: the same bits for any number of
+/// threads.
 ///
 /// ```
 /// use kufe_fem::{Body, ElementKind, Material, assemble};
@@ -131,19 +132,19 @@ pub fn assemble(body: &Body) -> BlockMatrix {
     assemble_on(body, Arc::new(NodeGraph::new(body.mesh())))
 }
 
-/// Assembles the stiffness matrix on a graph made before with [`NodeGraph::new`] from a mesh with
-/// the same cells.
+/// Assembles the stiffness matrix on an existing graph from [`NodeGraph::new`] for a mesh with the
+/// same cells.
 ///
-/// For bodies that keep their cells while nodes move or materials change.
+/// For bodies whose nodes move or materials change while the cells stay the same.
 pub fn assemble_on(body: &Body, graph: Arc<NodeGraph>) -> BlockMatrix {
     let cells = &body.mesh().cells;
     assert_eq!(graph.node_count(), body.node_count());
     assert_eq!(graph.cells.places.len(), 8 * cells.len());
     let mut blocks = vec![[[0.0; 3]; 3]; graph.neighbours.len()];
-    let mut matrices: Vec<ElementMatrix> = Vec::with_capacity(CELLS_A_CHUNK.min(cells.len()));
+    let mut matrices: Vec<ElementMatrix> = Vec::with_capacity(CELLS_PER_CHUNK.min(cells.len()));
     let mut touched: Vec<usize> = Vec::new();
-    for first in (0..cells.len()).step_by(CELLS_A_CHUNK) {
-        let chunk = first..(first + CELLS_A_CHUNK).min(cells.len());
+    for first in (0..cells.len()).step_by(CELLS_PER_CHUNK) {
+        let chunk = first..(first + CELLS_PER_CHUNK).min(cells.len());
         chunk
             .clone()
             .into_par_iter()
@@ -182,13 +183,12 @@ pub fn assemble_on(body: &Body, graph: Arc<NodeGraph>) -> BlockMatrix {
     BlockMatrix { graph, blocks }
 }
 
-/// Writes the stiffness of some bodies, one after the other along the diagonal, in Matrix Market
-/// form.
+/// Writes the block-diagonal stiffness of several bodies in Matrix Market format.
 ///
 /// `coordinate real symmetric`: the lower triangle, one-based (row, column, value [N/m]), column by
-/// column; values have as many digits as bring the same number back. `comments` come first, a line
-/// each. Source: R. F. Boisvert, R. Pozo and K. A. Remington, The Matrix Market exchange formats,
-/// NISTIR 5935 (1996).
+/// column; values have as many digits as are needed to read the same number. `comments` come first,
+/// one per line. Source: R. F. Boisvert, R. Pozo and K. A. Remington, The Matrix Market exchange
+/// formats, NISTIR 5935 (1996).
 ///
 /// # Errors
 /// Those of `out`.
@@ -215,7 +215,7 @@ pub fn write_matrix_market(
         writeln!(out, "% {}", comment.replace(char::is_control, " "))?;
     }
     let dofs: usize = bodies.iter().map(|body| body.dofs()).sum();
-    // Every row has its diagonal, and every other entry its mirror.
+    // Every row has a diagonal entry, and every other entry occurs twice.
     let entries: usize = bodies.iter().map(|body| body.entries()).sum();
     writeln!(out, "{dofs} {dofs} {}", (entries + dofs) / 2)?;
     let mut first = 1;
@@ -298,7 +298,7 @@ mod tests {
                 (k.blocks, y)
             })
         };
-        assert!(body.mesh().cells.len() > CELLS_A_CHUNK);
+        assert!(body.mesh().cells.len() > CELLS_PER_CHUNK);
         assert!(with(1) == with(3));
     }
 }

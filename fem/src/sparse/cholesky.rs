@@ -18,8 +18,8 @@ use crate::sparse::graph::nested_dissection;
 
 /// A supernodal Cholesky factor L L^T of the stiffness over the free displacements.
 ///
-/// The checking backend, and the one for unstructured bodies. Needs about 12 kB a displacement at
-/// 200,000 of them, growing like n^(4/3), and time like n^2.
+/// Used for unstructured bodies and for verification. Needs about 12 kB per displacement at 200,000
+/// displacements; memory grows like n^(4/3), time like n^2.
 pub struct Factor {
     symbolic: SymbolicCholesky<u32>,
     values: Vec<f64>,
@@ -34,15 +34,16 @@ impl std::fmt::Debug for Factor {
     }
 }
 
-/// A matrix that amplifies forces by this much or more is singular to rounding: mechanisms do by
-/// 2e15 and more, the slender and stretched bodies of this workspace's tests by 1e7 at most.
+/// Amplification (see [`Factor::amplifies`]) from which a matrix is singular to rounding: that of
+/// mechanisms is 2e15 and more, that of the slender and stretched bodies of this workspace's tests
+/// at most 1e7.
 const SINGULAR: f64 = 1e13;
 
 impl Factor {
     /// Factorises the stiffness of a body over its free displacements, ordered by nested dissection
     /// of `points` [m].
     ///
-    /// Fails where the free displacements leave a mechanism, or the factor does not fit.
+    /// Fails if the free displacements allow a mechanism, or if the factor is too large.
     pub fn of_body(
         stiffness: &BlockMatrix,
         map: &DofMap,
@@ -93,8 +94,8 @@ impl Factor {
             .try_reserve_exact(symbolic.len_val())
             .map_err(|e| too_large(e.to_string()))?;
         values.resize(symbolic.len_val(), 0.0);
-        // One thread: two give the factorisation of these matrices nothing, and the bits stay the
-        // same.
+        // One thread: two do not speed up the factorisation of these matrices, and the bits stay
+        // the same.
         let request = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
         let mut memory = MemBuffer::try_new(request).map_err(|e| too_large(format!("{e:?}")))?;
         symbolic
@@ -115,9 +116,9 @@ impl Factor {
         }
     }
 
-    /// Largest diagonal entry times what forces of 1, of either sign by turns without a pattern,
-    /// move at most: no more than the matrix's condition number times the root of its size. A
-    /// mechanism whose pivot is above 0 by rounding moves without end.
+    /// Largest diagonal entry times the largest displacement under forces of 1 with irregular
+    /// signs: at most the condition number of the matrix times the root of its size. The
+    /// displacement of a mechanism whose pivot is positive by rounding is very large.
     fn amplifies(&self, lower: &SparseColMat<u32, f64>) -> f64 {
         let n = self.dofs();
         let diagonal = (0..n).flat_map(|j| {
@@ -150,7 +151,7 @@ impl Factor {
     /// one after another.
     ///
     /// # Panics
-    /// Where the length of `rhs` is not a multiple of the number of unknowns.
+    /// If the length of `rhs` is not a multiple of the number of unknowns.
     pub fn solve(&self, rhs: &mut [f64]) {
         let n = self.dofs();
         if n == 0 {
@@ -173,8 +174,7 @@ impl Factor {
     /// Solves K u = f for a full vector of loads [N] with the prescribed displacements of
     /// `constraints`.
     ///
-    /// Returns the full displacements [m]. `stiffness` and `map` are those that the factor was made
-    /// with.
+    /// Returns the full displacements [m]. `stiffness` and `map` must be those of the factor.
     pub fn displacement(
         &self,
         stiffness: &BlockMatrix,

@@ -58,7 +58,7 @@ impl NodeGraph {
     pub fn new(mesh: &HexMesh) -> Self {
         let node_count = mesh.points.len();
         let cells = NodeCells::new(mesh);
-        // Without the room of the up to 64 corners that a row is found from.
+        // Boxed, without the capacity for the up to 64 corners from which a row is built.
         let rows: Vec<Box<[u32]>> = (0..node_count)
             .into_par_iter()
             .map(|node| {
@@ -92,23 +92,23 @@ impl NodeGraph {
     }
 }
 
-/// Sets of nodes this small are not cut further.
+/// Largest size of a set of nodes that is not divided further.
 const LEAF: usize = 24;
 
-/// An elimination order of nodes with little fill: halves first, the nodes between them last,
-/// recursively.
+/// An elimination order of nodes with little fill (nested dissection): first both halves, then the
+/// separator between them, recursively.
 ///
-/// Each set is cut at the median of one coordinate; the separator is those nodes of the lower half
-/// that have neighbours in the upper half. Of the three coordinates the one with the smallest
-/// separator is taken, so that graded meshes are cut across their fewest cells whatever the cells'
-/// lengths. On structured hexahedra this equals METIS in fill.
+/// Each set is divided at the median of one coordinate. The separator consists of the nodes of the
+/// lower half with neighbours in the upper half. The coordinate with the smallest separator is
+/// used, so that graded meshes are divided across the fewest cells, regardless of the cells'
+/// lengths. On structured hexahedra the fill equals that of METIS.
 ///
-/// `nodes` are those to be ordered (ascending, without repetition); `points` [m] are all nodes'
-/// positions. Returns `nodes` in the order of elimination. Source: A. George, Nested dissection of
-/// a regular finite element mesh, SIAM J. Numer. Anal. 10 (1973), 345-363.
+/// `nodes` are the nodes to be ordered (ascending, without repetition); `points` [m] are the
+/// positions of all nodes. Returns `nodes` in the order of elimination. Source: A. George, Nested
+/// dissection of a regular finite element mesh, SIAM J. Numer. Anal. 10 (1973), 345-363.
 pub fn nested_dissection(graph: &NodeGraph, points: &[[f64; 3]], nodes: &[usize]) -> Vec<usize> {
     let mut order = nodes.to_vec();
-    // Which piece of the cut a node lies in: 0 outside the set at hand, else below or above.
+    // Part of each node in the current cut: outside the set, below or above, or separator.
     let mut side = vec![OUTSIDE; graph.node_count()];
     dissect(graph, points, &mut order, &mut side);
     order
@@ -139,7 +139,7 @@ fn dissect(graph: &NodeGraph, points: &[[f64; 3]], set: &mut [usize], side: &mut
             best = Some((axis, cut, separator));
         }
     }
-    // All nodes of the set at one point: nothing to cut by.
+    // All nodes of the set are at one point.
     let Some((axis, cut, _)) = best else {
         return;
     };
@@ -159,8 +159,8 @@ fn dissect(graph: &NodeGraph, points: &[[f64; 3]], set: &mut [usize], side: &mut
     dissect(graph, points, &mut set[below..above], side);
 }
 
-/// The coordinate at or below which about half of the set lies, if the set has two different
-/// coordinates.
+/// The coordinate at or below which about half of the set lies; `None` if all coordinates are
+/// equal.
 fn median_cut(points: &[[f64; 3]], set: &[usize], axis: usize) -> Option<f64> {
     let mut values: Vec<f64> = set.iter().map(|&node| points[node][axis]).collect();
     let middle = (values.len() - 1) / 2;

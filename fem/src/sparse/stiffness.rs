@@ -1,4 +1,4 @@
-//! The stiffness by component, to be multiplied with and written to files.
+//! The assembled stiffness in component order, for products and files.
 
 use rayon::prelude::*;
 
@@ -9,37 +9,37 @@ use crate::sparse::graph::NodeGraph;
 
 /// The stiffness of all displacements of a body [N/m], fixed ones included.
 ///
-/// Vectors hold component after component, as those of [`crate::TensorOperator`]: displacement `c`
-/// of node `n` is number `c * node_count + n`. Rows are stored in blocks of 3 x 3, so that a
-/// product has the same bits for any number of threads.
+/// Vectors hold component after component, as those of [`crate::TensorOperator`]: component `c` of
+/// node `n` has the index `c * node_count + n`. Rows are stored in blocks of 3 x 3; a product has
+/// the same bits for any number of threads.
 #[derive(Clone, Debug)]
 pub struct SparseStiffness {
     matrix: BlockMatrix,
 }
 
 /// Nodes whose rows are applied by one task.
-const NODES_A_TASK: usize = 256;
+const NODES_PER_TASK: usize = 256;
 
 /// Memory of a block of 3 x 3 with its node [bytes].
-const BYTES_A_BLOCK: u64 = 9 * 8 + 4;
+const BYTES_PER_BLOCK: u64 = 9 * 8 + 4;
 
 /// Memory of a node in addition to its blocks [bytes]: its cells and the starts of rows.
-const BYTES_A_NODE: u64 = 8 * 8 + 2 * 8;
+const BYTES_PER_NODE: u64 = 8 * 8 + 2 * 8;
 
 /// Memory of the matrix on this graph [bytes].
 fn bytes(graph: &NodeGraph) -> u64 {
-    BYTES_A_BLOCK * graph.neighbours.len() as u64 + BYTES_A_NODE * graph.node_count() as u64
+    BYTES_PER_BLOCK * graph.neighbours.len() as u64 + BYTES_PER_NODE * graph.node_count() as u64
 }
 
 impl SparseStiffness {
     /// Assembles the stiffness of a body, in parallel.
     ///
-    /// Needs 76 bytes for each of some 27 neighbours of a node, and 80 for the node; that is counted
+    /// Needs 80 bytes per node and 76 for each of its about 27 neighbours; this memory is computed
     /// first.
     ///
     /// # Errors
-    /// [`Error::MatrixTooLarge`] where it would need more than `limit` bytes; nothing is assembled
-    /// then.
+    /// [`Error::MatrixTooLarge`] if it would need more than `limit` bytes; nothing is then
+    /// assembled.
     ///
     /// ```
     /// use kufe_fem::{Body, ElementKind, Material, SparseStiffness};
@@ -86,16 +86,16 @@ impl SparseStiffness {
     /// `y` = K `u`, by component.
     ///
     /// # Panics
-    /// Where a vector has another length.
+    /// If a vector has another length.
     pub fn apply(&self, u: &[f64], y: &mut [f64]) {
         assert_eq!((u.len(), y.len()), (self.dofs(), self.dofs()));
         let nodes = self.dofs() / 3;
         let (x, rest) = y.split_at_mut(nodes);
         let (y, z) = rest.split_at_mut(nodes);
-        let [x, y, z] = [x, y, z].map(|part| part.par_chunks_mut(NODES_A_TASK));
+        let [x, y, z] = [x, y, z].map(|part| part.par_chunks_mut(NODES_PER_TASK));
         x.zip(y).zip(z).enumerate().for_each(|(task, ((x, y), z))| {
             for local in 0..x.len() {
-                let row = self.matrix.row(task * NODES_A_TASK + local);
+                let row = self.matrix.row(task * NODES_PER_TASK + local);
                 let sum = |c: usize| {
                     let along =
                         |i: usize| row.clone().map(move |(k, n)| u[i * nodes + n] * k[c][i]);
@@ -143,7 +143,7 @@ mod tests {
     fn product_is_that_of_the_blocks_over_several_tasks_and_for_any_number_of_threads() {
         let body = mixed(14);
         let n = body.dofs();
-        assert!(n > 6 * NODES_A_TASK);
+        assert!(n > 6 * NODES_PER_TASK);
         let u: Vec<f64> = (0..n).map(|i| (0.37 * i as f64).sin()).collect();
         let (mut by_node, mut expected) = (vec![0.0; n], vec![0.0; n]);
         to_nodes(&u, &mut by_node);

@@ -33,12 +33,12 @@ impl Axis {
     /// Assembles the matrices.
     ///
     /// # Panics
-    /// Where there are fewer than two nodes or they do not increase: grids are made, not read.
+    /// If there are fewer than two nodes or they do not increase: grids are not user input.
     pub fn new(nodes: &[f64]) -> Self {
         Axis::weighted(nodes, |_| [1.0; 2])
     }
 
-    /// Assembles the matrices with a factor an element: `weights(e)` are those of K and of M (and
+    /// Assembles the matrices with factors per element: `weights(e)` are those of K and of M (and
     /// of the lumped mass).
     ///
     /// # Panics
@@ -72,7 +72,8 @@ impl Axis {
     /// This axis with the mass of cellwise averages, sum over cells of h (u_i + u_(i+1)) (v_i +
     /// v_(i+1)) / 4, and `share` of the consistent mass in excess of it.
     ///
-    /// Averages miss what alternates from node to node; a small positive share keeps M definite.
+    /// Averages are zero for values that alternate from node to node; a small positive share keeps
+    /// M definite.
     pub fn averaged(&self, share: f64) -> Self {
         let mut axis = self.clone();
         axis.mass = vec![[0.0; 3]; self.len()];
@@ -89,7 +90,7 @@ impl Axis {
         self.nodes.len()
     }
 
-    /// Never: an axis has at least two nodes.
+    /// Always false: an axis has at least two nodes.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
@@ -170,7 +171,7 @@ impl Axis {
 pub struct AxisModes {
     /// theta, increasing [1/m2].
     pub values: Vec<f64>,
-    /// One column a mode, one row a node; rows of fixed nodes are 0.
+    /// One column per mode, one row per node; rows of fixed nodes are 0.
     pub vectors: Mat<f64>,
 }
 
@@ -181,11 +182,11 @@ fn add_element(matrix: &mut Tridiagonal, e: usize, element: [[f64; 2]; 2]) {
     matrix[e + 1][1] += element[1][1];
 }
 
-/// Eigenvalues of the symmetric matrix `a`, increasing, and their eigenvectors, one a column;
-/// `None` where they do not converge.
+/// Eigenvalues of the symmetric matrix `a`, increasing, and their eigenvectors as columns; `None`
+/// if they do not converge.
 ///
-/// On one thread: with more of them faer sums the halves of a product apart, which moves the last
-/// digits.
+/// On one thread: with several threads faer sums the halves of a product separately, which changes
+/// the last digits.
 pub(crate) fn eigenpairs(a: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>)> {
     let n = a.nrows();
     let (mut values, mut vectors) = (Diag::zeros(n), Mat::zeros(n, n));

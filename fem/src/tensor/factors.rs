@@ -1,4 +1,4 @@
-//! What the kernel of the tensor operator multiplies with.
+//! Coefficients of the kernel of the tensor operator.
 //!
 //! The 1-D matrices of linear elements are sums over cells. With the difference v = u_(i+1) - u_i
 //! and the sum w = u_(i+1) + u_i of a cell of length h between two nodes, and h_i the lumped mass
@@ -8,13 +8,13 @@
 //! (K u)_i = (v / h)_(below) - (v / h)_(above),
 //! (2 D u)_i = w_(below) - w_(above),
 //!
-//! where a cell that is not there counts as 0. So a cell needs two numbers, h / 6 and 1 / h, and a
-//! node its lumped mass. Where cells count by their means, h / 4 replaces h / 6: (u_i + u_(i+1))
-//! (v_i + v_(i+1)) h / 4 is then what a cell weighs.
+//! where the terms of a missing cell are 0. So a cell needs two numbers, h / 6 and 1 / h, and a
+//! node its lumped mass. For the mass of cellwise means, (u_i + u_(i+1)) (v_i + v_(i+1)) h / 4, h /
+//! 4 replaces h / 6.
 
 use crate::tensor::axis::{Axis, Tridiagonal};
 
-/// Two numbers a cell: h / 6, or h / 4 [m], and 1 / h [1/m], the second times a modulus.
+/// Two numbers per cell: h / 6, or h / 4 [m], and 1 / h [1/m] times a modulus.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Cell {
     pub mass: f64,
@@ -26,7 +26,7 @@ pub(crate) struct Cell {
 pub(crate) struct Row {
     /// Lumped mass of y.
     pub lumped: f64,
-    /// The cell above by modulus: mu, and lambda + 2 mu, over the coupling.
+    /// The cell above for each modulus, mu and lambda + 2 mu, divided by the coupling.
     pub above: [Cell; 2],
 }
 
@@ -46,8 +46,8 @@ pub(crate) struct Layer {
 ///
 /// lambda D_x D_y^T + mu D_x^T D_y = -s (2 D_x) (2 D_y) + lambda D_x E_y + mu E_x D_y:
 ///
-/// one product a pair of components in the grid, and what E adds on its faces. Everything that
-/// meets M of z is divided by s, so that products of differences need no factor.
+/// one product per pair of components in the grid, plus the terms of E on its faces. All terms with
+/// M of z are divided by s, so that products of differences need no factor.
 #[derive(Clone, Debug)]
 pub(crate) struct Factors {
     /// Along x: lumped mass, and h / 6 (or h / 4) of the cells below and above, continued by zeros
@@ -55,8 +55,8 @@ pub(crate) struct Factors {
     pub mass_x: [Vec<f64>; 3],
     /// 1 / h of the cells below and above, by modulus as in [`Row::above`].
     pub stiffness_x: [[Vec<f64>; 2]; 2],
-    /// What 2 D and E add to u_(i-1) - u_(i+1) at the ends of x, zeros outside them standing for
-    /// nodes that are not there: 2 D - share E for the shares of lambda and of mu, and 2 D alone.
+    /// Terms of 2 D and E in addition to u_(i-1) - u_(i+1) at the ends of x, with zeros for missing
+    /// nodes: 2 D - share E for the shares of lambda and of mu, and 2 D alone.
     pub ends_x: [Vec<f64>; 3],
     pub rows: Vec<Row>,
     pub layers: Vec<Layer>,
@@ -67,7 +67,7 @@ pub(crate) struct Factors {
     /// Lame constants [Pa].
     pub lambda: f64,
     pub mu: f64,
-    /// First plane of the grid that the layers are of.
+    /// Index in the grid of the first plane of these layers.
     pub first: usize,
 }
 
@@ -81,7 +81,7 @@ pub(crate) enum CellMass {
 }
 
 impl Factors {
-    /// Those of planes `first` and on, which z holds.
+    /// The factors of the planes of `z`, of which `first` is the first in the grid.
     pub fn new(
         [x, y, z]: [&Axis; 3],
         [lambda, mu]: [f64; 2],
@@ -176,7 +176,7 @@ impl Cell {
     }
 }
 
-/// Numbers that the widest vector register holds.
+/// Number of values in the widest vector register.
 pub(crate) const WIDEST: usize = 8;
 
 /// Length of a row of `nx` nodes in whole vectors.

@@ -1,19 +1,19 @@
-//! What one plane of u gives to K u: to its own plane and to the two next to it.
+//! Contribution of one plane of u to K u on this plane and on the two adjacent ones.
 //!
-//! A vector of neighbours along x goes up y, row by row, for one equation or two at a time. In each
-//! row come the products along x,
+//! A vector of adjacent nodes along x is processed row by row in y, for one equation or two at a
+//! time. Each row has the products along x,
 //!
 //! a = M u, b = K u of the equation's own component, p, q and r of the others (2 D u or M u),
 //!
-//! from them those along y, with M, K and D as sums over cells ([`crate::tensor::factors`]),
+//! from them the products along y, with M, K and D as sums over cells ([`crate::tensor::factors`]),
 //!
 //! f_m = M b + K a - 2 D p, f_k = M a, f_d = M q + 2 D r,
 //!
-//! and M f_m + K f_k - 2 D f_d along z, which is added to what the planes before gave. Nothing but
-//! these sums is stored: two planes of them, a vector's column after the other.
+//! and M f_m + K f_k - 2 D f_d along z, which is added to the contributions of the previous planes.
+//! Only these sums are stored: two planes of them, one column of vectors after the other.
 //!
-//! Rows may go up in bands ([`crate::tensor::slab`]); a band takes the products of the neighbouring
-//! rows too.
+//! Rows may be processed in bands ([`crate::tensor::slab`]); a band also computes the products of
+//! the adjacent rows.
 //!
 //! | equation | p | q | r |
 //! |---|---|---|---|
@@ -21,8 +21,8 @@
 //! | y | 2 D u_x | | M u_z |
 //! | z | | 2 D u_x | M u_y |
 //!
-//! The equations y and z both take M u_y, M u_z and D u_x, and go up together. That of x takes none
-//! of these.
+//! The equations y and z both need M u_y, M u_z and D u_x, and are processed together. The equation
+//! of x needs none of these.
 
 use std::ops::Range;
 
@@ -33,7 +33,7 @@ use crate::tensor::factors::{Factors, WIDEST};
 use crate::tensor::slab::RowEnds;
 use crate::tensor::stencils::{AcrossRow, AlongX, AlongZ, Behind, between};
 
-/// What the work on a band of one plane reads.
+/// Input for a band of one plane.
 pub(crate) struct Band<'a> {
     pub factors: &'a Factors,
     /// Place among the factors' layers.
@@ -53,10 +53,10 @@ pub(crate) struct Band<'a> {
 /// The work on a band of one plane.
 pub(crate) struct Plane<'a> {
     pub read: Band<'a>,
-    /// What the plane below and this one have so far, then this one and the one above: a pair a row
-    /// and equation, by group of equations and column.
+    /// Partial sums of the plane below and of this one, afterwards of this one and of the one
+    /// above: a pair per row and equation, by group of equations and column.
     pub sums: &'a mut [f64],
-    /// The plane below, which is complete now, by component.
+    /// The plane below, which is then complete, by component.
     pub out: [&'a mut [f64]; 3],
 }
 

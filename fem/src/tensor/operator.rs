@@ -9,7 +9,7 @@ use crate::tensor::factors::FaceTerms;
 use crate::tensor::factors::{CellMass, Factors};
 use crate::tensor::slab::{Pool, Scratch, band_height, part, walk};
 
-/// Which components are fixed on which faces: `fixed[c][axis]` is (low face, high face).
+/// Components that are fixed on each face: `fixed[c][axis]` is (low face, high face).
 pub type FixedFaces = [[[bool; 2]; 3]; 3];
 
 /// Another material in the lower part of a tensor grid.
@@ -17,11 +17,11 @@ pub type FixedFaces = [[[bool; 2]; 3]; 3];
 pub struct LowerLayer {
     /// Number of cells along z that it fills, from below.
     pub cells: usize,
-    /// What they are of.
+    /// Their material.
     pub material: Material,
 }
 
-/// Products of 1-D matrices that the stiffness is a sum of.
+/// Products of 1-D matrices whose sum is the stiffness.
 #[derive(Clone, Debug)]
 struct Products {
     /// x and y with the mass of these products.
@@ -39,10 +39,10 @@ struct Products {
 /// * c != d: lambda D_c D_d^T + mu D_c^T D_d, M on the third axis.
 ///
 /// Vectors hold component after component, each in [`TensorGrid::node`] order: `3 * node_count`
-/// numbers. The integration is exact. Cost: 52 multiplications, 29 of them with an addition in one
-/// instruction, and 48 further additions a node.
+/// numbers. The integration is exact. Cost per node: 52 multiplications, 29 of them fused with an
+/// addition, and 48 further additions.
 ///
-/// [`TensorOperator::with_mean_dilatation`] makes it that of [`ElementKind::Hex8Dilatation`], at
+/// [`TensorOperator::with_mean_dilatation`] is the operator of [`ElementKind::Hex8Dilatation`], at
 /// twice the cost.
 #[derive(Clone, Debug)]
 pub struct TensorOperator {
@@ -74,10 +74,10 @@ impl TensorOperator {
         operator
     }
 
-    /// The same operator with another material in its lower cells.
+    /// The operator with another material in its lower cells.
     ///
     /// # Panics
-    /// Unless both layers have at least one cell.
+    /// If a layer has no cells.
     pub fn on_layer(mut self, layer: LowerLayer) -> Self {
         let cells = self.axes[2].len() - 1;
         assert!(
@@ -90,12 +90,12 @@ impl TensorOperator {
         self
     }
 
-    /// The same operator with the mean of each cell's change of volume in place of the change
-    /// itself.
+    /// The operator with the mean dilatation of each cell in place of the dilatation.
     ///
-    /// With the bulk modulus kappa = lambda + 2/3 mu a cell's energy is that of the plain element
-    /// at -2/3 mu and mu, which is the deviator's, and kappa times the square of the mean
-    /// dilatation: the plain element's at kappa and 0, with masses of means over cells.
+    /// With the bulk modulus kappa = lambda + 2/3 mu, a cell's energy is the sum of two terms: the
+    /// deviatoric energy, that of the plain element with Lame's constants -2/3 mu and mu; and kappa
+    /// times the square of the mean dilatation, that of the plain element with kappa and 0 and the
+    /// mass matrices of cellwise means.
     pub fn with_mean_dilatation(mut self) -> Self {
         self.kind = ElementKind::Hex8Dilatation;
         self.multiply_out();
@@ -113,7 +113,7 @@ impl TensorOperator {
     }
 
     fn multiply_out(&mut self) {
-        // What is taken of lambda and of mu, and of which mass.
+        // Lame's constants as combinations of lambda and mu, and the mass, of each product.
         let parts: &[([[f64; 2]; 2], CellMass)] = match self.kind {
             ElementKind::Hex8Dilatation => &[
                 ([[0.0, -2.0 / 3.0], [0.0, 1.0]], CellMass::Consistent),
@@ -145,8 +145,8 @@ impl TensorOperator {
         self.products = products.collect();
     }
 
-    /// Coefficients along the axes of the scalar operator that component `c` is preconditioned
-    /// with: lambda + 2 mu along its own axis, mu along the others [Pa].
+    /// Coefficients along the axes of the scalar operator that preconditions component `c` [Pa]:
+    /// lambda + 2 mu along axis `c`, mu along the others.
     pub(crate) fn scalar_coefficients(&self, c: usize) -> [f64; 3] {
         let (lambda, mu) = (self.material.lame_lambda(), self.material.shear_modulus());
         let mut along = [mu; 3];
@@ -154,12 +154,12 @@ impl TensorOperator {
         along
     }
 
-    /// The z axis as component `c` of the preconditioner sees it.
+    /// The z axis of component `c` of the preconditioner.
     ///
-    /// With two layers its matrices carry the lower material's moduli over the upper one's: mu in
-    /// the mass and for the horizontal components, lambda + 2 mu in the stiffness of the vertical
-    /// one. Where both have one Poisson's ratio that is the block diagonal of the stiffness
-    /// exactly.
+    /// With two layers its matrices are weighted by the ratio of the lower material's moduli to the
+    /// upper one's: mu in the mass and for the horizontal components, lambda + 2 mu in the
+    /// stiffness of the vertical one. If both have the same Poisson's ratio, this is exactly the
+    /// block diagonal of the stiffness.
     pub(crate) fn preconditioned_z(&self, c: usize) -> Axis {
         let Some(layer) = self.lower else {
             return self.axes[2].clone();
@@ -190,7 +190,7 @@ impl TensorOperator {
         self.shape().iter().product()
     }
 
-    /// Number of unknowns that no fixed face removes.
+    /// Number of displacements that are not on a fixed face.
     pub fn free_dofs(&self) -> usize {
         let free = |c: usize, axis: usize| {
             let fixed = self.fixed[c][axis];
@@ -213,15 +213,15 @@ impl TensorOperator {
         }
     }
 
-    /// `out` = K `u`, with 0 on fixed entries; the fixed entries of `u` count as prescribed values.
+    /// `out` = K `u`, with 0 on fixed entries; the fixed entries of `u` are prescribed values.
     ///
     /// # Panics
-    /// Where a vector does not have `3 * node_count` numbers.
+    /// If a vector does not have `3 * node_count` numbers.
     pub fn apply(&self, u: &[f64], out: &mut [f64]) {
         self.apply_in_bands(u, out, band_height(self.shape()));
     }
 
-    /// The same, `height` rows at a time.
+    /// [`TensorOperator::apply`] with bands of `height` rows.
     pub(super) fn apply_in_bands(&self, u: &[f64], out: &mut [f64], height: usize) {
         let [nx, ny, nz] = self.shape();
         let plane = nx * ny;
@@ -234,7 +234,7 @@ impl TensorOperator {
         // Every plane's numbers are the same in any slab, so slabs may depend on the number of
         // threads.
         let planes = nz.div_ceil(rayon::current_num_threads());
-        let slab = planes.max(FEWEST_PLANES) * plane;
+        let slab = planes.max(MIN_PLANES) * plane;
         let (out_x, rest) = out.split_at_mut(nodes);
         let (out_y, out_z) = rest.split_at_mut(nodes);
         out_x
@@ -250,7 +250,7 @@ impl TensorOperator {
             });
     }
 
-    /// The planes of K u from `first` on that `out` holds by component.
+    /// K u on the planes from `first` on, as many as `out` holds by component.
     fn slab(
         &self,
         u: &[f64],
@@ -282,7 +282,7 @@ impl TensorOperator {
         }
     }
 
-    /// The part of one of the sums of products, fixed entries as they come.
+    /// Adds one of the sums of products, without the mask of fixed entries.
     fn slab_of(
         &self,
         products: &Products,
@@ -301,7 +301,7 @@ impl TensorOperator {
                 continue;
             }
             let from = (own.start - first) * size;
-            // Where two materials meet both give a part.
+            // At the interface of two materials both contribute.
             let meet = own.start == factors.first && own.start > 0;
             if meet {
                 shared = part(out, from..from + size)
@@ -343,8 +343,8 @@ impl TensorOperator {
     }
 }
 
-/// A slab computes with its two neighbouring planes too: fewer planes would not pay.
-const FEWEST_PLANES: usize = 4;
+/// Smallest number of planes of a slab, which also computes with the two adjacent planes.
+const MIN_PLANES: usize = 4;
 
 fn mask_plane(plane: &mut [f64], fixed: [[bool; 2]; 3], shape: [usize; 3], k: usize) {
     let [nx, ny, nz] = shape;

@@ -1,5 +1,5 @@
-//! K u on some neighbouring planes: one walk up z through them and the two next to them, or one for
-//! each band of rows.
+//! K u on consecutive planes: one walk in z over them and the two adjacent planes, or one for each
+//! band of rows.
 
 use std::fmt;
 use std::ops::Range;
@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 use crate::tensor::factors::{Factors, WIDEST, padded};
 use crate::tensor::kernel::{Band, LastPlane, Plane};
 
-/// What a walk works in.
+/// Workspace of a walk.
 pub(crate) struct Scratch {
     ends: RowEnds,
     sums: Aligned,
@@ -16,7 +16,7 @@ pub(crate) struct Scratch {
     discarded: [Vec<f64>; 3],
     /// Room for a row.
     pub row: Vec<f64>,
-    /// What a further sum of products gives; empty where there is one.
+    /// Result of a further sum of products; empty if there is only one.
     pub further: Vec<f64>,
 }
 
@@ -32,7 +32,7 @@ impl Scratch {
     }
 }
 
-/// Scratch that waits for the next walk.
+/// Workspaces for reuse by the next walks.
 #[derive(Default)]
 pub(crate) struct Pool(Mutex<Vec<Scratch>>);
 
@@ -60,11 +60,11 @@ impl fmt::Debug for Pool {
     }
 }
 
-/// The planes `planes` of one material's K u into `out`, by component, but for what the ends of z
-/// add.
+/// Writes the planes `planes` of one material's K u to `out`, by component, without the terms of
+/// the ends of z.
 ///
-/// A plane's sum takes the plane below it, itself and the plane above in this order, wherever the
-/// walk begins. `height` rows go up together; numbers do not depend on it.
+/// A plane's sum adds the plane below, the plane itself and the plane above in this order, wherever
+/// the walk begins. Bands of `height` rows are processed together; results do not depend on it.
 pub(crate) fn walk(
     factors: &Factors,
     u: &[f64],
@@ -136,10 +136,10 @@ pub(crate) fn walk(
     }
 }
 
-/// Rows that a walk takes through all planes together: all of them where u and K u stay in the last
-/// cache, and else so many that what a walk works in stays in a core's own.
+/// Number of rows of a band: all rows if u and K u fit into the last cache, otherwise as many as
+/// the workspace of a walk in a core's own cache allows.
 ///
-/// Each band computes the products along x of the two neighbouring rows anew.
+/// Each band recomputes the products along x of the two adjacent rows.
 pub(crate) fn band_height([nx, ny, nz]: [usize; 3]) -> usize {
     const NUMBER: usize = size_of::<f64>();
     if 2 * 3 * nx * ny * nz * NUMBER <= LAST_CACHE {
@@ -150,11 +150,11 @@ pub(crate) fn band_height([nx, ny, nz]: [usize; 3]) -> usize {
     ny.div_ceil(bands)
 }
 
-/// Bytes of u and K u that may be expected to stay in the last cache, together with the other
-/// vectors of a solve.
+/// Size of u and K u that is expected to stay in the last cache, together with the other vectors of
+/// a solve [bytes].
 const LAST_CACHE: usize = 12 << 20;
-/// Bytes of a band's sums. The neighbouring rows of u, and what is prefetched, are as many again
-/// and more.
+/// Size of a band's sums [bytes]. The adjacent rows of u, and prefetched data, take at least as
+/// much again.
 const SUMS: usize = 128 << 10;
 
 /// A part of each component.
@@ -163,14 +163,13 @@ pub(crate) fn part<'a>(out: &'a mut [&mut [f64]; 3], range: Range<usize>) -> [&'
         .map(|component| &mut component[range.clone()])
 }
 
-/// The ends of rows of u between zeros, for the vectors of neighbours along x that would reach over
-/// them.
+/// The ends of rows of u, padded with zeros, for vectors along x that would extend beyond the rows.
 ///
-/// Vectors in between read u itself.
+/// Vectors in the interior read u itself.
 pub(crate) struct RowEnds {
-    /// By component; node i of a row is number `WIDEST + i` of `stride`.
+    /// Values by component; node i of a row has the index `WIDEST + i` within `stride`.
     pub values: [Aligned; 3],
-    /// Numbers from a row to the next.
+    /// Number of values from one row to the next.
     pub stride: usize,
 }
 
@@ -189,7 +188,7 @@ impl RowEnds {
         }
     }
 
-    /// Takes rows of nx numbers, by component.
+    /// Copies the ends of rows of nx numbers, by component.
     pub fn fill(&mut self, rows: [&[f64]; 3], nx: usize) {
         for (values, rows) in self.values.iter_mut().zip(rows) {
             let rows = rows.chunks_exact(nx);

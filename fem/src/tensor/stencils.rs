@@ -1,4 +1,4 @@
-//! The matrices of the three axes acting on vectors of neighbours along x
+//! Products of the 1-D matrices of the three axes with vectors of adjacent nodes along x
 //! ([`crate::tensor::kernel`]).
 
 use pulp::Simd;
@@ -15,7 +15,7 @@ pub(crate) struct AlongX<S: Simd> {
     plain_end: S::f64s,
 }
 
-/// What a row has along x.
+/// Products of a row along x.
 #[derive(Clone, Copy)]
 pub(crate) struct Products<S: Simd> {
     pub a: S::f64s,
@@ -32,7 +32,7 @@ pub(crate) struct AlongZ<S: Simd> {
     mass: [S::f64s; 2],
     stiffness: [S::f64s; 2],
     coupling: S::f64s,
-    /// D's own entry at an end of z.
+    /// Diagonal entry of D at an end of z.
     end: Option<S::f64s>,
 }
 
@@ -100,7 +100,7 @@ impl<S: Simd> AlongZ<S> {
     }
 
     /// Adds to the sums of the plane below and of this one; returns the first, which is complete,
-    /// and begins the plane above.
+    /// and starts the sum of the plane above.
     #[inline(always)]
     pub fn add(&self, simd: S, [m, k, d]: [S::f64s; 3], sums: &mut [S::f64s; 2]) -> S::f64s {
         let side = |side: usize| {
@@ -169,8 +169,8 @@ impl<S: Simd, const FIRST: usize, const N: usize, const END: bool> AcrossRow<S, 
         products
     }
 
-    /// What E of y adds to f_m and takes from f_d on the last row, and the other way round on the
-    /// first.
+    /// Terms of E of y: added to f_m and subtracted from f_d on the last row, with opposite signs
+    /// on the first.
     #[inline(always)]
     pub fn on_face(&self, simd: S, equation: usize, row: [&[f64]; 3], r: S::f64s) -> [S::f64s; 2] {
         let slope = |c: usize| self.x.plain_slope::<END>(simd, three::<S>(row[c]));
@@ -194,7 +194,7 @@ fn three<S: Simd>(row: &[f64]) -> [S::f64s; 3] {
     [low[0], on[0], high[0]]
 }
 
-/// What row j has of f_m, f_k and f_d from itself and the rows below, turned in sign.
+/// Contributions of row j and the row below to f_m, f_k and f_d, with the opposite sign.
 #[derive(Clone, Copy)]
 pub(crate) struct Behind<S: Simd>([S::f64s; 3]);
 
@@ -228,7 +228,7 @@ pub(crate) fn between<S: Simd>(
 }
 
 impl<S: Simd> Behind<S> {
-    /// The cell below less what the row's own lumped masses give.
+    /// The terms of the cell below less those of the row's lumped masses.
     #[inline(always)]
     pub fn new(
         simd: S,

@@ -8,11 +8,12 @@ use crate::hull::triangles::Hull;
 use crate::parameter::{linspace, range};
 use crate::shapes::profile::Profile;
 
-/// Facets whose normal is closer to level than this are flanks (cosine to straight down).
-const FLANK: f64 = 0.02;
-/// Vertices with a flank steeper than this take no part in a fit (cosine of the angle to the ice).
-pub(crate) const STEEPEST: f64 = 0.1;
-/// Stations along the hull at which its outline is stored.
+/// Smallest cosine between the normal of a facet of the underside and straight down; others are
+/// flanks.
+const MIN_FACET_COSINE: f64 = 0.02;
+/// Smallest cosine between the normal of a fitted vertex and straight down.
+pub(crate) const MIN_VERTEX_COSINE: f64 = 0.1;
+/// Number of stations along the hull at which its outline is stored.
 const STATIONS: usize = 1024;
 
 /// The downward-facing facets connected with the lowest vertex.
@@ -29,16 +30,17 @@ pub(crate) struct Downward {
 }
 
 impl Downward {
-    /// Finds the part of `hull`.
+    /// The downward-facing part of `hull`.
     ///
     /// # Errors
-    /// [`MeshError::Invalid`] where no facet does, or where the hull's lowest vertex is none of
-    /// theirs.
+    /// [`MeshError::Invalid`] if no facet faces down, or if none of these has the hull's lowest
+    /// vertex.
     pub fn of(hull: &Hull) -> Result<Self, MeshError> {
         let facets = hull.triangles.iter();
         let facets = facets.map(|t| (t, Vector3::from(hull.normal(t))));
-        let downward: Vec<(&[u32; 3], Vector3<f64>)> =
-            facets.filter(|(_, n)| -n.z > FLANK * n.norm()).collect();
+        let downward: Vec<(&[u32; 3], Vector3<f64>)> = facets
+            .filter(|(_, n)| -n.z > MIN_FACET_COSINE * n.norm())
+            .collect();
         let height = |facet: &usize| {
             let corners = downward[*facet].0.map(|i| hull.positions[i as usize][2]);
             corners.into_iter().fold(f64::INFINITY, f64::min)
@@ -95,8 +97,7 @@ impl Downward {
         Ok(part)
     }
 
-    /// Refuses a hull whose lowest vertex no facet of the part reaches: those around it are as
-    /// steep as flanks.
+    /// Refuses a hull whose lowest vertex is not in the part, as the facets around it are flanks.
     fn refuse_stray_vertex(&self, hull: &Hull) -> Result<(), MeshError> {
         let lowest = self.range(2)[0];
         let corners = hull.triangles.iter().flatten();
@@ -111,9 +112,9 @@ impl Downward {
         }
     }
 
-    /// The points that a fit goes through: those that are not too steep.
+    /// The points of a fit: those that are not too steep.
     pub fn gentle(&self) -> impl Iterator<Item = usize> {
-        (0..self.points.len()).filter(|&n| self.cosines[n] > STEEPEST)
+        (0..self.points.len()).filter(|&n| self.cosines[n] > MIN_VERTEX_COSINE)
     }
 
     /// Their heights over x and the arc length across, weighted by their cosines.
@@ -166,7 +167,7 @@ impl Downward {
     }
 }
 
-/// Where along x the hull lies between which y.
+/// Interval of y of the hull as a function of x.
 #[derive(Clone, Debug)]
 pub(crate) struct Outline {
     from: f64,
@@ -189,8 +190,8 @@ impl Outline {
         (sides[0] <= sides[1]).then_some(sides)
     }
 
-    /// The rectangle `[x_min, x_max, y_min, y_max]` [m] of the largest area within the outline, as
-    /// long before as behind the middle where `even`; `None` where there is none.
+    /// The rectangle `[x_min, x_max, y_min, y_max]` [m] of the largest area within the outline,
+    /// symmetric about the middle in x if `even`; `None` if there is none.
     pub fn rectangle(&self, even: bool) -> Option<[f64; 4]> {
         let step = (self.to - self.from) / STATIONS as f64;
         let mut best: Option<([f64; 4], f64)> = None;
@@ -201,7 +202,7 @@ impl Outline {
                 best = Some(([x0, x1, low, high], area));
             }
         };
-        // Rectangles grow from each station on, or from the middle to both sides.
+        // Rectangles begin at each station, or grow from the middle to both sides.
         let middle = STATIONS / 2;
         let starts = if even {
             middle..middle + 1
@@ -224,11 +225,11 @@ impl Outline {
         best.map(|(rectangle, _)| rectangle)
     }
 
-    /// The outline with gaps in its sides bridged that are no longer along x than it is wide: what was
-    /// scanned before and behind a notch is steel in between, as around a hole.
+    /// The outline after bridging gaps in its sides that are not longer along x than it is wide:
+    /// the hull is taken to continue across a notch, as across a hole.
     ///
-    /// A morphological closing (J. Serra, Image Analysis and Mathematical Morphology, 1982); it adds
-    /// nothing at the ends.
+    /// A morphological closing (J. Serra, Image Analysis and Mathematical Morphology, 1982); it
+    /// adds nothing at the ends.
     pub fn bridged(mut self) -> Self {
         let widths = self.sides.iter().map(|side| side[1] - side[0]);
         let mut widths: Vec<f64> = widths.filter(|width| *width > 0.0).collect();
@@ -257,7 +258,7 @@ impl Outline {
         self
     }
 
-    /// The outline that is this rectangle.
+    /// The outline of a rectangle.
     pub fn of_rectangle([x0, x1, y0, y1]: [f64; 4]) -> Self {
         Self {
             from: x0,
@@ -286,17 +287,17 @@ impl Outline {
     }
 }
 
-/// Arc length along the mean section over y: facets' slopes averaged between columns of vertices,
-/// summed up.
+/// Arc length along the mean section as a function of y, from the facets' slopes averaged between
+/// columns of vertices.
 pub(crate) fn arc_length(part: &Downward, [y0, y1]: [f64; 2], mirrored: bool) -> Profile {
-    const MOST_COLUMNS: usize = 48;
+    const MAX_COLUMNS: usize = 48;
     let mut ys: Vec<f64> = part.points.iter().map(|p| p[1]).collect();
     ys.sort_by(f64::total_cmp);
     let mut columns = ys.clone();
     columns.dedup_by(|b, a| *b - *a < 1e-4 * (y1 - y0));
-    if columns.len() > MOST_COLUMNS {
-        columns = (0..=MOST_COLUMNS)
-            .map(|i| ys[i * (ys.len() - 1) / MOST_COLUMNS])
+    if columns.len() > MAX_COLUMNS {
+        columns = (0..=MAX_COLUMNS)
+            .map(|i| ys[i * (ys.len() - 1) / MAX_COLUMNS])
             .collect();
         columns.dedup_by(|b, a| *b - *a < 1e-3 * (y1 - y0));
     }

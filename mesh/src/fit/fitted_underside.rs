@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::error::MeshError;
-use crate::fit::downward::{Downward, Outline, STEEPEST, arc_length};
+use crate::fit::downward::{Downward, MIN_VERTEX_COSINE, Outline, arc_length};
 use crate::fit::judgement::{FitQuality, Judgement, STATIONS};
 use crate::fit::knots::{balanced_sides, break_places, refined_fit};
 use crate::fit::scans::{Scans, moves, projected_height};
@@ -18,11 +18,11 @@ use crate::shapes::underside::{Underside, lows};
 /// A bicubic spline `z = s(x, t(y))` is fitted to the vertices by least squares of their distance
 /// along the normal. t(y) is the arc length along the mean section, so that flanks up to upright
 /// are resolved; knots are refined, at most to the vertices' own spacing, until the residuals are
-/// noise. Facets only define where the hull is.
+/// noise. Facets only define the outline of the hull.
 #[derive(Clone, Debug)]
 pub struct FittedUnderside {
     surface: Surface,
-    /// With every other knot, and with the others.
+    /// Fits with every other knot, from the first and from the second on.
     coarser: [Arc<Surface>; 2],
     judgement: Judgement,
     /// Local minima on its own knots.
@@ -34,8 +34,8 @@ impl FittedUnderside {
     /// (0 for a hull made by a computer).
     ///
     /// # Errors
-    /// [`MeshError::Value`] for a negative noise or where fewer than 16 vertices face down,
-    /// [`MeshError::Invalid`] where none does or they do not determine a surface.
+    /// [`MeshError::Value`] for a negative noise or if fewer than 16 vertices face down,
+    /// [`MeshError::Invalid`] if none does or they do not determine a surface.
     pub fn new(hull: &Hull, noise: f64) -> Result<Self, MeshError> {
         let (mut surface, samples) = Surface::fit(&Downward::of(hull)?, noise, true)?;
         let halved = |odd: usize| {
@@ -64,17 +64,18 @@ impl FittedUnderside {
         })
     }
 
-    /// The fits with every other knot, and with the others: what they change of a contact bounds
-    /// what the vertices' distances leave of it, where the fit follows vertices without noise. One
-    /// alone may agree with it by chance.
+    /// The fits with every other knot, from the first and from the second on. For a hull without
+    /// noise, the change of a contact by the coarser of these fits bounds its error due to the
+    /// spacing of the vertices. Two fits are used since one may agree by chance.
     pub fn with_half_the_knots(&self) -> [Arc<dyn Underside>; 2] {
         self.coarser.clone().map(|surface| surface as _)
     }
 
-    /// `hull`, scanned once more: its vertices put on this surface, and moved by fresh noise of
-    /// standard deviation `noise` [m] upwards.
+    /// A synthetic scan of `hull`: its vertices moved vertically onto this surface, plus new noise
+    /// of standard deviation `noise` [m] in z.
     ///
-    /// Vertices farther off than six of it are of other parts of the hull, and only get the noise.
+    /// Vertices farther from the surface than six standard deviations belong to other parts of the
+    /// hull; they only get the noise.
     pub fn scanned(&self, hull: &Hull, noise: f64, seed: u64) -> Hull {
         let mut scanned = hull.clone();
         let moves = moves(noise, seed);
@@ -84,7 +85,7 @@ impl FittedUnderside {
         scanned
     }
 
-    /// [`FittedUnderside::scanned`] seed by seed, each fitted on the knots of this fit.
+    /// Synthetic scans as of [`FittedUnderside::scanned`], each fitted on the knots of this fit.
     ///
     /// # Errors
     /// As [`FittedUnderside::new`].
@@ -92,14 +93,13 @@ impl FittedUnderside {
         Scans::new(&self.surface, hull, noise)
     }
 
-    /// What is taken off the hull's heights, so that its lowest point lies at 0 [m].
+    /// Height that is subtracted from the hull's, so that its lowest point lies at 0 [m].
     pub(crate) fn level(&self) -> f64 {
         self.surface.level
     }
 
-    /// The part over the largest rectangle within the outline, so that columns of a solid end in
-    /// steel everywhere; the fit spans holes within and notches of the sides, ragged rims are cut
-    /// off.
+    /// The part over the largest rectangle within the outline, so that every column of a solid lies
+    /// under the hull. The fit bridges holes and notches of the sides; ragged rims are cut off.
     #[must_use]
     pub fn within_outline(self) -> Self {
         let even = self.surface.symmetric[0];
@@ -121,7 +121,7 @@ impl FittedUnderside {
         }
     }
 
-    /// How well the surface follows the hull.
+    /// Quality of the fit.
     pub fn quality(&self) -> FitQuality {
         self.judgement.quality
     }
@@ -137,9 +137,9 @@ impl FittedUnderside {
         self.judgement.error_within(self.near(patch))
     }
 
-    /// A patch and a margin of a station along the hull each way, so that the fit was judged at
-    /// some places. The margin is across, too: heights around a patch that is narrower than the
-    /// distance of vertices bound the curvature in it.
+    /// A patch with a margin of one station along the hull on each side, so that it contains places
+    /// at which the fit was judged. The margin applies across, too: heights around a patch that is
+    /// narrower than the spacing of vertices bound the curvature in it.
     fn near(&self, [x0, x1, y0, y1]: [f64; 4]) -> [f64; 4] {
         let [a, b, ..] = self.surface.extent;
         let margin = (b - a) / STATIONS as f64;
@@ -165,14 +165,13 @@ impl Underside for FittedUnderside {
     }
 }
 
-/// What single precision leaves in heights that differ by `range`, and in the places on a slope:
-/// noise, too [m].
+/// Noise due to single precision in heights over a `range`, and in positions on a slope [m].
 pub(crate) fn rounding(range: f64) -> f64 {
     1e-9 + 6e-8 * range
 }
 
-/// Makes the spline even along every axis of `mirrored` along which it is so to three times what
-/// the fit misses and `noise` [m]; which those are.
+/// Makes the spline even along every axis of `mirrored` along which its asymmetry is at most three
+/// times the residual and the `noise` [m] together; returns these axes.
 fn symmetrise(
     surface: &mut Bicubic,
     samples: &[Sample],
@@ -189,7 +188,9 @@ fn symmetrise(
             s.weight * (surface.value(s.at) - surface.value(image)).abs()
         };
         // The steepest vertices are supported from one side only.
-        let mut gentle = samples.iter().filter(|s| s.weight > 3.0 * STEEPEST);
+        let mut gentle = samples
+            .iter()
+            .filter(|s| s.weight > 3.0 * MIN_VERTEX_COSINE);
         let symmetric = mirrored[axis] && gentle.all(|s| lopsided(s) <= tolerance);
         if symmetric {
             surface.symmetrise(axis);
@@ -205,18 +206,18 @@ pub(crate) struct Surface {
     pub spline: Bicubic,
     /// t, the arc length along the mean section, over y.
     pub arc_length: Profile,
-    /// Where there is a hull.
+    /// Outline of the hull.
     pub outline: Outline,
     /// `[x_min, x_max, y_min, y_max]` [m].
     pub extent: [f64; 4],
-    /// What is taken off all heights [m].
+    /// Height that is subtracted from all heights [m].
     pub level: f64,
     /// Whether it is even in x and in y.
     pub symmetric: [bool; 2],
 }
 
 impl Underside for Surface {
-    /// Over the level; infinite where there is no hull.
+    /// Height over the level; infinite where there is no hull.
     fn height(&self, x: f64, y: f64) -> f64 {
         match self.outline.sides(x) {
             Some([from, to]) if (from..=to).contains(&y) => self.spline_height(x, y) - self.level,
@@ -234,8 +235,8 @@ impl Underside for Surface {
 }
 
 impl Surface {
-    /// Fits the part of a hull that faces down, with the vertices that it went through; its level is
-    /// 0. A hull that may be turned is never made even.
+    /// Fits the downward-facing part of a hull; returns the surface, with level 0, and the fitted
+    /// vertices. A hull whose rotation is not known is never made even.
     ///
     /// # Errors
     /// As [`FittedUnderside::new`].
@@ -273,7 +274,7 @@ impl Surface {
         let floor = rounding(z1 - z0);
         let mut spline = refined_fit(&samples, &candidates, noise.max(floor), mirrored)
             .ok_or_else(MeshError::no_fit)?;
-        // What the fit misses, or the noise, may differ from one side to the other.
+        // Residuals and noise may differ from one side to the other.
         let symmetric = symmetrise(&mut spline, &samples, mirrored, noise.max(floor));
         let surface = Surface {
             spline,
@@ -286,7 +287,7 @@ impl Surface {
         Ok((surface, samples))
     }
 
-    /// Height of the spline [m], hull or not.
+    /// Height of the spline [m], within the outline or not.
     pub fn spline_height(&self, x: f64, y: f64) -> f64 {
         let x = if self.symmetric[0] { x.abs() } else { x };
         let y = if self.symmetric[1] { y.abs() } else { y };
@@ -303,7 +304,7 @@ impl Surface {
         lows([xs, &ys], |i, j| self.height(xs[i], ys[j]))
     }
 
-    /// y of an arc length, which rises with it, by this number of bisections [m].
+    /// y at an arc length [m], by this number of bisections.
     pub fn across(&self, length: f64, bisections: usize) -> f64 {
         let [_, _, mut low, mut high] = self.extent;
         for _ in 0..bisections {

@@ -1,4 +1,4 @@
-//! How well a fitted surface follows its hull, and what that is fine enough for.
+//! Quality of a fitted surface: residuals, estimated errors and outliers.
 
 use crate::fit::fitted_underside::Surface;
 use crate::fit::spline::{Bicubic, Sample};
@@ -11,32 +11,35 @@ const JUDGED_HEIGHT: f64 = 50e-6;
 /// Stations along and across at which the fit is judged.
 pub(crate) const STATIONS: usize = 400;
 
-/// How well a fitted underside follows its hull near the keel (up to 50 µm above it).
+/// Quality of a fitted underside near the keel (up to 50 µm above it).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitQuality {
     /// Root mean square distance of the vertices [m].
     pub residual_rms: f64,
     /// Largest distance of a vertex [m].
     pub residual_max: f64,
-    /// Vertices that the figures come from.
+    /// Number of vertices that the figures come from.
     pub vertices: usize,
-    /// Estimated error between the vertices [m]: what halving the number of knots changes.
+    /// Estimated error between the vertices [m]: the change by halving the number of knots.
     pub resolution_error: f64,
     /// Knot intervals along x and across.
     pub intervals: [usize; 2],
-    /// Vertices of the whole underside that are farther from the surface than six standard deviations of the noise; 0 without noise.
+    /// Number of vertices of the whole underside that are farther from the surface than six
+    /// standard deviations of the noise; 0 without noise.
     pub outliers: usize,
-    /// The farthest of them: its x and its distance [m].
+    /// The farthest outlier: its x and its distance [m].
     pub farthest: [f64; 2],
 }
 
-/// Distance of an outlier over the standard deviation of the noise: of a million normal values none is as far.
+/// Smallest ratio of an outlier's distance to the standard deviation of the noise: of a million
+/// normal values none is as far.
 const OUTLIER: f64 = 6.0;
-/// More outliers than this share of the vertices are none, but a surface that the fit does not follow.
-const FEW: f64 = 0.01;
+/// Largest fraction of outliers among the vertices; more of them mean that the fit does not follow
+/// the surface.
+const MAX_OUTLIERS: f64 = 0.01;
 
 impl FitQuality {
-    /// What is said of a scan with outliers.
+    /// Warning about a scan with outliers; `None` without.
     pub fn outliers_warning(&self) -> Option<String> {
         let Self {
             outliers,
@@ -53,13 +56,13 @@ impl FitQuality {
     }
 }
 
-/// By how much noise times spacing, or without noise the spacing, is to shrink for a fit's error to
-/// shrink by `factor`.
+/// Factor by which noise times spacing, or without noise the spacing, must decrease for the error
+/// of a fit to decrease by `factor`.
 ///
-/// The error of a smooth surface fitted to n vertices with noise goes as
-/// (noise / sqrt(n))^(2p/(2p + d)), p = 4 for cubic splines, d = 2 (C.J. Stone, Ann. Statist. 10,
-/// 1040, 1982), and n as one over the spacing squared: as (noise times spacing)^(4/5). Without noise it goes as the fourth
-/// power of the spacing.
+/// The error of a smooth surface fitted to n vertices with noise is proportional to (noise /
+/// sqrt(n))^(2p/(2p + d)), p = 4 for cubic splines, d = 2 (C.J. Stone, Ann. Statist. 10, 1040,
+/// 1982). n is proportional to 1 / spacing^2, so the error is proportional to (noise times
+/// spacing)^(4/5). Without noise it is proportional to the fourth power of the spacing.
 pub fn smaller_by(factor: f64, noisy: bool) -> f64 {
     factor.powf(if noisy { 1.25 } else { 0.25 })
 }
@@ -87,7 +90,7 @@ impl Judgement {
     pub fn of(surface: &mut Surface, samples: &[Sample], coarser: &Bicubic, noise: f64) -> Self {
         let [x0, x1, y0, y1] = surface.extent;
         let mut checks = Vec::new();
-        // Four places in each interval across as well; intervals may be short.
+        // Four places in each knot interval across; intervals may be short.
         let pairs = surface.spline.axes[1].breaks().windows(2);
         let quarters = pairs.flat_map(|b| [0.0, 0.25, 0.5, 0.75].map(|p| b[0] + p * (b[1] - b[0])));
         let between = quarters.map(|length| surface.across(length, 50));
@@ -127,7 +130,7 @@ impl Judgement {
         let distances = samples.iter().map(|s| [s.at[0], residual(s).abs()]);
         let far = |[_, distance]: &[f64; 2]| noise > 0.0 && *distance > OUTLIER * noise;
         let outliers: Vec<[f64; 2]> = distances.filter(far).collect();
-        let few = outliers.len() as f64 <= FEW * samples.len() as f64;
+        let few = outliers.len() as f64 <= MAX_OUTLIERS * samples.len() as f64;
         let farthest = outliers.iter().max_by(|a, b| a[1].total_cmp(&b[1]));
         let quality = FitQuality {
             residual_rms: (square / residuals.len().max(1) as f64).sqrt(),
@@ -138,7 +141,8 @@ impl Judgement {
             outliers: if few { outliers.len() } else { 0 },
             farthest: farthest.copied().unwrap_or_default(),
         };
-        // Noise leaves its standard error in the fit; what exceeds the stated noise is misfit.
+        // Noise contributes its standard error to the fit; residuals above the stated noise are
+        // misfit.
         let unknowns = surface.spline.coefficients.len() as f64;
         let standard_error = noise * (unknowns / samples.len() as f64).min(1.0).sqrt();
         let square = quality.residual_rms.powi(2) - noise * noise;

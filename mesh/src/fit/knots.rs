@@ -3,8 +3,8 @@
 use crate::fit::downward::Downward;
 use crate::fit::spline::{Bicubic, Sample, fit};
 
-/// Places along each axis at which there may be a break: the vertices' columns where they form
-/// columns, else quantiles as dense as the vertices.
+/// Candidate breaks along each axis: the vertices' columns if they form columns, otherwise
+/// quantiles as dense as the vertices.
 pub(crate) fn break_places(
     part: &Downward,
     samples: &[Sample],
@@ -32,7 +32,7 @@ pub(crate) fn break_places(
     });
     let in_columns = columns[0].len() * columns[1].len() <= 4 * samples.len();
     let ratio = (edge[0] / edge[1]).clamp(1e-3, 1e6);
-    // Two vertices an unknown.
+    // Two vertices per unknown.
     let cell = 2.0 * spans[0] * spans[1] / samples.len() as f64;
     let sizes = [(cell * ratio).sqrt(), (cell / ratio).sqrt()];
     [0, 1].map(|axis| {
@@ -59,52 +59,53 @@ pub(crate) fn break_places(
     })
 }
 
-/// Parts of half the hull, with as many vertices each, in which those on both sides of the middle
-/// are counted.
+/// Number of parts of half the hull, with equally many vertices, in which the vertices on both
+/// sides of the middle are counted.
 const PARTS: usize = 16;
-/// So many times as many on one side are too many for knots at the same distances: those of the
-/// finer side would lie between the vertices of the other.
-const MOST_RATIO: f64 = 2.0;
-/// Fewest vertices that a part is judged by: of so many at random places one in ten thousand
-/// parts has twice as many on one side.
-const FEWEST: usize = 64;
+/// Largest ratio of the vertices of one side of a part to those of the other for symmetric knots:
+/// above it, knots of the finer side would lie between the vertices of the other.
+const MAX_RATIO: f64 = 2.0;
+/// Smallest number of vertices of a part that is judged: with so many random places, one in ten
+/// thousand parts has twice as many on one side.
+const MIN_VERTICES: usize = 64;
 
-/// Whether about as many of these places [m], those in a column counted once, lie at every distance
-/// below 0 as above it.
+/// Whether about as many of these places [m], each column counted once, lie below 0 as above it, at
+/// every distance from 0.
 pub(crate) fn balanced_sides(mut places: Vec<f64>) -> bool {
     places.sort_by(f64::total_cmp);
     let span = places.last().unwrap_or(&0.0) - places.first().unwrap_or(&0.0);
     places.dedup_by(|b, a| *b - *a < 1e-6 * span);
     places.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
-    let size = places.len().div_ceil(PARTS).max(FEWEST);
+    let size = places.len().div_ceil(PARTS).max(MIN_VERTICES);
     let balanced = |part: &[f64]| {
-        // The middle is of both sides.
+        // Places at the middle count on both sides.
         let below = part.iter().filter(|&&place| place <= 0.0).count() as f64;
         let above = part.iter().filter(|&&place| place >= 0.0).count() as f64;
-        below.max(above) <= MOST_RATIO * below.min(above)
+        below.max(above) <= MAX_RATIO * below.min(above)
     };
     places
         .chunks(size)
-        .all(|part| part.len() < FEWEST || balanced(part))
+        .all(|part| part.len() < MIN_VERTICES || balanced(part))
 }
 
-/// Most unknowns times band width squared: a bound on the work of one factorisation, a second or
-/// two. With a third of it a luge steel of 300,000 vertices stays unresolved.
-const MOST_WORK: f64 = 1e10;
-/// Most rounds of refinement.
-const ROUNDS: usize = 24;
-/// Misfits below this part of the largest wait: where curvature jumps the spline rings across
-/// intervals next to it and along the other axis, which is gone once the jump is resolved. A
-/// square, so of residuals a thirtieth, some three intervals away.
+/// Largest product of unknowns and squared band width: bounds the work of one factorisation to a
+/// second or two. With a third of it a luge steel of 300,000 vertices is not resolved.
+const MAX_WORK: f64 = 1e10;
+/// Largest number of rounds of refinement.
+const MAX_ROUNDS: usize = 24;
+/// Intervals whose misfit is below this fraction of the largest are not yet split. Where the
+/// curvature jumps, the spline oscillates in the intervals nearby and along the other axis until
+/// the jump is resolved. Misfits are squares: in residuals the fraction is a thirtieth, about three
+/// intervals away.
 const RINGING: f64 = 1e-3;
 
-/// Fits with breaks taken from `candidates` (sorted, ends included), each interval split at its
-/// middle candidate, the worst first, until its residuals are what noise of standard deviation
-/// `noise` leaves.
+/// Fit with breaks from `candidates` (sorted, ends included). Intervals are split at their middle
+/// candidate, the worst first, until the residuals are consistent with noise of standard deviation
+/// `noise`.
 ///
-/// Of each interval the means over quarters (and thirds along the other axis) are tested; noise
-/// makes the sum of their squares over `noise^2/n` about their number. Where `mirrored` an interval
-/// is split together with its mirror image.
+/// The test of an interval uses the means of the residuals over its quarters (and over thirds along
+/// the other axis): with noise alone, the sum of their squares divided by `noise^2/n` is about
+/// their number. If `mirrored`, an interval is split together with its mirror image.
 pub(crate) fn refined_fit(
     samples: &[Sample],
     candidates: &[Vec<f64>; 2],
@@ -113,7 +114,7 @@ pub(crate) fn refined_fit(
 ) -> Option<Bicubic> {
     let mut breaks = [0, 1].map(|axis| thinned(&candidates[axis], [9, 5][axis], mirrored[axis]));
     let mut surface = fit(samples, &breaks)?;
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let residual = |s: &Sample| s.weight * (surface.value(s.at) - s.height);
         let residuals: Vec<f64> = samples.iter().map(residual).collect();
         let misfits = [0, 1].map(|axis| misfits(samples, &residuals, &breaks, axis, noise));
@@ -133,8 +134,8 @@ pub(crate) fn refined_fit(
     Some(surface)
 }
 
-/// The breaks that `splits_over` gives for all misfits over 1 and over [`RINGING`] of the largest,
-/// or for as many of the largest as [`MOST_WORK`] allows.
+/// The breaks that `splits_over` gives for all misfits above 1 and above [`RINGING`] times the
+/// largest, or for as many of the largest as [`MAX_WORK`] allows.
 fn affordable(
     misfits: &[Vec<f64>; 2],
     splits_over: impl Fn(f64) -> [Vec<f64>; 2],
@@ -149,7 +150,7 @@ fn affordable(
     levels.retain(|&m| m > least);
     levels.push(least);
     levels.sort_by(f64::total_cmp);
-    let dear = levels.partition_point(|&least| work(&splits_over(least)) > MOST_WORK);
+    let dear = levels.partition_point(|&least| work(&splits_over(least)) > MAX_WORK);
     splits_over(levels.get(dear).copied().unwrap_or(f64::INFINITY))
 }
 
@@ -165,7 +166,7 @@ pub(crate) fn thinned(values: &[f64], count: usize, mirrored: bool) -> Vec<f64> 
     }
 }
 
-/// `values` and their mirror images, with those that nearly coincide made one.
+/// `values` and their mirror images, with nearly coincident values merged.
 fn symmetric(values: Vec<f64>) -> Vec<f64> {
     let last = values[values.len() - 1];
     let mut half: Vec<f64> = values.iter().map(|v| v.abs()).collect();
@@ -181,8 +182,8 @@ fn symmetric(values: Vec<f64>) -> Vec<f64> {
     all
 }
 
-/// Of each interval along `axis`, what the residuals' means over its parts add up to over the most
-/// that noise leaves.
+/// Misfit of each interval along `axis`: ratio of the test statistic of its residuals to the
+/// largest value that noise explains.
 fn misfits(
     samples: &[Sample],
     residuals: &[f64],
@@ -210,7 +211,7 @@ fn misfits(
         let filled = || bins.iter().filter(|(n, _)| *n > 0.0);
         let sum = filled().fold(0.0, |sum, (n, r)| sum + r * r / n);
         let count = filled().count() as f64;
-        // Without any vertex there is nothing to follow.
+        // 0 without vertices.
         sum / (noise * noise) / (count + 4.0 * f64::sqrt(2.0 * count)).max(1.0)
     };
     bins.chunks(QUARTERS * THIRDS).map(misfit).collect()

@@ -1,5 +1,4 @@
-//! Repeated scans of a hull: the same vertices with other noise, fitted at the cost of a right-hand
-//! side each.
+//! Repeated synthetic scans of a hull, each fitted at the cost of one right-hand side.
 
 use std::sync::Arc;
 
@@ -17,8 +16,8 @@ use crate::shapes::underside::Underside;
 /// Synthetic scans of a fitted surface whose fits share their places, weights, knots and factorised
 /// equations.
 ///
-/// A fit is linear in the heights, and noise moves nothing else: knots that noise alone would have
-/// moved stay where the scan put them.
+/// A fit is linear in the heights, and noise changes only the heights. The knots are those of the
+/// first fit, although noise would change them slightly.
 pub struct Scans<'a> {
     surface: &'a Surface,
     factored: FactoredFit,
@@ -47,10 +46,10 @@ impl<'a> Scans<'a> {
         })
     }
 
-    /// The fit of the scan with this seed, of the hull's outline and symmetry.
+    /// The fit of the scan with this seed, with the hull's outline and symmetry.
     ///
     /// # Errors
-    /// [`MeshError::Invalid`] where it is no surface.
+    /// [`MeshError::Invalid`] if the heights do not determine a surface.
     pub fn fit(&self, seed: u64) -> Result<Arc<dyn Underside>, MeshError> {
         let last = self.vertices.iter().copied().max().unwrap_or(0) as usize;
         let moves: Vec<f64> = moves(self.noise, seed).take(last + 1).collect();
@@ -69,14 +68,14 @@ impl<'a> Scans<'a> {
     }
 }
 
-/// The height of the surface at a vertex; its own where it is farther off than six of `noise` [m]
-/// and so of another part of the hull.
+/// Height of the surface at a vertex; the vertex's own height if it is farther off than six times
+/// `noise` [m] and so belongs to another part of the hull.
 pub(crate) fn projected_height(surface: &Surface, [x, y, z]: [f64; 3], noise: f64) -> f64 {
     let on = surface.spline_height(x, y);
     if (on - z).abs() <= 6.0 * noise { on } else { z }
 }
 
-/// Noise of this standard deviation [m], vertex by vertex of a hull.
+/// Normally distributed noise of this standard deviation [m], one value per vertex of a hull.
 pub(crate) fn moves(noise: f64, seed: u64) -> impl Iterator<Item = f64> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     std::iter::repeat_with(move || {

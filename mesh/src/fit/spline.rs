@@ -17,7 +17,7 @@ pub(crate) struct BSpline {
 }
 
 impl BSpline {
-    /// The splines on `breaks`, at least two, strictly increasing.
+    /// The splines on at least two strictly increasing `breaks`.
     pub fn new(breaks: &[f64]) -> Self {
         assert!(breaks.len() >= 2, "{} breaks", breaks.len());
         let (first, last) = (breaks[0], breaks[breaks.len() - 1]);
@@ -41,7 +41,7 @@ impl BSpline {
         self.derivatives(x, 0)
     }
 
-    /// First spline that is not zero at `x`, and the derivatives of this order of the four there.
+    /// First spline that is not zero at `x`, and the four derivatives of this order there.
     pub fn derivatives(&self, x: f64, order: usize) -> (usize, [f64; 4]) {
         let breaks = self.breaks();
         let x = x.clamp(breaks[0], breaks[breaks.len() - 1]);
@@ -50,7 +50,7 @@ impl BSpline {
         let mut values = [1.0, 0.0, 0.0, 0.0];
         for degree in 1..=3 {
             if degree + order <= 3 {
-                self.raise(first, x, degree, &mut values);
+                self.raise_degree(first, x, degree, &mut values);
             } else {
                 values = self.derived(first, degree, values);
             }
@@ -58,8 +58,8 @@ impl BSpline {
         (first, values)
     }
 
-    /// From the values of degree - 1 to those of `degree` (Cox and de Boor).
-    fn raise(&self, first: usize, x: f64, degree: usize, values: &mut [f64; 4]) {
+    /// Values of `degree` from those of degree - 1 (recurrence of Cox and de Boor).
+    fn raise_degree(&self, first: usize, x: f64, degree: usize, values: &mut [f64; 4]) {
         let span = first + 3;
         let mut carried = 0.0;
         for (r, value) in values.iter_mut().enumerate().take(degree) {
@@ -71,7 +71,7 @@ impl BSpline {
         values[degree] = carried;
     }
 
-    /// From the (k-1)-th derivatives of degree - 1 to the k-th of `degree`.
+    /// The k-th derivatives of `degree` from the (k-1)-th of degree - 1.
     fn derived(&self, first: usize, degree: usize, lower: [f64; 4]) -> [f64; 4] {
         let span = first + 3;
         let mut values = [0.0; 4];
@@ -92,7 +92,7 @@ pub(crate) struct Sample {
     pub at: [f64; 2],
     /// Height [m].
     pub height: f64,
-    /// Residuals count in proportion to this.
+    /// Factor of the residual in the sum of squares.
     pub weight: f64,
 }
 
@@ -135,25 +135,25 @@ impl Bicubic {
     }
 }
 
-/// Splines along an axis that overlap a given one on either side of it.
+/// Number of splines on either side of a given one that overlap it along an axis.
 const REACH: usize = 3;
-/// Splines across that overlap a given one, itself among them.
+/// Number of splines across that overlap a given one, including itself.
 const WIDTH: usize = 2 * REACH + 1;
 
-/// Symmetric equations in the coefficients of a bicubic spline, the second axis running fastest.
+/// Normal equations of the coefficients of a bicubic spline, the second axis running fastest.
 ///
-/// Coefficient (i, j) meets (k, l) where |i - k| and |j - l| are at most 3.
+/// The entry of coefficients (i, j) and (k, l) is not zero if |i - k| and |j - l| are at most 3.
 pub(crate) struct NormalEquations {
     rows: usize,
     columns: usize,
-    /// Of each coefficient (i, j) its entries with (i, j - 3) to (i + 3, j + 3), row by row; those
-    /// with coefficients that do not exist, or come before it, are not used.
+    /// For each coefficient (i, j) its entries with (i, j - 3) to (i + 3, j + 3), row by row;
+    /// entries with coefficients that do not exist, or precede it, are not used.
     entries: Vec<[f64; (REACH + 1) * WIDTH]>,
     right: Vec<f64>,
 }
 
 impl NormalEquations {
-    /// Zero equations in `rows` times `columns` coefficients, at least four each way.
+    /// Equations of zeros for `rows` times `columns` coefficients, at least four of each.
     pub fn new(rows: usize, columns: usize) -> Self {
         Self {
             rows,
@@ -186,7 +186,7 @@ impl NormalEquations {
         }
     }
 
-    /// Factorises the matrix; none where it determines no coefficients.
+    /// Cholesky factor of the matrix; `None` if it is singular.
     fn factored(&self) -> Option<Factored> {
         let size = self.right.len();
         // The lower triangle, column by column.
@@ -212,7 +212,7 @@ impl NormalEquations {
         )
         .ok()?;
         let mut factor = vec![0.0; symbolic.len_val()];
-        // One thread, so that the bits stay the same on any machine's number of them.
+        // One thread, so that the bits do not depend on the number of threads.
         let request = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
         symbolic
             .factorize_numeric_llt(
@@ -228,7 +228,7 @@ impl NormalEquations {
         Some(Factored { symbolic, factor })
     }
 
-    /// The coefficients; none where they are not determined.
+    /// The coefficients; `None` if they are not determined.
     fn solve(self) -> Option<Vec<f64>> {
         self.factored()?.solve(self.right)
     }
@@ -241,7 +241,7 @@ struct Factored {
 }
 
 impl Factored {
-    /// The coefficients of a right-hand side; none where they are not determined.
+    /// The coefficients for a right-hand side; `None` if they are not finite.
     fn solve(&self, mut right: Vec<f64>) -> Option<Vec<f64>> {
         let size = right.len();
         let request = self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
@@ -256,14 +256,15 @@ impl Factored {
     }
 }
 
-/// Weight of the bending energy, as a length in units of a cell's.
+/// Length scale c of the bending energy, in units of a cell's side.
 const STIFFNESS: f64 = 0.03;
 /// Orders of derivatives in the bending energy.
 const ORDERS: [usize; 3] = [0, 1, 2];
 
-/// Least squares with a trace of bending energy on fixed breaks:
+/// Least squares on fixed breaks, regularised by a small bending energy:
 /// `sum_i (w_i (s(x_i) - z_i))^2 + density * int (c hx)^4 s_xx^2 + 2 (c^2 hx hy)^2 s_xy^2 + (c
-/// hy)^4 s_yy^2`, c = 0.03, hx and hy the cell's sides. The energy settles what no height decides.
+/// hy)^4 s_yy^2`, c = 0.03, hx and hy the cell's sides. The energy determines coefficients that no
+/// height determines. `None` if the equations are singular.
 pub(crate) fn fit(samples: &[Sample], breaks: &[Vec<f64>; 2]) -> Option<Bicubic> {
     let axes = [BSpline::new(&breaks[0]), BSpline::new(&breaks[1])];
     Some(Bicubic {
@@ -272,22 +273,20 @@ pub(crate) fn fit(samples: &[Sample], breaks: &[Vec<f64>; 2]) -> Option<Bicubic>
     })
 }
 
-/// A fit whose breaks, places and weights stay as they are: other heights cost a right-hand side
-/// each.
+/// A fit with fixed breaks, places and weights: other heights cost one right-hand side each.
 pub(crate) struct FactoredFit {
     axes: [BSpline; 2],
     factored: Factored,
 }
 
 impl FactoredFit {
-    /// The equations of these samples on the axes of a fit, factorised; none where they determine
-    /// nothing.
+    /// Factorises the equations of these samples on the axes of a fit; `None` if they are singular.
     pub fn new(samples: &[Sample], axes: [BSpline; 2]) -> Option<Self> {
         let factored = equations(samples, &axes).factored()?;
         Some(FactoredFit { axes, factored })
     }
 
-    /// The fit of these samples, which differ from the first ones in their heights alone.
+    /// The fit of samples that differ from the first ones only in their heights.
     pub fn fit(&self, samples: impl Iterator<Item = Sample>) -> Option<Bicubic> {
         let [rows, columns] = self.axes.each_ref().map(BSpline::count);
         let mut right = vec![0.0; rows * columns];
@@ -309,7 +308,7 @@ impl FactoredFit {
     }
 }
 
-/// What [`fit`] solves.
+/// The normal equations of [`fit`].
 fn equations(samples: &[Sample], axes: &[BSpline; 2]) -> NormalEquations {
     let breaks = [0, 1].map(|k| axes[k].breaks());
     let mut equations = NormalEquations::new(axes[0].count(), axes[1].count());

@@ -6,11 +6,12 @@ use crate::hexahedra::hex_mesh::limit_slope;
 use crate::hull::triangles::{Hull, HullReport};
 use crate::shapes::underside::Underside;
 
-/// Columns along and across in which the space over an underside is measured.
+/// Numbers of columns along and across in which the space over an underside is measured.
 const COLUMNS: [usize; 2] = [512, 128];
-/// Largest part of a hull's steel that columns may misrepresent: stiffness in bending goes as the
-/// cube of height, so that it stays within three times that.
-const MOST_DIFFERENCE: f64 = 0.02;
+/// Largest relative difference between the volumes of the hull and of the columns. The bending
+/// stiffness is proportional to the cube of the height, so its error is at most three times as
+/// large.
+const MAX_DIFFERENCE: f64 = 0.02;
 
 /// The space between a hull's fitted underside and its flat top, as upright columns over a
 /// rectangle.
@@ -25,17 +26,16 @@ pub struct Filled {
 }
 
 impl Filled {
-    /// The space under the hull's highest place, or under `top` [m] over its lowest one where that
-    /// is stated.
+    /// The space below the hull's highest point, or below `top` [m] over its lowest point if given.
     ///
-    /// The hull's own steel below the top at height h is the surface integral of (min(z, h) - h)
-    /// n_z, in which upright sides, the top and an open upper end count nothing. Undercuts, holes
-    /// and a top that is not flat part it from the space over the underside.
+    /// The volume of the hull below the height h is the surface integral of (min(z, h) - h) n_z, to
+    /// which upright sides, the top and an open upper end do not contribute. It differs from the
+    /// space over the underside by undercuts, holes and a top that is not flat.
     ///
     /// # Errors
-    /// [`MeshError::Invalid`] for an open hull without `top`, where more than 2 per cent of the
-    /// outline's rectangle lies outside the hull, or where the steel of a closed hull and the space
-    /// differ by more than that. Of an open hull the steel is not known.
+    /// [`MeshError::Invalid`] for an open hull without `top`, if more than 2 per cent of the
+    /// outline's rectangle lies outside the hull, or if the volume of a closed hull and the space
+    /// differ by more than that. The volume of an open hull is not known.
     pub fn of(
         hull: &Hull,
         report: &HullReport,
@@ -71,13 +71,13 @@ impl Filled {
             heights: heights.into_iter().map(|z| z.min(top)).collect(),
         };
         let misfit = |found: &str, share: f64| {
-            (share.abs() > MOST_DIFFERENCE).then(|| {
+            (share.abs() > MAX_DIFFERENCE).then(|| {
                 MeshError::Invalid(format!(
                     "the hull cannot be filled with columns from its underside to its top at \
                      {top:.4} m: {:.1} % {found}; expected at most {:.0} %: another \
                      runner.height_m, or hexahedra of its own (runner.mesh)",
                     100.0 * share.abs(),
-                    100.0 * MOST_DIFFERENCE
+                    100.0 * MAX_DIFFERENCE
                 ))
             })
         };
@@ -107,8 +107,8 @@ impl Filled {
         heights.iter().map(|z| self.top - z).sum::<f64>() * dx * dy
     }
 
-    /// The part of the volume that is gained where the underside continues straight from where it is
-    /// as steep as `slope`.
+    /// Relative increase of the volume if the underside continues straight where it is steeper than
+    /// `slope`.
     pub fn gain(&self, slope: f64) -> f64 {
         let mut limited = self.heights.clone();
         let [x, y] = &self.middles;
@@ -117,8 +117,8 @@ impl Filled {
     }
 }
 
-/// Volume of the hull below the plane at `top` [m^3]: what is open above it, or upright, counts
-/// nothing.
+/// Volume of the hull below the plane at `top` [m^3]; openings above the plane and upright sides do
+/// not contribute.
 fn steel_below(hull: &Hull, top: f64) -> f64 {
     let part = |corners: &[u32; 3]| {
         let depth = corners.map(|c| (hull.positions[c as usize][2] - top).min(0.0));
@@ -176,8 +176,8 @@ mod tests {
         assert_eq!(filled(&open, Some(0.020)).unwrap().top, 0.020);
     }
 
-    /// An underside alone, with a ragged side, a hole, and one that the rim cuts: the body ends where
-    /// the scan does, nothing is extrapolated, and the notch is filled.
+    /// An underside alone, with a ragged side, a hole, and one that the rim cuts: the body ends
+    /// where the scan does, nothing is extrapolated, and the notch is filled.
     #[test]
     fn a_ragged_scan_with_holes_is_filled_within_its_rims() {
         let mut scan = bob();

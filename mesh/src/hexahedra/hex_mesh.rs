@@ -77,7 +77,8 @@ impl TensorGrid {
     }
 }
 
-/// The error of cell `cell`, from 0, that is no hexahedron but of this `kind` of a file format.
+/// The error of cell `cell`, from 0, which is of this `kind` of a file format instead of a
+/// hexahedron.
 pub(crate) fn cell_type(cell: usize, format: &str, kind: impl Display) -> MeshError {
     MeshError::Invalid(format!(
         "cell {} has {format} type {kind}; expected eight-node hexahedra only",
@@ -88,7 +89,7 @@ pub(crate) fn cell_type(cell: usize, format: &str, kind: impl Display) -> MeshEr
 /// Levels 0 to 1 in `layers` steps, each `growth` times as high as the one below.
 ///
 /// # Errors
-/// [`MeshError::Value`] without layers, or where the growth is not positive.
+/// [`MeshError::Value`] without layers, or if the growth is not positive.
 pub fn graded_levels(layers: usize, growth: f64) -> Result<Vec<f64>, MeshError> {
     expect(layers > 0, "layers", 0.0, "at least 1")?;
     positive_finite("growth", growth)?;
@@ -110,8 +111,8 @@ pub fn graded_levels(layers: usize, growth: f64) -> Result<Vec<f64>, MeshError> 
 /// nodes lie over the nodes of an ice grid with the same columns.
 ///
 /// # Errors
-/// [`MeshError::Invalid`] where coordinates do not increase, or where a column has no hull over it
-/// or reaches the top.
+/// [`MeshError::Invalid`] if coordinates do not increase, or if a column is not under the hull or
+/// reaches the top.
 pub fn mapped_runner_mesh(
     x: &[f64],
     y: &[f64],
@@ -136,13 +137,13 @@ pub fn mapped_runner_mesh(
     mesh_over_heights(x, y, &heights, top, levels)
 }
 
-/// As [`mapped_runner_mesh`] over given `heights` of the columns [m], x fastest.
+/// [`mapped_runner_mesh`] over given `heights` of the columns [m], x fastest.
 ///
 /// # Errors
-/// As [`mapped_runner_mesh`], coordinates apart.
+/// As [`mapped_runner_mesh`], except for the coordinates.
 ///
 /// # Panics
-/// Where there is not one height a column.
+/// If there is not one height per column.
 pub fn mesh_over_heights(
     x: &[f64],
     y: &[f64],
@@ -186,8 +187,8 @@ pub fn limit_slope(x: &[f64], y: &[f64], heights: &mut [f64], slope: f64) {
     let mut relax = |from: usize, to: usize, distance: f64| {
         heights[to] = heights[to].min(heights[from] + slope * distance);
     };
-    // Distances add up along x and along y, so that one sweep forth and one back on each axis is
-    // all.
+    // Distances add up along x and along y, so one forward and one backward sweep on each axis
+    // suffice.
     let mut sweep = |places: &[f64], first: usize, stride: usize| {
         let distance = |k: usize| places[k] - places[k - 1];
         let node = |k: usize| first + k * stride;

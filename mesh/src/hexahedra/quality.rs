@@ -28,16 +28,17 @@ const FACES: [[usize; 4]; 6] = [
     [3, 0, 4, 7],
 ];
 
-/// How well shaped a mesh's cells are.
+/// Quality of the shapes of a mesh's cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
     /// Number of cells.
     pub cells: usize,
     /// Cells with a corner whose Jacobian is not positive.
     pub inverted: usize,
-    /// Smallest corner Jacobian, each over the product of its edges' lengths; 1 for a brick.
+    /// Smallest scaled Jacobian: ratio of a corner's Jacobian to the product of the lengths of its
+    /// edges; 1 for a brick.
     pub min_scaled_jacobian: f64,
-    /// Mean over the cells of each cell's smallest.
+    /// Mean over the cells of each cell's smallest scaled Jacobian.
     pub mean_scaled_jacobian: f64,
     /// Largest ratio of a cell's longest to its shortest edge.
     pub max_aspect: f64,
@@ -48,7 +49,7 @@ pub struct Quality {
 }
 
 impl HexMesh {
-    /// Jacobian [m^3] at each corner of a cell, and the same over its edges' lengths.
+    /// Jacobian [m^3] and scaled Jacobian at each corner of a cell.
     pub fn corner_jacobians(&self, cell: &[usize; 8]) -> [[f64; 2]; 8] {
         std::array::from_fn(|corner| {
             let origin = self.point(cell[corner]);
@@ -107,11 +108,11 @@ impl HexMesh {
 }
 
 impl HexMesh {
-    /// A mesh from another program: indices and positions checked, unused points removed, cells
-    /// that are inside out (upper and lower face exchanged) turned right.
+    /// Checks indices and positions of a mesh from another program, removes unused points, and
+    /// reorders the corners of cells that are inside out (upper and lower face exchanged).
     ///
     /// # Errors
-    /// [`MeshError::Invalid`] where there is no cell, a corner has no point, or a point that a cell
+    /// [`MeshError::Invalid`] if there is no cell, a corner has no point, or a point that a cell
     /// uses is not finite.
     pub fn checked(points: &[[f64; 3]], cells: &[[usize; 8]]) -> Result<Self, MeshError> {
         if cells.is_empty() {

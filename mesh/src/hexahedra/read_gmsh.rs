@@ -9,8 +9,8 @@ use crate::hull::text::unreadable;
 
 /// Gmsh's number for an eight-node hexahedron.
 const HEXAHEDRON: u64 = 5;
-/// Nodes of each of Gmsh's element types that may occur together with hexahedra: lines, triangles,
-/// quadrangles, points.
+/// Numbers of nodes of Gmsh's element types that may occur together with hexahedra: lines,
+/// triangles, quadrangles, points.
 const LOWER_DIMENSIONS: [(u64, usize); 8] = [
     (1, 2),
     (2, 3),
@@ -23,7 +23,7 @@ const LOWER_DIMENSIONS: [(u64, usize); 8] = [
 ];
 
 /// Reads the hexahedra of a Gmsh file in text format, version 2.2 or 4.1. Points, lines and faces
-/// are passed over.
+/// are ignored.
 ///
 /// # Errors
 /// [`MeshError::Value`] with the line and what was expected, [`MeshError::Invalid`] for other solid
@@ -48,7 +48,7 @@ pub fn read_gmsh(bytes: &[u8]) -> Result<HexMesh, MeshError> {
     HexMesh::checked(&points, &cells)
 }
 
-/// Places of the nodes, and which of them has which number.
+/// Positions of the nodes, and the index of each node number.
 type Nodes = (Vec<[f64; 3]>, HashMap<u64, usize>);
 
 /// The nodes: one list in version 2.2, blocks of numbers and then places in version 4.1.

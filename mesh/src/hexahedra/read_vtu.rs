@@ -56,7 +56,7 @@ struct Array {
 
 /// A VTU file taken apart.
 struct VtuFile<'a> {
-    /// Whether sizes are words of 8 bytes, not 4.
+    /// Whether sizes are stored in 8 bytes instead of 4.
     wide_header: bool,
     /// Whether arrays are cut into blocks, each compressed with zlib.
     compressed: bool,
@@ -90,7 +90,7 @@ impl<'a> VtuFile<'a> {
                         arrays.push(Array {
                             name,
                             attributes,
-                            // VTK adds elements of its own behind the values.
+                            // VTK adds further elements after the values.
                             text: text.split('<').next().unwrap_or("").to_owned(),
                         });
                     }
@@ -202,7 +202,7 @@ impl<'a> VtuFile<'a> {
                 flate2::read::ZlibDecoder::new(&packed[from..to]).take(largest as u64 + 1);
             let read = block.read_to_end(&mut bytes);
             read.map_err(|_| problem(name, "a block does not decompress"))?;
-            if bytes.len() - before > largest || bytes.len() > 8 * MOST_VALUES {
+            if bytes.len() - before > largest || bytes.len() > 8 * MAX_VALUES {
                 return Err(problem(name, "a block is larger than announced"));
             }
             from = to;
@@ -241,10 +241,10 @@ fn split_appended(bytes: &[u8]) -> Result<Split<'_>, MeshError> {
 
 /// VTK's number for an eight-node hexahedron.
 pub(crate) const HEXAHEDRON: u8 = 12;
-/// Most values in one array.
-const MOST_VALUES: usize = 400_000_000;
+/// Largest number of values in one array.
+const MAX_VALUES: usize = 400_000_000;
 
-/// What is wrong with an array.
+/// The error of an array.
 fn problem(array: &str, problem: &str) -> MeshError {
     MeshError::Invalid(format!("not a readable VTU file: {array}: {problem}"))
 }

@@ -13,36 +13,38 @@ use crate::error::MeshError;
 use crate::hexahedra::hex_mesh::HexMesh;
 use crate::hexahedra::read_vtu::HEXAHEDRON;
 
-/// Numbers of the version that has written a file; readers that refuse texts among a file's data
-/// take numbers.
+/// Version of the program that writes a file, as numbers: some readers refuse strings as field
+/// data.
 const VERSION: [&str; 3] = [
     env!("CARGO_PKG_VERSION_MAJOR"),
     env!("CARGO_PKG_VERSION_MINOR"),
     env!("CARGO_PKG_VERSION_PATCH"),
 ];
 
-/// Numbers that are compressed at a time, one thread a block.
+/// Number of values per compressed block; each block is compressed by one thread.
 const BLOCK: usize = 1 << 15;
 
-/// The part of a block, one in so many, that decides whether packing is worth its time: stresses and
-/// displacements, whose last digits are those of no other, shrink by 17 % at most, and are stored
-/// as they are.
+/// Ratio of a block to its beginning that is compressed first, to decide whether compression is
+/// worth its time. Stresses and displacements, whose last digits are random, would shrink by 17 %
+/// at most and are stored uncompressed.
 const SAMPLE: usize = 16;
 
-/// A named array with one value, vector or tensor a point or cell; in the file its numbers have
-/// seven digits (`Float32`), which halves what is packed.
+/// A named array with one value, vector or tensor per point or cell. In the file its numbers have
+/// seven digits (`Float32`), which halves the data.
 #[derive(Clone, Copy, Debug)]
 pub struct VtuField<'a> {
-    /// The array's name; its unit belongs in it, as `stress_pa`.
+    /// The array's name, which should include its unit, such as `stress_pa`.
     pub name: &'a str,
-    /// Numbers in each value: 1, 3 for a vector, 9 for a tensor (row by row), or any other.
+    /// Number of components of each value: 1, 3 for a vector, 9 for a tensor (row by row), or any
+    /// other.
     pub components: usize,
     /// The numbers, value by value.
     pub values: &'a [f64],
 }
 
 /// Writes `mesh` with `point_data` and `cell_data` as a VTU file that VTK, pyvista and meshio read;
-/// `field_data` is numbers of the whole file by name, to which `kufe_version` is added: 0, 1, 0.
+/// `field_data` holds numbers of the whole file by name, to which `kufe_version` (such as 0, 1, 0)
+/// is added.
 ///
 /// # Errors
 /// [`MeshError::Invalid`] where an array does not fit the mesh, or where it cannot be written.
@@ -70,7 +72,7 @@ pub fn write_vtu(
     write_file("UnstructuredGrid", field_data, &counts, piece, writer)
 }
 
-/// Checks that every field has its numbers for each of `count` points or cells.
+/// Checks that every field has `components` numbers for each of `count` points or cells.
 fn fits(fields: &[VtuField], count: usize) -> std::result::Result<(), MeshError> {
     let wrong = |f: &&VtuField| f.components == 0 || f.values.len() != f.components * count;
     match fields.iter().find(wrong) {
@@ -110,7 +112,7 @@ fn write_file<W: Write>(
     write().map_err(|error| MeshError::Invalid(unwritten(error)))
 }
 
-/// Numbers of the whole file, the version that writes it among them.
+/// Numbers of the whole file, including the program's version.
 fn write_field_data(out: &mut impl Write, field_data: &[(&str, &[f64])]) -> Result<()> {
     let version = ("kufe_version", VERSION.map(str::to_owned).to_vec());
     let texts = |values: &[f64]| values.iter().map(f64::to_string).collect();
@@ -127,8 +129,8 @@ fn write_field_data(out: &mut impl Write, field_data: &[(&str, &[f64])]) -> Resu
     writeln!(out, "</FieldData>")
 }
 
-/// The arrays on points or cells; the first scalar, vector and tensor are those that a viewer shows
-/// first.
+/// The arrays on points or cells; the first scalar, vector and tensor are marked as a viewer's
+/// defaults.
 fn write_fields(out: &mut impl Write, tag: &str, fields: &[VtuField]) -> Result<()> {
     write!(out, "<{tag}")?;
     for (attribute, components) in [("Scalars", 1), ("Vectors", 3), ("Tensors", 9)] {
@@ -146,7 +148,7 @@ fn write_fields(out: &mut impl Write, tag: &str, fields: &[VtuField]) -> Result<
     writeln!(out, "</{tag}>")
 }
 
-/// Places, in full.
+/// Positions of the points, in double precision.
 fn write_points(out: &mut impl Write, points: &[[f64; 3]]) -> Result<()> {
     writeln!(out, "<Points>")?;
     let coordinates = points.as_flattened();
@@ -169,8 +171,8 @@ fn zlib(bytes: &[u8], level: Compression) -> Result<Vec<u8>> {
     encoder.finish()
 }
 
-/// A header of the blocks' number, size, last size (0 where it is whole) and compressed sizes, then
-/// the blocks; both in base64. `number` gives a value's bytes in the file.
+/// A header with the number of blocks, their size, the last block's size (0 if it is full) and the
+/// compressed sizes, then the blocks; both in base64. `number` returns a value's bytes in the file.
 fn write_array<T: Copy + Sync, const N: usize>(
     out: &mut impl Write,
     kind: &str,
@@ -180,7 +182,7 @@ fn write_array<T: Copy + Sync, const N: usize>(
 ) -> Result<()> {
     let name = quick_xml::escape::escape(name);
     write!(out, "<DataArray type=\"{kind}\" Name=\"{name}\"")?;
-    // Some readers make a column of an array whose number of components is stated as one.
+    // Some readers turn an array with one stated component into a matrix of one column.
     if components != 1 {
         write!(out, " NumberOfComponents=\"{components}\"")?;
     }
@@ -212,9 +214,9 @@ fn write_array<T: Copy + Sync, const N: usize>(
     writeln!(out, "\n</DataArray>")
 }
 
-/// Writes quadrilaterals over `points` [m], each a round of four numbers of points, with
-/// `point_data` as a VTP file (polygons) that VTK and pyvista read; `kufe_version` is among the
-/// file's data.
+/// Writes quadrilaterals over `points` [m], each with the indices of its four points in order
+/// around it, and `point_data` as a VTP file (polygons) that VTK and pyvista read; `kufe_version`
+/// is added as field data.
 ///
 /// # Errors
 /// [`MeshError::Invalid`] where an array does not fit the points, or where it cannot be written.
@@ -240,8 +242,8 @@ pub fn write_vtp(
     write_file("PolyData", &[], &counts, piece, writer)
 }
 
-/// Writes a PVD file, which ParaView opens as time: pairs of time (or load, or whatever is stepped)
-/// and file.
+/// Writes a PVD file, which ParaView opens as a time series, from pairs of time (or load, or
+/// another parameter) and file.
 ///
 /// # Errors
 /// Those of the writer.

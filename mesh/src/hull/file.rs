@@ -1,4 +1,4 @@
-//! Hulls in files, by the file's ending.
+//! Hulls in files, in the format of the file's ending.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -14,8 +14,8 @@ use crate::hull::triangles::{Hull, HullOptions, HullReport, checked_runner};
 use crate::hull::write::{write_glb, write_obj, write_stl};
 use crate::input::{ending, read_file};
 
-/// Most bytes of a file that belongs to a hull.
-const MOST_BYTES: u64 = 1 << 31;
+/// Largest size of a file that belongs to a hull [bytes].
+const MAX_BYTES: u64 = 1 << 31;
 
 /// The formats that hulls are read from and written to; 3MF is read only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,7 +60,7 @@ impl HullFormat {
 /// Reads the hull file `path` and checks its largest body.
 ///
 /// # Errors
-/// [`MeshError::Io`] where the file cannot be read, [`MeshError::File`] with what is wrong in it.
+/// [`MeshError::Io`] if the file cannot be read, [`MeshError::File`] if its content is invalid.
 pub fn load_hull(path: &Path, options: &HullOptions) -> Result<(Hull, HullReport), MeshError> {
     let in_file = |error: MeshError| error.in_file(path);
     let format = match ending(path).as_str() {
@@ -69,14 +69,14 @@ pub fn load_hull(path: &Path, options: &HullOptions) -> Result<(Hull, HullReport
         "ply" | "off" => return Err(in_file(other_triangles(path))),
         _ => Some(HullFormat::of(path).map_err(in_file)?),
     };
-    let bytes = read_file(path, MOST_BYTES)?;
+    let bytes = read_file(path, MAX_BYTES)?;
     let folder = path.parent().unwrap_or(Path::new("."));
     let hull = match format {
         None => read_3mf(&bytes, options),
         Some(HullFormat::Obj) => read_obj(&bytes, options),
         Some(HullFormat::Stl) => read_stl(&bytes, options),
         Some(HullFormat::Gltf) => read_gltf(&bytes, options, |uri| {
-            read_regular(&folder.join(uri), MOST_BYTES)
+            read_regular(&folder.join(uri), MAX_BYTES)
         }),
     };
     let (hull, mut report) = hull.and_then(checked_runner).map_err(in_file)?;
@@ -88,7 +88,7 @@ pub fn load_hull(path: &Path, options: &HullOptions) -> Result<(Hull, HullReport
     Ok((hull, report))
 }
 
-/// The error of a format of triangles that is not read, with the command that converts it.
+/// The error of a triangle format that is not read, with the command that converts it.
 fn other_triangles(path: &Path) -> MeshError {
     MeshError::Invalid(format!(
         "the format is not read: expected obj, gltf, glb, stl or 3mf; `meshio convert {} {}` \
@@ -98,7 +98,7 @@ fn other_triangles(path: &Path) -> MeshError {
     ))
 }
 
-/// The error of a file of exact shapes, with the command that makes triangles of them.
+/// The error of a CAD file of exact shapes, with the command that triangulates them.
 fn exact_shape(path: &Path) -> MeshError {
     MeshError::Invalid(format!(
         "the file holds exact shapes, and hulls are read as triangles: expected obj, gltf, glb, stl \
@@ -116,7 +116,7 @@ fn exact_shape(path: &Path) -> MeshError {
 pub fn hull_files(path: &Path) -> Result<Vec<PathBuf>, MeshError> {
     let mut files = vec![path.to_path_buf()];
     if HullFormat::of(path).is_ok_and(|format| format == HullFormat::Gltf) {
-        let bytes = read_file(path, MOST_BYTES)?;
+        let bytes = read_file(path, MAX_BYTES)?;
         let buffers = outer_buffers(&bytes).map_err(|error| error.in_file(path))?;
         let folder = path.parent().unwrap_or(Path::new("."));
         files.extend(buffers.iter().map(|uri| folder.join(uri)));

@@ -14,14 +14,14 @@ use crate::error::MeshError;
 use crate::hull::text::unreadable;
 use crate::hull::triangles::{Axis, Hull, HullOptions, PlacedMeshes, at_most};
 
-/// Most bytes of all parts of a file together once they are unpacked: some three million triangles,
+/// Largest unpacked size of all parts of a file together [bytes]: about three million triangles,
 /// which take half a gigabyte of memory.
-const MOST_BYTES: u64 = 1 << 28;
-/// Unpacked bytes of a triangle with its share of the vertices, in a file of many.
-const BYTES_A_TRIANGLE: u64 = 48;
-/// Most uses of objects in one file, those within components counted.
-const MOST_USES: usize = 100_000;
-/// The part that holds the model where the package's relationships name none.
+const MAX_BYTES: u64 = 1 << 28;
+/// Unpacked bytes per triangle, including its share of the vertices, in a large file.
+const BYTES_PER_TRIANGLE: u64 = 48;
+/// Largest number of uses of objects in one file, including uses within components.
+const MAX_USES: usize = 100_000;
+/// The part that holds the model if the package's relationships name none.
 const USUAL_MODEL: &str = "3D/3dmodel.model";
 
 /// Reads the build items of a 3MF file with their transforms, in the unit that the file states.
@@ -51,14 +51,14 @@ pub fn read_3mf(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> 
         uses += 1;
         let part = found.part.as_deref().unwrap_or(&root).to_owned();
         package.model(&part)?;
-        placed.capacity = ((MOST_BYTES - package.budget) / BYTES_A_TRIANGLE) as usize;
+        placed.capacity = ((MAX_BYTES - package.budget) / BYTES_PER_TRIANGLE) as usize;
         let object = package.models[&part].objects.get(&found.object);
         let object = object.ok_or_else(|| {
             let found = format!("object {}", found.object);
             error(&part, found, "an object of the model")
         })?;
         let known = uses + waiting.len() + object.components.len();
-        at_most(MOST_USES, known, "uses of objects")?;
+        at_most(MAX_USES, known, "uses of objects")?;
         let triangles = object.triangles.iter().copied();
         placed.add(&object.vertices, triangles, &transform)?;
         // Components without a part of their own are in the part of their object.
@@ -75,7 +75,7 @@ pub fn read_3mf(bytes: &[u8], options: &HullOptions) -> Result<Hull, MeshError> 
 /// An object used by a build item or as a component.
 #[derive(Clone)]
 struct Use {
-    /// The part of the package that holds the object; the user's own if none.
+    /// The part of the package that holds the object; `None` for the part that uses it.
     part: Option<String>,
     object: String,
     transform: Matrix4<f64>,
@@ -91,7 +91,7 @@ struct Object {
 
 /// A part of the package with its objects.
 struct Model {
-    /// Metres in one unit.
+    /// Length of one unit [m].
     unit: f64,
     objects: HashMap<String, Object>,
     items: Vec<Use>,
@@ -111,12 +111,12 @@ impl<'a> Package<'a> {
             .map_err(|source| error("the file", source, "a zip archive"))?;
         Ok(Self {
             archive,
-            budget: MOST_BYTES,
+            budget: MAX_BYTES,
             models: HashMap::new(),
         })
     }
 
-    /// The unpacked bytes of a part; none if the archive has no part of that name.
+    /// The unpacked bytes of a part; `None` if the archive has no part of that name.
     fn unpack(&mut self, part: &str) -> Result<Option<Vec<u8>>, MeshError> {
         let wanted = part.to_ascii_lowercase();
         let mut names = self.archive.file_names().flatten();
@@ -134,7 +134,7 @@ impl<'a> Package<'a> {
             return Err(MeshError::Invalid(format!(
                 "the 3MF file unpacks to more than {} MiB: expected fewer triangles, or the hull as \
                  binary STL",
-                MOST_BYTES >> 20
+                MAX_BYTES >> 20
             )));
         }
         self.budget -= bytes.len() as u64;

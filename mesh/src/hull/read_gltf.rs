@@ -17,12 +17,12 @@ use crate::error::MeshError;
 use crate::hull::triangles::{Axis, Hull, HullOptions, PlacedMeshes};
 
 /// Bytes of a triangle with indices of 32 bits, and of a vertex in single precision.
-const BYTES_A_TRIANGLE: usize = 12;
+const BYTES_PER_TRIANGLE: usize = 12;
 /// Extensions that a file may require although they do not change its triangles, by their
 /// beginning.
 const WITHOUT_EFFECT: &str = "KHR_materials_ KHR_texture_ EXT_texture_ KHR_lights_";
-/// Extensions that compress triangles, the names of their methods, and what undoes them: Blender
-/// reads Draco and, up to version 5.1, no meshopt.
+/// Extensions that compress triangles, the names of their methods, and the tools that decompress
+/// them: Blender reads Draco, but up to version 5.1 not meshopt.
 const COMPRESSIONS: [[&str; 3]; 3] = [
     ["KHR_draco_mesh_compression", "Draco", BLENDER],
     ["EXT_meshopt_compression", "meshopt", GLTFPACK],
@@ -34,8 +34,8 @@ const GLTFPACK: &str = "`npx gltfpack -i in.glb -o out.glb -noq`";
 /// Reads the triangles of a glTF file's scene, text or binary, with node transforms applied.
 ///
 /// Lists, strips and fans of triangles are read, and positions that are quantized
-/// (`KHR_mesh_quantization`). `open` returns the bytes of a buffer in a file of its own, given its
-/// address in the glTF file. The file's up is y unless `options` state another axis.
+/// (`KHR_mesh_quantization`). `open` returns the bytes of an external buffer, given its URI in the
+/// glTF file. The up axis of the file is y unless `options` state another one.
 ///
 /// # Errors
 /// [`MeshError::Invalid`] if the triangles are compressed, if the file cannot be parsed or refers
@@ -75,7 +75,7 @@ pub fn read_gltf(
     let mut reader = Reader {
         buffers,
         placed: PlacedMeshes {
-            capacity: length / BYTES_A_TRIANGLE,
+            capacity: length / BYTES_PER_TRIANGLE,
             ..PlacedMeshes::default()
         },
         seen: HashSet::new(),
@@ -91,7 +91,7 @@ pub fn read_gltf(
     reader.placed.welded(rows)
 }
 
-/// The addresses of the buffers of a glTF file in files of their own.
+/// The URIs of the external buffers of a glTF file.
 ///
 /// # Errors
 /// As [`read_gltf`] where the file cannot be parsed.
@@ -112,12 +112,13 @@ fn embedded_text(uri: &str) -> Option<&str> {
     Some(text)
 }
 
-/// The name of a buffer's file: an address has a blank as `%20`.
+/// The name of a buffer's file: a URI has a blank as `%20`.
 fn file_name(uri: &str) -> Cow<'_, str> {
     percent_decode_str(uri).decode_utf8_lossy()
 }
 
-/// The header's length of a binary file counts itself; less than that would wrap around.
+/// Checks the length in the header of a binary file, which includes the header; the library would
+/// wrap around if it were smaller.
 fn check_length(bytes: &[u8]) -> Result<(), MeshError> {
     let length = bytes
         .get(8..12)
@@ -133,8 +134,8 @@ fn check_length(bytes: &[u8]) -> Result<(), MeshError> {
 
 /// The validated document and the binary chunk.
 ///
-/// The library's own validation indexes accessors before it has checked them, so that comes first
-/// here.
+/// The library's validation indexes accessors before it has checked them, so that they are checked
+/// here first.
 fn parse(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), MeshError> {
     let unparsed = |error| MeshError::Invalid(format!("not a readable glTF file: {error}"));
     let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(unparsed)?;
@@ -178,7 +179,7 @@ struct Reader {
 }
 
 impl Reader {
-    /// Adds a node and those below it, without recursion: files may nest as deep as they like.
+    /// Adds a node and its descendants, without recursion, as files may nest to any depth.
     fn node(&mut self, root: Node) -> Result<(), MeshError> {
         let mut waiting = vec![(root, Matrix4::identity())];
         while let Some((node, above)) = waiting.pop() {
@@ -232,7 +233,8 @@ impl Reader {
         let data_type = accessor.data_type();
         let size = data_type.size();
         let four = |b: &[u8]| [b[0], b[1], b[2], b[3]];
-        // A component, and the largest of its type, of which normalized integers are parts.
+        // A component, and the largest value of its type, to which normalized integers are
+        // relative.
         let component = |b: &[u8]| match data_type {
             DataType::I8 => (f64::from(b[0] as i8), f64::from(i8::MAX)),
             DataType::U8 => (f64::from(b[0]), f64::from(u8::MAX)),
@@ -265,7 +267,7 @@ impl Reader {
         Ok(self.elements(accessor)?.map(index).collect())
     }
 
-    /// The bytes of each element of an accessor, every place checked against its view and buffer.
+    /// The bytes of each element of an accessor, with every offset checked against view and buffer.
     fn elements<'a>(
         &'a self,
         accessor: &Accessor,

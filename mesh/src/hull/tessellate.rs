@@ -6,16 +6,16 @@ use crate::parameter::positive_finite;
 use crate::shapes::swept::Swept;
 use crate::shapes::underside::Underside;
 
-/// Largest turn of the section over one facet [rad].
+/// Largest change of the section's direction over one facet [rad].
 const LARGEST_TURN: f64 = 0.25;
-/// A facet is longer than its neighbour across by at most this part of their mean: a smooth surface
-/// is fitted to them later, which cannot follow a sharp edge whose neighbour is a hundred times as
-/// wide.
+/// Largest difference of the lengths of two adjacent facets across, relative to their mean: the
+/// smooth surface that is fitted to them cannot follow a sharp edge next to a facet that is a
+/// hundred times as wide.
 const GRADING: f64 = 0.25;
-/// Samples of the section from which its facets are spaced.
+/// Number of samples of the section from which the facets are spaced.
 const SAMPLES: usize = 4000;
-/// Most vertices in one hull.
-const MOST_VERTICES: f64 = 2e7;
+/// Largest number of vertices of a hull.
+const MAX_VERTICES: f64 = 2e7;
 
 /// The runner's surface as outward triangles with edges of about `edge_length` [m] on the
 /// underside.
@@ -30,8 +30,8 @@ pub fn tessellate(runner: &Swept, edge_length: f64) -> Result<Hull, MeshError> {
     tessellate_turning(runner, edge_length, LARGEST_TURN)
 }
 
-/// As [`tessellate`] with facets across that turn by at most `largest_turn` [rad]: smaller for an
-/// edge so sharp that its radius is of the size of the contact.
+/// [`tessellate`] with facets across whose directions differ by at most `largest_turn` [rad], which
+/// should be smaller for an edge so sharp that its radius is of the size of the contact.
 ///
 /// # Errors
 /// As [`tessellate`], and [`MeshError::Value`] where the turn is not positive.
@@ -45,8 +45,8 @@ pub fn tessellate_turning(
     let [x0, x1, y0, y1] = runner.extent();
     let ys = across(runner, edge_length, largest_turn)?;
     let steps = ((x1 - x0) / edge_length).ceil().max(2.0);
-    if steps * ys.len() as f64 > MOST_VERTICES {
-        return Err(MeshError::too_many("vertices", MOST_VERTICES as usize));
+    if steps * ys.len() as f64 > MAX_VERTICES {
+        return Err(MeshError::too_many("vertices", MAX_VERTICES as usize));
     }
     // Even in number, so that the middle is a column of vertices and the halves mirror each other.
     let half = (0.5 * steps).ceil() as i64;
@@ -124,8 +124,8 @@ fn across(runner: &Swept, edge_length: f64, largest_turn: f64) -> Result<Vec<f64
         measure.push(measure[i] + length / step);
     }
     let total = measure[SAMPLES];
-    if total > MOST_VERTICES {
-        return Err(MeshError::too_many("vertices", MOST_VERTICES as usize));
+    if total > MAX_VERTICES {
+        return Err(MeshError::too_many("vertices", MAX_VERTICES as usize));
     }
     let count = 2 * (0.5 * total - 1e-9).ceil().max(1.0) as usize;
     let place = |j: usize| {

@@ -23,7 +23,7 @@ pub(crate) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
         .map(|(i, line)| (i + 1, line.trim_ascii()))
 }
 
-/// The error of what was found at a place of a file.
+/// The error of a text that was found at a place of a file.
 pub(crate) fn unreadable(
     format: &str,
     place: impl Display,

@@ -22,11 +22,11 @@ pub struct Hull {
 
 impl Hull {
     /// The underside of a height map: vertices at every `x` and `y` with the `heights` [m],
-    /// `y.len()` rows of `x.len()`, and
-    /// two triangles a cell whose outside is below. Heights that are no numbers leave holes.
+    /// `y.len()` rows of `x.len()`, and two triangles per cell that face down. NaN heights leave
+    /// holes.
     ///
     /// # Panics
-    /// Where there is not one height a vertex.
+    /// If there is not one height per vertex.
     pub fn underside_of(x: &[f64], y: &[f64], heights: &[f64]) -> Hull {
         assert_eq!(heights.len(), x.len() * y.len(), "one height a vertex");
         let mut hull = Hull::default();
@@ -49,12 +49,12 @@ impl Hull {
         hull
     }
 
-    /// The hull with equal positions made one vertex and collapsed triangles removed, its
-    /// coordinates carried over by `rows`.
+    /// The hull with equal positions merged and degenerate triangles removed, its coordinates
+    /// transformed by the matrix `rows`.
     ///
     /// # Errors
-    /// [`MeshError::Invalid`] where no triangle remains, a corner has no position, or a position
-    /// that a triangle uses is not finite.
+    /// [`MeshError::Invalid`] if no triangle remains, a corner has no position, or a position that
+    /// a triangle uses is not finite.
     pub(crate) fn welded(
         positions: &[[f64; 3]],
         triangles: impl Iterator<Item = [usize; 3]>,
@@ -74,7 +74,7 @@ impl Hull {
                 // Adding zero makes -0 and 0 the same bits.
                 let key = position.map(|v| (v + 0.0).to_bits());
                 *corner = *known.entry(key).or_insert_with(|| {
-                    hull.positions.push(carried(&rows, position));
+                    hull.positions.push(transformed(&rows, position));
                     (hull.positions.len() - 1) as u32
                 });
             }
@@ -93,20 +93,20 @@ impl Hull {
         }
     }
 
-    /// A hull whose coordinates are those of its file, as these options read it.
+    /// The hull in runner axes, from one in the coordinates of its file.
     ///
     /// # Errors
     /// [`MeshError::Value`] where the scale is not positive, [`MeshError::Invalid`] where the axes
     /// are parallel.
     pub fn placed(&self, options: &HullOptions) -> Result<Self, MeshError> {
-        Ok(self.carried(options.rows(Axis::Z)?))
+        Ok(self.transformed(options.rows(Axis::Z)?))
     }
 
-    /// The hull with its coordinates carried over by `rows`.
-    pub(crate) fn carried(&self, rows: [[f64; 3]; 3]) -> Self {
+    /// The hull with its coordinates transformed by the matrix `rows`.
+    pub(crate) fn transformed(&self, rows: [[f64; 3]; 3]) -> Self {
         let positions = self.positions.iter();
         Self {
-            positions: positions.map(|p| carried(&rows, p)).collect(),
+            positions: positions.map(|p| transformed(&rows, p)).collect(),
             triangles: self.triangles.clone(),
         }
     }
@@ -136,15 +136,15 @@ impl Hull {
     }
 }
 
-/// A position carried over by the rows of a matrix.
-fn carried(rows: &[[f64; 3]; 3], p: &[f64; 3]) -> [f64; 3] {
+/// A position transformed by a matrix.
+fn transformed(rows: &[[f64; 3]; 3], p: &[f64; 3]) -> [f64; 3] {
     rows.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2])
 }
 
-/// Triangles, and vertices, that any file may place, however small it is.
-const FEW_TRIANGLES: usize = 1_000_000;
+/// Number of triangles, and of vertices, that a file of any size may place.
+const MIN_CAPACITY: usize = 1_000_000;
 
-/// Refuses more of something in one file than the limit.
+/// The error of more than `limit` of something in one file.
 pub(crate) fn at_most(limit: usize, found: usize, what: &str) -> Result<(), MeshError> {
     if found > limit {
         return Err(MeshError::too_many(what, limit));
@@ -154,17 +154,17 @@ pub(crate) fn at_most(limit: usize, found: usize, what: &str) -> Result<(), Mesh
 
 /// Meshes read from one file, each placed by its transform.
 ///
-/// A file may use one mesh many times: it may place some times the triangles that it can contain.
+/// A file may use one mesh many times; the number of placed triangles is limited.
 #[derive(Default)]
 pub(crate) struct PlacedMeshes {
-    /// Triangles, and vertices, that the file can contain by its size.
+    /// Number of triangles, and of vertices, that a file of this size can contain.
     pub(crate) capacity: usize,
     pub(crate) positions: Vec<[f64; 3]>,
     pub(crate) triangles: Vec<[usize; 3]>,
 }
 
 impl PlacedMeshes {
-    /// Adds a mesh of these vertices and triangles, carried over by `transform`.
+    /// Adds a mesh of these vertices and triangles, transformed by `transform`.
     pub(crate) fn add(
         &mut self,
         vertices: &[[f64; 3]],
@@ -172,7 +172,7 @@ impl PlacedMeshes {
         transform: &Matrix4<f64>,
     ) -> Result<(), MeshError> {
         let first = self.positions.len();
-        let most = self.capacity.max(FEW_TRIANGLES);
+        let most = self.capacity.max(MIN_CAPACITY);
         let placed = "with its meshes at every place that uses them; expected each once";
         let vertex_count = first + vertices.len();
         at_most(most, vertex_count, &format!("vertices {placed}"))?;
@@ -195,18 +195,18 @@ impl PlacedMeshes {
         Ok(())
     }
 
-    /// The hull of all of them, its coordinates carried over by `rows`.
+    /// The hull of all meshes, its coordinates transformed by `rows`.
     pub(crate) fn welded(self, rows: [[f64; 3]; 3]) -> Result<Hull, MeshError> {
         Hull::welded(&self.positions, self.triangles.into_iter(), rows)
     }
 }
 
-/// An axis of a file, with its sense.
+/// An axis of a file, with its direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Axis {
     /// 0, 1 or 2 for x, y or z.
     pub index: usize,
-    /// Whether the axis points the other way.
+    /// Whether the negative direction of the axis is meant.
     pub negative: bool,
 }
 
@@ -218,7 +218,7 @@ impl Axis {
     /// The axis +z.
     pub const Z: Self = Self::positive(2);
 
-    /// The axis of this index in its own sense.
+    /// The positive axis of this index.
     pub(crate) const fn positive(index: usize) -> Self {
         let negative = false;
         Self { index, negative }
@@ -259,7 +259,7 @@ impl fmt::Display for Axis {
 pub struct HullOptions {
     /// Metres in one unit of the file; 0.001 for millimetres.
     pub scale: f64,
-    /// The file's axis that points up; where none is given, y for glTF and z for the others.
+    /// The file's axis that points up; `None` for y in glTF and z in the other formats.
     pub up: Option<Axis>,
     /// The file's axis that points forward.
     pub forward: Axis,
@@ -280,8 +280,8 @@ impl Default for HullOptions {
 }
 
 impl HullOptions {
-    /// The options that turn a file's coordinates by this rotation: about the nearest axes of the
-    /// file, with forward in its own sense, and by the remaining rotation.
+    /// The options that rotate a file's coordinates by `turn`: the nearest axes of the file, with
+    /// forward in its positive direction, and the remaining rotation.
     pub(crate) fn turning(scale: f64, mut turn: Matrix3<f64>) -> Self {
         let nearest = |row: usize, except: Option<usize>| {
             let others = (0..3).filter(|k| Some(*k) != except);
@@ -293,7 +293,7 @@ impl HullOptions {
         let forward = nearest(0, None);
         let index = nearest(2, Some(forward));
         if turn[(0, forward)] < 0.0 {
-            // Front and rear look alike: half a turn about z.
+            // Front and rear cannot be distinguished: half a turn about z.
             turn.row_mut(0).neg_mut();
             turn.row_mut(1).neg_mut();
         }
@@ -326,7 +326,7 @@ impl HullOptions {
             )));
         }
         let mut rows = axes(up, self.forward);
-        // Zeros keep their signs where nothing is turned.
+        // Without rotation, zeros keep their signs.
         if self.rotation != [0.0; 3] {
             let [roll, pitch, yaw] = self.rotation;
             rows = Rotation3::from_euler_angles(roll, pitch, yaw) * rows;
@@ -341,23 +341,23 @@ fn axes(up: Axis, forward: Axis) -> Matrix3<f64> {
     Matrix3::from_rows(&[x, z.cross(&x), z].map(|axis| axis.transpose()))
 }
 
-/// Hulls shorter or longer than this are taken for a unit's mistake [m].
+/// Smallest and largest size of a hull without a warning about its unit [m].
 const EXTENTS: [f64; 2] = [0.01, 20.0];
 
-/// The properties of a hull that its use depends on.
+/// Result of the checks of a hull.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HullReport {
-    /// Edges that only one triangle uses.
+    /// Number of edges that only one triangle uses.
     pub open_edges: usize,
-    /// Edges whose two triangles disagree about the outside.
+    /// Number of edges whose two triangles have opposite orientations.
     pub flipped_edges: usize,
     /// Size along x, y and z [m].
     pub extent: [f64; 3],
     /// Signed volume [m^3]; of little meaning where edges are open.
     pub volume: f64,
-    /// What of the file is no part of the hull.
+    /// Descriptions of the parts of the file that were removed from the hull.
     pub removed: Vec<String>,
-    /// What the caller should show, `removed` included.
+    /// Warnings, including `removed`.
     pub warnings: Vec<String>,
 }
 
@@ -385,7 +385,8 @@ pub fn size_warnings(extent: [f64; 3]) -> Vec<String> {
 /// # Errors
 /// [`MeshError::Invalid`] where a closed hull's triangles face inwards.
 pub fn check_hull(hull: &Hull) -> Result<HullReport, MeshError> {
-    // Each triangle's edges, from the lower to the higher index, and whether it walks them so.
+    // Each triangle's edges, from the lower to the higher index, and whether the triangle has them
+    // in this direction.
     let mut edges: Vec<([u32; 2], bool)> = hull
         .triangles
         .iter()
@@ -400,7 +401,7 @@ pub fn check_hull(hull: &Hull) -> Result<HullReport, MeshError> {
     let [low, high] = hull.bounds();
     let extent = [0, 1, 2].map(|axis| high[axis] - low[axis]);
     let volume = hull.volume();
-    // Of a flat hull rounding leaves a volume of either sign.
+    // The volume of a flat hull is rounding of either sign.
     let rounding = 1e-6 * extent.iter().product::<f64>();
     if open_edges == 0 && volume < -rounding {
         return Err(MeshError::Invalid(format!(
@@ -439,8 +440,8 @@ pub fn check_hull(hull: &Hull) -> Result<HullReport, MeshError> {
     })
 }
 
-/// Checks the runner in a hull: its largest body, each of its triangles once. The report tells what
-/// was removed.
+/// Reduces a hull to the runner, its largest body without repeated triangles, and checks it. The
+/// report lists the removed parts.
 ///
 /// # Errors
 /// As [`check_hull`].
@@ -453,7 +454,7 @@ pub fn checked_runner(mut hull: Hull) -> Result<(Hull, HullReport), MeshError> {
     Ok((hull, report))
 }
 
-/// Removes triangles of the corners of another in the same order.
+/// Removes triangles that have the same corners in the same order as another one.
 fn remove_repeated(hull: &mut Hull) -> Option<String> {
     let count = hull.triangles.len();
     let mut known = HashSet::with_capacity(count);
@@ -467,7 +468,7 @@ fn remove_repeated(hull: &mut Hull) -> Option<String> {
     (repeated > 0).then(|| format!("{repeated} triangles repeat others and take no part"))
 }
 
-/// Removes all surfaces that share no vertex with the one of the most triangles.
+/// Removes all connected surfaces except the one with the most triangles.
 fn remove_small_bodies(hull: &mut Hull) -> Option<String> {
     let mut leads: Vec<u32> = (0..hull.positions.len() as u32).collect();
     fn lead(leads: &mut [u32], mut of: u32) -> u32 {

@@ -17,7 +17,7 @@ impl HeightMap {
     /// grid.
     ///
     /// # Errors
-    /// [`MeshError::Value`] with the row and column, or where the points fill no regular grid.
+    /// [`MeshError::Value`] with the row and column, or if the points do not fill a regular grid.
     pub fn from_csv(reader: impl Read) -> Result<Self, MeshError> {
         let points = read_columns(reader, ["x_m", "y_m", "z_m"])?;
         let [xs, ys] = [0, 1].map(|axis| {
@@ -72,10 +72,10 @@ impl HeightMap {
     }
 }
 
-/// Most values of an image, over all of its channels: 64 million, 256 MB as single precision.
-const MOST_VALUES: u64 = 1 << 26;
-/// Most bytes of an image's file.
-const MOST_BYTES: u64 = 1 << 30;
+/// Largest number of values of an image, over all channels: 64 million, 256 MB in single precision.
+const MAX_VALUES: u64 = 1 << 26;
+/// Largest size of an image's file [bytes].
+const MAX_BYTES: u64 = 1 << 30;
 
 /// An image with the attributes `origin_x_m, origin_y_m, pixel_x_m, pixel_y_m`: column i, row j is
 /// centred at (origin_x_m + i pixel_x_m, origin_y_m + j pixel_y_m).
@@ -98,31 +98,31 @@ impl ExrImage {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`MeshError::Io`] where it cannot be read, [`MeshError::File`] with what is wrong in it.
+    /// [`MeshError::Io`] if it cannot be read, [`MeshError::File`] if its content is invalid.
     pub fn load(path: &Path) -> Result<Self, MeshError> {
-        let bytes = read_file(path, MOST_BYTES)?;
+        let bytes = read_file(path, MAX_BYTES)?;
         Self::read(&bytes).map_err(|error| error.in_file(path))
     }
 
     /// Reads the bytes of a file.
     ///
     /// # Errors
-    /// [`MeshError::Invalid`] where they are no EXR image, where a header announces more values
-    /// than are read, or where an attribute is missing or no place.
+    /// [`MeshError::Invalid`] if the bytes are not an EXR image, if a header announces more than 64
+    /// million values, or if an attribute is missing or invalid.
     pub fn read(bytes: &[u8]) -> Result<Self, MeshError> {
-        if bytes.len() as u64 > MOST_BYTES {
-            return Err(exr_error(format!("more than {MOST_BYTES} bytes")));
+        if bytes.len() as u64 > MAX_BYTES {
+            return Err(exr_error(format!("more than {MAX_BYTES} bytes")));
         }
-        // The reader allocates what the headers announce, so all headers are checked first.
+        // The reader allocates the announced sizes, so all headers are checked first.
         let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(exr_error)?;
         for header in &meta.headers {
             let (width, height) = (header.layer_size.width(), header.layer_size.height());
             let count = header.channels.list.len();
             let sizes = [width, height, count].map(|size| size as u64);
             let values = sizes.into_iter().try_fold(1, u64::checked_mul);
-            if values.is_none_or(|values| values > MOST_VALUES) {
+            if values.is_none_or(|values| values > MAX_VALUES) {
                 return Err(exr_error(format!(
-                    "{width} x {height} pixels in {count} channels; expected at most {MOST_VALUES} values in all"
+                    "{width} x {height} pixels in {count} channels; expected at most {MAX_VALUES} values in all"
                 )));
             }
         }
@@ -167,7 +167,7 @@ impl ExrImage {
     /// A channel's values, row by row.
     ///
     /// # Errors
-    /// [`MeshError::Invalid`] where there is no such channel, or a value of it is not a number.
+    /// [`MeshError::Invalid`] if there is no such channel, or a value of it is not finite.
     pub fn channel(&self, name: &str) -> Result<&[f64], MeshError> {
         let Some((_, values)) = self.channels.iter().find(|(known, _)| known == name) else {
             let found: Vec<&str> = self.channels.iter().map(|(known, _)| &**known).collect();
@@ -192,14 +192,14 @@ impl ExrImage {
 /// Between the points it is interpolated by cubic convolution.
 ///
 /// # Errors
-/// [`MeshError::Io`] where the file cannot be read, [`MeshError::File`] with what is wrong in it.
+/// [`MeshError::Io`] if the file cannot be read, [`MeshError::File`] if its content is invalid.
 pub fn load_height_map(path: &Path) -> Result<HeightMap, MeshError> {
     let ending = ending(path);
     if !["csv", "exr"].contains(&&*ending) {
         let found = format!("the ending {ending:?}");
         return Err(MeshError::value("height map", found, "csv or exr").in_file(path));
     }
-    let bytes = read_file(path, MOST_BYTES)?;
+    let bytes = read_file(path, MAX_BYTES)?;
     let map = match ending.as_str() {
         "csv" => HeightMap::from_csv(&bytes[..]),
         _ => HeightMap::from_exr(&bytes),

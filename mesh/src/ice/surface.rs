@@ -4,7 +4,7 @@ use crate::error::MeshError;
 use crate::parameter::{finite, positive_finite};
 use crate::shapes::underside::lows;
 
-/// The height of the unloaded ice over the contact plane; the gap under a hull shrinks by it.
+/// Height of the unloaded ice over the contact plane, which is subtracted from the gap.
 pub trait IceSurface: Send + Sync {
     /// Height [m] at (`x` [m], `y` [m]).
     fn height(&self, x: f64, y: f64) -> f64;
@@ -12,13 +12,13 @@ pub trait IceSurface: Send + Sync {
     /// Whether the height is even in x and even in y, to rounding.
     fn mirror_symmetric(&self) -> [bool; 2];
 
-    /// Distances along x and y over which the height is smooth: those of a map's points, eighths of
-    /// waves; infinite where nothing is known [m].
+    /// Distances along x and y over which the height is smooth [m]: the spacing of a map's points,
+    /// an eighth of a wavelength; infinite if not known.
     fn spacing(&self) -> [f64; 2] {
         [f64::INFINITY; 2]
     }
 
-    /// Places (x, y) [m] where measured ice has a local maximum along x or across. None of ice
+    /// Places (x, y) [m] where measured ice has a local maximum along x or across. Empty for ice
     /// given by a formula.
     fn highs(&self) -> &[[f64; 2]] {
         &[]
@@ -76,7 +76,7 @@ impl IceSurface for Waviness {
     }
 }
 
-/// Heights on a regular grid; outside, the border's heights continue.
+/// Heights on a regular grid; outside, the heights of the border continue.
 ///
 /// Between the points heights are interpolated by cubic convolution, which is continuous with its
 /// slope (Keys 1981, doi 10.1109/TASSP.1981.1163711).

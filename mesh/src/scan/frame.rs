@@ -17,28 +17,30 @@ const SECTIONS: RangeInclusive<f64> = 0.003..=0.02;
 /// Metres in the units that files are written in: metres, millimetres, centimetres, inches,
 /// micrometres.
 const UNITS: [f64; 5] = [1.0, 1e-3, 1e-2, 0.0254, 1e-6];
-/// One in so many vertices may lie beyond each end of a hull's extent, as spikes of a scanner do.
+/// One in this number of vertices may lie beyond each end of a hull's extent, such as spikes of a
+/// scanner.
 const OUTSIDE: usize = 1000;
-/// Vertices of the keel farther off its parabola than this many times the median are spikes.
+/// Smallest ratio of a spike's distance from the parabola of the keel to the median distance.
 const SPIKE: f64 = 10.0;
-/// Share of the length, about the middle, over which the rocker is measured.
+/// Fraction of the length, about the middle, over which the rocker is measured.
 const MIDDLE: f64 = 0.8;
-/// Parts of the length either side of the lowest vertex from which its section is taken, the first
-/// that has enough vertices.
+/// Fractions of the length on either side of the lowest vertex over which its section is taken; the
+/// first with enough vertices is used.
 const NEAR: [f64; 3] = [0.02, 0.05, 0.12];
-/// Height of the examined section over half its width.
+/// Ratio of the height of the examined section to half its width.
 const SHALLOW: f64 = 0.2;
-/// A section's curvature over its standard error above which it is significant.
+/// Smallest ratio of a section's curvature to its standard error that is significant.
 const SIGNIFICANT: f64 = 10.0;
-/// The same of a rocker: ragged rims of 48 scans had up to 2.2, their keels 14 and more.
+/// Smallest ratio of a rocker's curvature to its standard error that is significant: ragged rims of
+/// 48 scans had up to 2.2, their keels 14 and more.
 const SIGNIFICANT_ROCKER: f64 = 5.0;
-/// Largest radii of a rocker and of a section that is round [m]; what is flatter is no underside.
-const FLATTEST: [f64; 2] = [500.0, 0.2];
+/// Largest radii of a rocker and of a section of an underside [m].
+const MAX_RADII: [f64; 2] = [500.0, 0.2];
 
 /// The most likely unit and axes of a hull in its file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScanFrame {
-    /// The unit and the axes with which to read it. The shape does not show which end is in front.
+    /// Unit and axes for reading the file. The shape does not show which end is in front.
     pub options: HullOptions,
     /// Radius of the rocker [m].
     pub rocker_radius: f64,
@@ -47,17 +49,17 @@ pub struct ScanFrame {
 }
 
 impl ScanFrame {
-    /// Finds the side that is rounded along and across, as a runner's underside is.
+    /// Estimates unit and axes from the side that is rounded along and across, the underside.
     ///
-    /// `hull` is as its file has it: scale 1, x forward, z up. The longest axis is forward. Of the
-    /// four sides along it the underside is the one whose lowest line is curved (rocker) and whose
-    /// section there is (edge), with the largest product of the two curvatures; both are found by
-    /// least squares. A ragged rim of an open scan is curved by chance: sides whose rocker is
-    /// significant come first. `None` where no side is rounded both ways. The unit is the first in
-    /// which length and section are a runner's, else the first in which the length is.
+    /// `hull` is in the coordinates of its file: scale 1, x forward, z up. The longest axis is
+    /// forward. The underside is the one of the four sides along it with the largest product of the
+    /// curvatures of its lowest line (rocker) and of its section there (edge), both by least
+    /// squares. Sides with a significant rocker come first, as a ragged rim of an open scan is
+    /// curved by chance. The unit is the first in which length and section are those of a runner,
+    /// otherwise the first in which the length is. `None` if no side is rounded both ways.
     ///
     /// # Errors
-    /// [`MeshError::Invalid`] for a hull without any.
+    /// [`MeshError::Invalid`] for a hull without vertices.
     pub fn of(hull: &Hull) -> Result<Option<Self>, MeshError> {
         if hull.triangles.is_empty() {
             return Err(MeshError::no_triangles());
@@ -85,7 +87,8 @@ impl ScanFrame {
         Ok(sides.next().or_else(by_length))
     }
 
-    /// The side along the axis `forward` that is rounded as an underside is, by a unit.
+    /// The side along the axis `forward` that is rounded like an underside, in a unit of `scale`
+    /// [m].
     fn lowest_side(hull: &Hull, forward: usize, scale: f64) -> Option<Self> {
         let sides = (0..3)
             .filter(|axis| *axis != forward)
@@ -114,14 +117,13 @@ impl ScanFrame {
     }
 }
 
-/// Rockers have radii of metres and sections of millimetres; what is rounder along than so many
-/// times its section is another body.
-const ROCKER_OVER_SECTION: f64 = 10.0;
-/// Width over length above which a hull is no runner's.
-const WIDEST: f64 = 0.5;
+/// Smallest ratio of the radius of a runner's rocker (metres) to that of its section (millimetres).
+const MIN_RADIUS_RATIO: f64 = 10.0;
+/// Largest ratio of the width of a runner to its length.
+const MAX_WIDTH_RATIO: f64 = 0.5;
 
-/// Why a hull, x forward and z up, is unlike a runner, where it is; `frame` is the one that was
-/// found.
+/// The reason why a hull, x forward and z up, is unlike a runner, given its estimated `frame`;
+/// `None` if it is like one.
 pub fn unlike_runner(hull: &Hull, frame: Option<&ScanFrame>) -> Option<String> {
     let unlike = |reason: String| Some(format!("this seems not to be a runner: {reason}"));
     let Some(frame) = frame else {
@@ -132,7 +134,7 @@ pub fn unlike_runner(hull: &Hull, frame: Option<&ScanFrame>) -> Option<String> {
         );
     };
     let [along, across] = [frame.rocker_radius, frame.section_radius];
-    if along < ROCKER_OVER_SECTION * across {
+    if along < MIN_RADIUS_RATIO * across {
         return unlike(format!(
             "radii of {:.1} mm along and {:.1} mm across at its lowest place",
             1e3 * along,
@@ -141,7 +143,7 @@ pub fn unlike_runner(hull: &Hull, frame: Option<&ScanFrame>) -> Option<String> {
     }
     let [low, high] = hull.bounds();
     let [x, y] = [0, 1].map(|axis| high[axis] - low[axis]);
-    if x.min(y) > WIDEST * x.max(y) {
+    if x.min(y) > MAX_WIDTH_RATIO * x.max(y) {
         let [x, y] = [x, y].map(|size| 1e3 * size);
         return unlike(format!("it is {x:.1} mm long and {y:.1} mm wide"));
     }
@@ -156,7 +158,7 @@ pub fn unlike_runner(hull: &Hull, frame: Option<&ScanFrame>) -> Option<String> {
 const ROCKER: [[i32; 2]; 3] = [[0, 0], [1, 0], [2, 0]];
 
 /// Radii of rocker and section of the side that faces down when `up` points up [m], and whether the
-/// rocker's curvature is significant; `None` where it is flat or hollow.
+/// rocker's curvature is significant; `None` if the side is flat or concave.
 fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<([f64; 2], bool)> {
     let across = 3 - forward - up.index;
     let sign = if up.negative { -1.0 } else { 1.0 };
@@ -165,7 +167,7 @@ fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<([f64; 2],
         [scale * p[forward], scale * p[across], height]
     };
     let mut points: Vec<[f64; 3]> = hull.positions.iter().map(turned).collect();
-    // A section across a keel that does not run along x would be wider than it is.
+    // A section across a keel that is not along x would appear too wide.
     if let Some(yaw) = keel_yaw(&points).filter(Estimate::significant) {
         let (sine, cosine) = yaw.value.sin_cos();
         for p in &mut points {
@@ -184,7 +186,7 @@ fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<([f64; 2],
         let height = terms.map(|(c, [power, _])| c * (p[0] - centre).powi(power));
         (p[2] - height.sum::<f64>()).abs()
     };
-    // Rounding of coordinates is no spike.
+    // Rounding of coordinates does not count as a spike.
     let most = SPIKE * median(keel.iter().map(off).collect())? + 1e-6 * (to - from);
     let is_spike = |p: &[f64; 3]| off(p) > most;
     let spikes: Vec<[f64; 3]> = keel.extract_if(.., |p| is_spike(p)).collect();
@@ -192,7 +194,7 @@ fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<([f64; 2],
         points.retain(|p| !spikes.contains(p));
         rocker = surface(&keel, &ROCKER)?;
     }
-    let rocker_radius = radius(rocker.coefficients[2], FLATTEST[0])?;
+    let rocker_radius = radius(rocker.coefficients[2], MAX_RADII[0])?;
     let significant = rocker.coefficients[2] >= SIGNIFICANT_ROCKER * rocker.errors[2];
     let lowest = keel.iter().min_by(|a, b| a[2].total_cmp(&b[2]))?;
     let section_radius = NEAR.iter().find_map(|part| {
@@ -203,14 +205,14 @@ fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<([f64; 2],
     Some(([rocker_radius, section_radius], significant))
 }
 
-/// Radius of the section at the lowest vertex [m], of points nearby along the hull; ever narrower
-/// while its curvature is significant.
+/// Radius of the section at the lowest vertex [m], from points nearby along the hull; the examined
+/// width decreases while the curvature is significant.
 fn section_radius(points: &[[f64; 3]], lowest: &[f64; 3]) -> Option<f64> {
     let off = |p: &[f64; 3]| (p[1] - lowest[1]).abs();
     let mut half = points.iter().map(off).fold(0.0, f64::max);
     let mut found = None;
     loop {
-        // Neither the walls nor the other side of the hull.
+        // Excludes the walls and the other side of the hull.
         let own = |p: &&[f64; 3]| off(p) <= half && p[2] - lowest[2] < SHALLOW * half;
         let section: Vec<[f64; 3]> = points.iter().filter(own).copied().collect();
         let fitted = surface(&section, &[[0, 0], [0, 1], [0, 2], [1, 0], [2, 0]]);
@@ -218,19 +220,19 @@ fn section_radius(points: &[[f64; 3]], lowest: &[f64; 3]) -> Option<f64> {
         let Some(fitted) = fitted.filter(curved) else {
             return found;
         };
-        found = radius(fitted.coefficients[2], FLATTEST[1]);
+        found = radius(fitted.coefficients[2], MAX_RADII[1]);
         half *= 0.7;
     }
 }
 
-/// Heights of points as a polynomial of their places.
+/// Polynomial fit of the heights of points over their places.
 fn surface(points: &[[f64; 3]], powers: &[[i32; 2]]) -> Option<Fitted> {
     let places: Vec<[f64; 2]> = points.iter().map(|p| [p[0], p[1]]).collect();
     let heights: Vec<f64> = points.iter().map(|p| p[2]).collect();
     fit(&places, &heights, powers)
 }
 
-/// Radius of z = c y^2 where it is convex and no more than `flattest`.
+/// Radius of z = c y^2; `None` if it is concave or the radius exceeds `flattest`.
 fn radius(c: f64, flattest: f64) -> Option<f64> {
     let radius = 0.5 / c;
     (c > 0.0 && radius < flattest).then_some(radius)

@@ -9,14 +9,14 @@ use crate::parameter::range;
 
 /// Stations along the underside; the lowest node of each is examined.
 const STATIONS: usize = 60;
-/// Triangles whose normal makes a smaller cosine with straight down are flanks.
+/// Smallest cosine between the normal of a triangle of the underside and straight down.
 const DOWN: f64 = 0.2;
-/// Slope of such triangles.
+/// Slope of a triangle with the cosine [`DOWN`].
 const STEEPEST: f64 = 4.9;
-/// Nodes of a fit: one for each power of the polynomial, and twenty degrees of freedom.
+/// Number of nodes of a fit: one per term of the polynomial, and twenty degrees of freedom.
 const NEAR: usize = POWERS.len() + 20;
-/// Lengths over widths of the neighbourhoods. A runner is straighter along than across, and neither
-/// its direction nor by how much is known beforehand.
+/// Ratios of length to width of the neighbourhoods. A runner is straighter along than across, but
+/// its direction and the ratio of its curvatures are not known beforehand.
 const ASPECT_RATIOS: [f64; 7] = [1.0 / 64.0, 1.0 / 8.0, 1.0, 4.0, 16.0, 64.0, 256.0];
 /// Residual ratio (2n against n nodes) above which the residual is curvature, not noise.
 const CURVATURE_RATIO: f64 = 2.0;
@@ -24,8 +24,8 @@ const CURVATURE_RATIO: f64 = 2.0;
 const EQUAL_RESIDUAL: f64 = 1.1;
 /// Relative difference below which two distances are equal.
 const TIE: f64 = 1e-6;
-/// Distance between two lines of nodes over the faces' size along that axis; nodes that are closer
-/// belong to one line that noise has moved.
+/// Smallest ratio of the distance between two lines of nodes to the faces' size along that axis;
+/// closer nodes belong to one line that noise has moved.
 const LINE_DISTANCE: f64 = 0.25;
 /// Nodes on either side of a node that are searched first.
 const FIRST: usize = 2048;
@@ -51,10 +51,10 @@ const POWERS: [[i32; 2]; 15] = [
 /// Noise of an underside's nodes, estimated from their heights.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Noise {
-    /// Standard deviation about a smooth surface [m]; 0 where it is no more than rounding.
+    /// Estimated standard deviation about a smooth surface [m]; 0 if it does not exceed rounding.
     pub found: f64,
-    /// What the surface's own curvature leaves at these distances of the nodes [m]: less noise than
-    /// that does not show. 0 where that is no more than rounding.
+    /// Detection limit [m]: the contribution of the surface's curvature to the residual at this
+    /// spacing of the nodes. Smaller noise is not seen. 0 if the limit does not exceed rounding.
     pub unseen: f64,
 }
 
@@ -62,7 +62,7 @@ pub struct Noise {
 #[derive(Clone, Copy)]
 struct Node {
     at: [f64; 3],
-    /// How far the faces around it reach along x and y [m].
+    /// Sizes of the faces around it along x and y [m].
     faces: [f64; 2],
 }
 
@@ -82,12 +82,13 @@ fn faces_down(hull: &Hull, t: &[u32; 3]) -> bool {
 /// forward, y to the left and z up [m]; `faces` are the nodes of each face.
 ///
 /// At the lowest node of each station a polynomial of fourth order is fitted to the nearest nodes,
-/// in neighbourhoods of several [`ASPECT_RATIOS`]. The residual is noise and the surface's higher
-/// orders. A fit to twice as many nodes, s times as far, has the same noise and s^5 times the
-/// higher orders, which are subtracted. If its residual grows by more than [`CURVATURE_RATIO`], as
-/// at a jump of the curvature, no noise is found. Each aspect ratio gives medians over the
-/// stations. Curvature only adds to a residual, so the ratio with the smallest residual of 2n nodes
-/// is used; of those that agree within [`EQUAL_RESIDUAL`] the one with the smallest subtraction.
+/// in neighbourhoods of several [`ASPECT_RATIOS`]. The residual consists of noise and of the
+/// surface's higher orders. A fit to twice as many nodes, s times as far away, has the same noise
+/// and s^5 times the higher orders, which are subtracted. If the residual grows by more than
+/// [`CURVATURE_RATIO`], as at a jump of the curvature, the noise is reported as 0. Each aspect
+/// ratio gives medians over the stations. Curvature only adds to a residual, so the ratio with the
+/// smallest residual of 2n nodes is used; of ratios that agree within [`EQUAL_RESIDUAL`], the one
+/// with the smallest subtraction.
 pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]]) -> Option<Noise> {
     let mut nodes = nodes_of(points, faces);
     nodes.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]));
@@ -97,7 +98,7 @@ pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]])
     let medians = ASPECT_RATIOS.iter().filter_map(|&ratio| {
         let residuals = |&node: &usize| residuals_at(&nodes, node, ratio);
         let found: Vec<[f64; 3]> = lowest.par_iter().filter_map(residuals).collect();
-        // A few stations with a fit are those where the surface is least like its other parts.
+        // If only a few stations have a fit, they are not typical of the surface.
         let usual = 2 * found.len() >= lowest.len();
         let median = |k: usize| median(found.iter().map(|of| of[k]).collect());
         Some([median(0)?, median(1)?, median(2)?]).filter(|_| usual)
@@ -111,7 +112,7 @@ pub fn noise_of_faces<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]])
     let (noise, unseen) = if farther > CURVATURE_RATIO * residual {
         (0.0, residual)
     } else {
-        // The residual of twice as many nodes has the noise too, which is no curvature.
+        // The residual of twice as many nodes contains the noise, too, which is not curvature.
         let part = 1.0 - (curvature / farther).powi(2);
         let square = (residual * residual - curvature * curvature) / part;
         (square.max(0.0).sqrt(), curvature)
@@ -130,8 +131,8 @@ fn size_of<const N: usize>(corners: [[f64; 3]; N]) -> [f64; 2] {
     })
 }
 
-/// The lowest of the points at each station along the hull; `share` is the part of its length up to
-/// an x.
+/// The lowest of the points at each station along the hull; `share` is the fraction of its length
+/// up to x.
 pub(crate) fn lowest_of_stations<T: Copy>(
     points: impl Iterator<Item = (T, [f64; 3])>,
     share: impl Fn(f64) -> f64,
@@ -162,13 +163,13 @@ fn nodes_of<const N: usize>(points: &[[f64; 3]], faces: &[[usize; N]]) -> Vec<No
     nodes.filter_map(node).collect()
 }
 
-/// Residual of the polynomial around one node, its part from curvature, and the residual of twice
-/// as many nodes [m]; `None` if the nodes do not determine it.
+/// Residual of the polynomial around one node, the contribution of curvature, and the residual of
+/// twice as many nodes [m]; `None` if the nodes do not determine the polynomial.
 fn residuals_at(nodes: &[Node], node: usize, ratio: f64) -> Option<[f64; 3]> {
     let [x, y, z] = nodes[node].at;
     // Squares of distances.
     let far = |p: &Node| ((p.at[0] - x) / ratio).powi(2) + (p.at[1] - y).powi(2);
-    // Not other parts of the hull above.
+    // Excludes parts of the hull above.
     let same_side = |p: &&Node| {
         let above = (p.at[2] - z).max(0.0);
         above * above <= (p.at[0] - x).powi(2) + (p.at[1] - y).powi(2)
@@ -199,7 +200,7 @@ fn residuals_at(nodes: &[Node], node: usize, ratio: f64) -> Option<[f64; 3]> {
     let mut nearest = |count: usize| {
         let last = count.checked_sub(1).filter(|&last| last < near.len())?;
         let (_, &mut (reach, _), _) = near.select_nth_unstable_by(last, by_distance);
-        // All nodes at the same distance: which of them is first is arbitrary.
+        // All nodes at the same distance, since their order is arbitrary.
         let within = reach * (1.0 + TIE);
         let among = near.iter().filter(|(far, _)| *far <= within);
         let among: Vec<Node> = among.map(|(_, p)| *p).collect();
@@ -210,16 +211,16 @@ fn residuals_at(nodes: &[Node], node: usize, ratio: f64) -> Option<[f64; 3]> {
     Some([residual, (inner / outer).powf(2.5) * farther, farther])
 }
 
-/// Standard deviation of the residuals of a polynomial fitted to some nodes [m]; `None` if the nodes
-/// do not determine it, or if it is steeper than the underside.
+/// Standard deviation of the residuals of a polynomial fitted to some nodes [m]; `None` if the
+/// nodes do not determine it, or if it is steeper than the underside.
 ///
-/// Noise may also move the nodes of one line sideways, in proportion to their heights. Taken for
-/// positions across, that would be fitted, by a surface steeper than any.
+/// Noise may also move the nodes of one line sideways, in proportion to their heights. As positions
+/// across, these would be fitted by a surface that is steeper than any underside.
 fn residual_of(nodes: &[Node]) -> Option<f64> {
     let mut places: Vec<[f64; 2]> = nodes.iter().map(|node| [node.at[0], node.at[1]]).collect();
     straighten(&mut places);
     let heights: Vec<f64> = nodes.iter().map(|node| node.at[2]).collect();
-    // Lines of nodes determine as many powers as there are lines.
+    // n lines of nodes determine n powers of the coordinate across them.
     let mut lines = [0; 2];
     for (axis, lines) in lines.iter_mut().enumerate() {
         let apart = LINE_DISTANCE * median(nodes.iter().map(|node| node.faces[axis]).collect())?;
@@ -244,7 +245,7 @@ fn residual_of(nodes: &[Node]) -> Option<f64> {
     (!places.iter().any(steep)).then_some(fitted.deviation)
 }
 
-/// Counts places from their mean, and those along the shorter axis from their line of regression on
+/// Subtracts from places their mean, and from those along the shorter axis their regression line on
 /// the longer one: lines of nodes may run at an angle to the axes.
 fn straighten(places: &mut [[f64; 2]]) {
     let mean = |axis: usize| places.iter().map(|p| p[axis]).sum::<f64>() / places.len() as f64;
@@ -261,7 +262,7 @@ fn straighten(places: &mut [[f64; 2]]) {
     }
 }
 
-/// The middle one of some values.
+/// Median of some values (the upper one of an even number); `None` without values.
 pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
     let middle = values.len() / 2;
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
@@ -271,7 +272,7 @@ pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
 /// residuals.
 #[derive(Clone, Debug)]
 pub struct Fitted {
-    /// One a power.
+    /// One coefficient per power.
     pub coefficients: Vec<f64>,
     /// Their standard errors.
     pub errors: Vec<f64>,
@@ -315,9 +316,9 @@ pub fn fit(places: &[[f64; 2]], values: &[f64], powers: &[[i32; 2]]) -> Option<F
     })
 }
 
-/// Length along x [m] of the underside's triangles where most are long strips, as a CAD program
-/// makes them of a surface that hardly bends along: a vertex at every twentieth of the hull or
-/// fewer, and twenty times as long as wide.
+/// Length along x [m] of the underside's triangles if most of them are long strips, as CAD programs
+/// produce for a surface with little curvature along x: at least a twentieth of the hull long, and
+/// twenty times as long as wide. `None` otherwise.
 pub fn strips_of_hull(hull: &Hull) -> Option<f64> {
     const MANY: f64 = 20.0;
     let [low, high] = hull.bounds();
@@ -329,7 +330,7 @@ pub fn strips_of_hull(hull: &Hull) -> Option<f64> {
     (MANY * long > high[0] - low[0] && long > MANY * wide).then_some(long)
 }
 
-/// What a hull of triangles that are strips of this length along x [m] needs.
+/// Warning about a hull whose triangles are strips of this length along x [m].
 pub fn strips_warning(length: f64) -> String {
     format!(
         "the underside's triangles are strips of {:.0} mm along the runner: export it with edges of a \
@@ -338,15 +339,15 @@ pub fn strips_warning(length: f64) -> String {
     )
 }
 
-/// Places along the keel at which the vertices are examined.
+/// Number of places along the keel at which the vertices are examined.
 const PLACES: usize = 9;
-/// Half the length of such a place over that of the hull.
+/// Ratio of half the length of such a place to the length of the hull.
 const LONG: f64 = 0.01;
-/// Half its width over the radius of the section.
+/// Ratio of half its width to the radius of the section.
 const WIDE: f64 = 0.3;
 
-/// Median length of the triangles' edges near the keel [m], of a hull in metres, x forward and z up,
-/// whose section has this radius [m] where it is lowest; `None` where no triangle touches the
+/// Median length of the triangles' edges near the keel [m], of a hull in metres, x forward and z
+/// up, whose section has this radius [m] where it is lowest; `None` if no triangle touches the
 /// examined places along the keel.
 pub fn keel_spacing(hull: &Hull, section_radius: f64) -> Option<f64> {
     let [low, high] = hull.bounds();

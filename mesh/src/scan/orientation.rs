@@ -12,33 +12,33 @@ use crate::parameter::range;
 use crate::scan::noise::{fit, lowest_of_stations, median};
 use crate::shapes::underside::Underside;
 
-/// Vertices on steeper flanks are not compared (cosine of the angle to the ice).
-const GENTLE: f64 = 0.3;
-/// Most vertices that are compared.
-const MOST: usize = 30_000;
-/// Rounds of fitting the surface and registering it with its mirror images: of the hull turned by
-/// its keel, and of what the first round has turned.
+/// Smallest cosine between the normal of a compared vertex and straight down.
+const MIN_COSINE: f64 = 0.3;
+/// Largest number of compared vertices.
+const MAX_VERTICES: usize = 30_000;
+/// Rounds of fitting the surface and registering it with its mirror images: first for the hull
+/// aligned by its keel, then for the hull rotated by the first round.
 const ROUNDS: usize = 2;
-/// Most Gauss-Newton steps of one registration.
-const STEPS: usize = 5;
-/// Larger steps do not come from a small rotation [rad].
-const LARGEST_STEP: f64 = 0.3;
-/// Residuals farther out than this many times the median are outliers.
+/// Largest number of Gauss-Newton steps of one registration.
+const MAX_STEPS: usize = 5;
+/// Largest step that a small rotation can need [rad].
+const MAX_STEP: f64 = 0.3;
+/// Smallest ratio of an outlier's residual to the median.
 const OUTLIER: f64 = 6.0;
-/// Parts of the length that the jackknife leaves out one at a time, and Student's t for one fewer
-/// (95 %).
+/// Parts of the length that the jackknife leaves out one at a time, and Student's t for one degree
+/// of freedom fewer (95 %).
 const PARTS: usize = 10;
 const STUDENT: f64 = 2.262;
-/// Share of the heights' standard deviation, and multiple of the noise, by which mirror images may
-/// differ.
+/// Largest difference of mirror images, as a fraction of the heights' standard deviation and as a
+/// multiple of the noise.
 const ALIKE: [f64; 2] = [0.02, 3.0];
-/// Standard deviation over the median distance, of normally distributed distances.
+/// Ratio of the standard deviation to the median distance of normally distributed values.
 const DEVIATION: f64 = 1.4826;
-/// Strips across in which the middle of the hull's ends is taken.
+/// Number of strips across from which the middle of the hull's ends is computed.
 const STRIPS: usize = 8;
-/// Smallest error that is stated: rounding of coordinates in single precision [rad] and [m].
+/// Smallest reported error: rounding of coordinates in single precision [rad] and [m].
 const ROUNDING: f64 = 1e-6;
-/// Errors from which on an angle counts as unknown [rad].
+/// Smallest error of an angle that counts as unknown [rad].
 const UNKNOWN: f64 = 0.02;
 
 /// A value and its uncertainty (95 %).
@@ -57,8 +57,7 @@ impl Estimate {
     }
 }
 
-/// The rotation that carries a scan into runner axes; an angle is `None` where the shape does not
-/// show it.
+/// The rotation of a scan into runner axes; an angle is `None` if the shape does not determine it.
 ///
 /// `p_runner = R_z(yaw) R_y(pitch) R_x(roll) p_scan`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,15 +68,15 @@ pub struct Orientation {
     pub pitch: Option<Estimate>,
     /// About x: the section is then even, and the rocker's plane upright [rad].
     pub roll: Option<Estimate>,
-    /// Middle of the turned runner along x and across, over the file's origin [m].
+    /// Middle of the rotated runner along x and across, relative to the file's origin [m].
     pub middle: [Option<Estimate>; 2],
-    /// Roll, pitch and yaw [rad]: 0 where they do not differ from it by more than their errors, as
-    /// at the start where the shape does not show them.
+    /// Roll, pitch and yaw [rad]: 0 if they do not differ from 0 by more than their errors, the
+    /// initial value if the shape does not determine them.
     pub rotation: [f64; 3],
 }
 
-/// Unknowns of the registration: roll, pitch and yaw of the runner in the scan, and its middle's x
-/// and y.
+/// Number of unknowns of the registration: roll, pitch and yaw of the runner in the scan, and x and
+/// y of its middle.
 const UNKNOWNS: usize = 5;
 type Unknowns = SVector<f64, UNKNOWNS>;
 const ROLL: usize = 0;
@@ -85,34 +84,34 @@ const PITCH: usize = 1;
 const YAW: usize = 2;
 const X: usize = 3;
 const Y: usize = 4;
-/// The unknowns that the mirror images show: of the x-z plane (left and right), and of the y-z
-/// plane (front and rear).
+/// The unknowns that each mirror image determines: in the x-z plane (left and right), and in the
+/// y-z plane (front and rear).
 const SHOWN: [[usize; 3]; 2] = [[ROLL, YAW, Y], [PITCH, YAW, X]];
 
 impl Orientation {
-    /// Finds the rotation of `hull`, in metres, whose vertices carry `noise` [m]; x points forward
-    /// and z up once it is turned by roughly `start`: roll, pitch and yaw [rad].
+    /// Estimates the rotation of `hull`, in metres, whose vertices have the `noise` [m]. `start` is
+    /// an approximate roll, pitch and yaw [rad] after which x points forward and z up.
     ///
-    /// A runner's underside equals its image in the x-z plane, and most equal that in the y-z
-    /// plane. The surface fitted to the vertices is registered with both images of the vertices by
-    /// least squares of the distance along the normal; the middle between the hull's ends is one
-    /// more equation, since a rocker of constant radius is the same at every pitch. Where an image
-    /// differs by more than 2 per cent of the heights' standard deviation it shows nothing; yaw
-    /// then follows from the lowest line. Errors are those of a jackknife over ten parts of the
-    /// length (B. Efron, The Jackknife, 1982), times Student's t; where the shape does not show
-    /// roll, those of yaw and pitch contain that an unknown roll turns one into the other.
+    /// A runner's underside equals its image in the x-z plane, and most also equal their image in
+    /// the y-z plane. The surface fitted to the vertices is registered with both images of the
+    /// vertices by least squares of the distance along the normal. The middle between the hull's
+    /// ends is one more equation, since a rocker of constant radius is the same at every pitch. An
+    /// image that differs by more than 2 per cent of the heights' standard deviation is not used;
+    /// yaw then follows from the lowest line. Errors are those of a jackknife over ten parts of the
+    /// length (B. Efron, The Jackknife, 1982), times Student's t. If the shape does not determine
+    /// roll, the errors of yaw and pitch include the effect of an unknown roll.
     ///
     /// # Errors
     /// As [`FittedUnderside::new`].
     pub fn of(hull: &Hull, noise: f64, start: [f64; 3]) -> Result<Self, MeshError> {
         let [roll, pitch, yaw] = start;
         let first = Rotation3::from_euler_angles(roll, pitch, yaw);
-        let keel = keel_yaw(&hull.carried(rows(&first)).positions);
+        let keel = keel_yaw(&hull.transformed(rows(&first)).positions);
         let along = -keel.map_or(0.0, |keel| keel.value);
         let mut rotation = Rotation3::from_euler_angles(0.0, 0.0, along) * first;
         let mut found = Registration::default();
         for _ in 0..ROUNDS {
-            found = Registration::of(&Downward::of(&hull.carried(rows(&rotation)))?, noise)?;
+            found = Registration::of(&Downward::of(&hull.transformed(rows(&rotation)))?, noise)?;
             let [roll, pitch, yaw] = [ROLL, PITCH, YAW].map(|unknown| {
                 let known = found.errors[unknown].is_some_and(|error| error < UNKNOWN);
                 if known { found.values[unknown] } else { 0.0 }
@@ -125,7 +124,7 @@ impl Orientation {
             (error < UNKNOWN).then_some(Estimate { value, error })
         };
         let roll = angle(ROLL, roll);
-        // A roll that is not shown turns yaw and pitch into each other.
+        // An unknown roll mixes yaw and pitch.
         let turned_by_roll = |found: Option<Estimate>, other: f64| {
             let mut found = found?;
             if roll.is_none() {
@@ -164,18 +163,18 @@ pub(crate) fn rows(rotation: &Rotation3<f64>) -> [[f64; 3]; 3] {
 }
 
 /// Direction of the line through the lowest vertices of the stations along x, seen from above;
-/// `None` where they form no line.
+/// `None` if they do not form a line.
 pub(crate) fn keel_yaw(points: &[[f64; 3]]) -> Option<Estimate> {
     let [low, high] = range(points.iter().map(|p| p[0]));
     let each = points.iter().map(|p| (*p, *p));
     let mut keel = lowest_of_stations(each, |x| (x - low) / (high - low));
     let mut line = None;
-    // A second time without those that are far off the first line.
+    // A second time without the vertices that are far off the first line.
     for _ in 0..2 {
         let places: Vec<[f64; 2]> = keel.iter().map(|p| [p[0], 0.0]).collect();
         let ys: Vec<f64> = keel.iter().map(|p| p[1]).collect();
         let fitted = fit(&places, &ys, &[[0, 0], [1, 0]])?;
-        // Coefficients count from the mean place.
+        // Coefficients are relative to the mean place.
         let mean = |axis: usize| keel.iter().map(|p| p[axis]).sum::<f64>() / keel.len() as f64;
         let (slope, at) = (fitted.coefficients[1], [mean(0), mean(1)]);
         line = Some(Estimate {
@@ -189,12 +188,12 @@ pub(crate) fn keel_yaw(points: &[[f64; 3]]) -> Option<Estimate> {
     line
 }
 
-/// What the registration of a hull with its mirror images gives.
+/// Result of the registration of a hull with its mirror images.
 #[derive(Clone, Copy, Default)]
 struct Registration {
-    /// Of the unknowns [rad] and [m].
+    /// Values of the unknowns [rad] and [m].
     values: Unknowns,
-    /// Their errors (95 %); `None` for what is not shown.
+    /// Their errors (95 %); `None` for unknowns that are not determined.
     errors: [Option<f64>; UNKNOWNS],
 }
 
@@ -214,7 +213,7 @@ struct Ends {
     error: f64,
 }
 
-/// A vertex' distance along the normal from its image, and what the unknowns change of it.
+/// Distance of a vertex along the normal from its image, and its derivatives by the unknowns.
 struct Row {
     part: usize,
     residual: f64,
@@ -224,7 +223,7 @@ struct Row {
 impl Registration {
     fn of(part: &Downward, noise: f64) -> Result<Self, MeshError> {
         let (surface, samples) = Surface::fit(part, noise, false)?;
-        let gentle = part.gentle().filter(|&n| part.cosines[n] > GENTLE);
+        let gentle = part.gentle().filter(|&n| part.cosines[n] > MIN_COSINE);
         let gentle: Vec<usize> = gentle.collect();
         let [x0, x1, ..] = surface.extent();
         let vertex = |&n: &usize| {
@@ -235,7 +234,7 @@ impl Registration {
                 part: ((out * PARTS as f64) as usize).min(PARTS - 1),
             }
         };
-        let stride = gentle.len().div_ceil(MOST).max(1);
+        let stride = gentle.len().div_ceil(MAX_VERTICES).max(1);
         let vertices: Vec<Vertex> = gentle.iter().step_by(stride).map(vertex).collect();
         let places: Vec<[f64; 3]> = gentle.iter().map(|&n| part.points[n]).collect();
         let Some(ends) = ends(&places) else {
@@ -252,7 +251,7 @@ impl Registration {
         if alike == [true; 2] {
             return Ok(both.unwrap_or_default().0);
         }
-        // An image that differs spoils the yaw of the other.
+        // An image that differs would falsify the yaw.
         let alone = |axis: usize| {
             let images = [axis == 0, axis == 1];
             let (found, scatter) = Self::of_images(&surface, &vertices, &ends, images)?;
@@ -261,7 +260,7 @@ impl Registration {
         Ok(alone(0).or_else(|| alone(1)).unwrap_or_default())
     }
 
-    /// Least squares over the chosen images; with the typical distance to each.
+    /// Least squares over the chosen images, with the typical distance to each image.
     fn of_images(
         surface: &Surface,
         vertices: &[Vertex],
@@ -280,7 +279,7 @@ impl Registration {
         let mut weight = 0.0;
         let mut scatter = [0.0; 2];
         let mut parts = [Equations::default(); PARTS + 1];
-        for _ in 0..STEPS {
+        for _ in 0..MAX_STEPS {
             parts = Default::default();
             let (mut square, mut count) = (0.0, 0.0);
             for axis in axes() {
@@ -306,7 +305,7 @@ impl Registration {
             let step = whole.solve(&whole.right)?;
             let largest = [ROLL, PITCH, YAW].map(|angle| step[angle].abs());
             let largest = largest.into_iter().fold(0.0, f64::max);
-            if largest > LARGEST_STEP {
+            if largest > MAX_STEP {
                 return None;
             }
             values -= step;
@@ -324,7 +323,7 @@ impl Registration {
         let off = estimates.iter().map(|estimate| estimate - mean);
         let squares = off.map(|off| off.component_mul(&off));
         let jackknife = squares.sum::<Unknowns>() * ((PARTS - 1) as f64 / PARTS as f64);
-        // The ends are in every estimate: their own error, carried over by the solution.
+        // The ends enter every estimate; their error is propagated through the solution.
         let from_ends = ends.error * Equations::sum(&parts, None).solve(&(weight * end))?;
         let mut errors = [None; UNKNOWNS];
         for unknown in shown() {
@@ -335,8 +334,8 @@ impl Registration {
     }
 }
 
-/// How far vertices may lie from their image in the plane across axis 1 (left and right, 0) or 0
-/// (front and rear, 1) [m].
+/// Largest distance of vertices from their image, of left and right (`axis` 0) or of front and rear
+/// (1) [m].
 fn allowed(vertices: &[Vertex], axis: usize, noise: f64) -> f64 {
     // Heights across, or along: about the means of places along, or all.
     let mut strips = vec![[0.0; 3]; if axis == 0 { PARTS } else { 1 }];
@@ -351,8 +350,8 @@ fn allowed(vertices: &[Vertex], axis: usize, noise: f64) -> f64 {
     ALIKE[0] * deviation + ALIKE[1] * noise
 }
 
-/// The plane that an image is in: left and right (0) or front and rear (1) of a runner that is
-/// turned and placed by the unknowns.
+/// Mirror plane of left and right (0) or of front and rear (1) of a runner that is rotated and
+/// placed by the unknowns.
 struct Mirror {
     axis: usize,
     runner: Rotation3<f64>,
@@ -371,7 +370,7 @@ impl Mirror {
         }
     }
 
-    /// The row of a vertex; `None` where there is no surface.
+    /// The row of a vertex; `None` if its image is outside the surface.
     fn row(&self, surface: &Surface, vertex: &Vertex) -> Option<Row> {
         let mut own = self.back * (vertex.at - self.middle);
         own[1 - self.axis] = -own[1 - self.axis];
@@ -387,7 +386,7 @@ impl Mirror {
         if !(distance.is_finite() && slopes.iter().all(|slope| slope.is_finite())) {
             return None;
         }
-        // What small changes of the unknowns move the image by, less its slide along the surface.
+        // Displacement of the image normal to the surface by small changes of the unknowns.
         let along = |[x, y, z]: [f64; 3]| vertex.cosine * (z - slopes[0] * x - slopes[1] * y);
         let [x, y, z] = from_middle.into();
         let mut derivatives = Unknowns::zeros();
@@ -408,7 +407,7 @@ impl Mirror {
     }
 }
 
-/// The middle between the ends of `places`, from strips across that hold equally many.
+/// The middle between the ends of `places`, from strips across with equally many places.
 fn ends(places: &[[f64; 3]]) -> Option<Ends> {
     let mut sorted = places.to_vec();
     sorted.sort_by(|a, b| a[1].total_cmp(&b[1]));
@@ -453,7 +452,7 @@ impl Equations {
         self.right += residual * weighted;
     }
 
-    /// All of them without one.
+    /// The sum of all parts, without one of them if given.
     fn sum(parts: &[Self], without: Option<usize>) -> Self {
         let parts = parts.iter().enumerate();
         let parts = parts.filter(|(part, _)| Some(*part) != without);
@@ -463,8 +462,8 @@ impl Equations {
         })
     }
 
-    /// The step of least squares, 0 for unknowns that are in no row; `None` where the rows do not
-    /// determine the others. Columns are scaled first: they are angles and lengths.
+    /// The least-squares step, 0 for unknowns that are in no row; `None` if the rows do not
+    /// determine the others. Columns are scaled first, as the unknowns are angles and lengths.
     fn solve(&self, right: &Unknowns) -> Option<Unknowns> {
         let diagonal = self.normal.diagonal();
         let scale = diagonal.map(|d| if d == 0.0 { 1.0 } else { 1.0 / d.sqrt() });

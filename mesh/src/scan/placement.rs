@@ -8,25 +8,25 @@ use crate::scan::frame::ScanFrame;
 use crate::scan::noise::{Noise, noise_of_hull};
 use crate::scan::orientation::{Orientation, rows};
 
-/// A scanned hull, turned into runner axes as far as its shape shows them.
+/// A scanned hull, rotated into runner axes as far as its shape determines them.
 #[derive(Clone, Debug)]
 pub struct PlacedScan {
     /// The hull, in metres.
     pub hull: Hull,
-    /// Its unit, axes and radii; its options carry the file into `hull`.
+    /// Its unit, axes and radii; its options transform the file's coordinates into `hull`.
     pub frame: ScanFrame,
     /// The noise of its vertices.
     pub noise: Noise,
-    /// Its rotation, where its underside could be compared with its images.
+    /// Its rotation; `None` if its underside could not be compared with its mirror images.
     pub orientation: Option<Orientation>,
 }
 
 impl PlacedScan {
-    /// Places `hull`, which is as its file has it: scale 1, x forward, z up.
+    /// Places `hull`, which is in the coordinates of its file: scale 1, x forward, z up.
     ///
-    /// The search begins at the file's axes. Where the shape shows not all three angles from there,
-    /// it begins again at the principal axes of the surface, and that is taken if it shows more.
-    /// `None` where no side is rounded along and across.
+    /// The search begins at the file's axes. If it does not determine all three angles, it is
+    /// repeated from the principal axes of the surface, and the result with more angles is used.
+    /// `None` if no side is rounded along and across.
     ///
     /// # Errors
     /// As [`ScanFrame::of`].
@@ -47,7 +47,7 @@ impl PlacedScan {
     /// The hull placed by a search that begins with this rotation.
     fn from_start(of_file: &Hull, start: Matrix3<f64>) -> Result<Option<Self>, MeshError> {
         let start = Rotation3::from_matrix_unchecked(start);
-        let turned = of_file.carried(rows(&start));
+        let turned = of_file.transformed(rows(&start));
         let Some(mut frame) = ScanFrame::of(&turned)? else {
             return Ok(None);
         };

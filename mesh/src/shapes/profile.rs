@@ -8,10 +8,10 @@ use crate::parameter::expect;
 
 /// A smooth curve `z(x)` through points: a cubic spline that keeps convex data convex.
 ///
-/// The slopes at the points are those of the not-a-knot cubic spline (C2, curvature to second
-/// order). Where that spline would bend against locally convex (or concave) points, the slope is
-/// replaced by that of the parabola through three neighbouring points and the piece becomes two
-/// parabolas that meet with the secant's slope (after Schumaker 1983, doi 10.1137/0720057); the
+/// The slopes at the points are those of the not-a-knot cubic spline (C2, curvature accurate to
+/// second order). Where that spline would not be convex (concave) although the points are, the
+/// slope is replaced by that of the parabola through three neighbouring points, and the piece by
+/// two parabolas that meet with the secant's slope (after Schumaker 1983, doi 10.1137/0720057). The
 /// curve is C1 there. Outside the points it continues straight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
@@ -156,8 +156,8 @@ impl Profile {
     }
 }
 
-/// Sign of the data's curvature over the points `from..=to` (ends have none of their own), 0 where
-/// it changes.
+/// Sign of the data's curvature over the points `from..=to` (the end points have no curvature), 0
+/// if it changes.
 fn bend(secants: &[f64], from: usize, to: usize) -> f64 {
     let (mut up, mut down) = (false, false);
     for i in from.max(1)..=to.min(secants.len() - 1) {
@@ -167,8 +167,8 @@ fn bend(secants: &[f64], from: usize, to: usize) -> f64 {
     f64::from(u8::from(up)) - f64::from(u8::from(down))
 }
 
-/// The not-a-knot spline's slopes, limited to those of the neighbouring secants where the data bend
-/// one way.
+/// The slopes of the not-a-knot spline, limited by the neighbouring secants where the sign of the
+/// data's curvature does not change.
 fn shape_keeping_slopes(steps: &[f64], secants: &[f64]) -> Vec<f64> {
     let mut slopes = spline_slopes(steps, secants);
     let n = secants.len();
@@ -225,15 +225,15 @@ fn spline_slopes(h: &[f64], d: &[f64]) -> Vec<f64> {
     right
 }
 
-/// Most bytes of a curve's file.
-const MOST_BYTES: u64 = 1 << 26;
+/// Largest size of a curve's file [bytes].
+const MAX_BYTES: u64 = 1 << 26;
 
-/// Reads the columns of these names of a CSV file, a point a row [m].
+/// Reads two columns of a CSV file by their names, one point per row [m].
 ///
 /// # Errors
 /// [`MeshError::File`] with the row, the column and the text found.
 pub fn load_points(path: &Path, columns: [&str; 2]) -> Result<Vec<[f64; 2]>, MeshError> {
-    let bytes = read_file(path, MOST_BYTES)?;
+    let bytes = read_file(path, MAX_BYTES)?;
     read_columns(&bytes[..], columns).map_err(|error| error.in_file(path))
 }
 

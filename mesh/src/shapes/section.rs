@@ -33,7 +33,8 @@ pub enum Section {
         new: Box<Section>,
         /// Depth that is worn away at the lowest point [m].
         depth: f64,
-        /// How round the flat's edges are: on an arc their radius over the arc's, 0 for sharp.
+        /// Roundness of the flat's edges: on an arc the ratio of their radius to the arc's; 0 for
+        /// sharp edges.
         edge: f64,
     },
 }
@@ -46,7 +47,7 @@ impl Section {
     pub fn arc(radius: f64, width: f64) -> Result<Self, MeshError> {
         positive("section radius [m]", radius)?;
         positive_finite("width [m]", width)?;
-        // A width of two radii is a half circle whatever the rounding of its two decimals.
+        // Rounding of the decimal numbers must not exclude a half circle.
         let fits = width <= 2.0 * radius * (1.0 + 1e-12);
         expect(fits, "width [m]", width, "at most two section radii")?;
         Ok(Self::Arc { radius, width })
@@ -82,8 +83,8 @@ impl Section {
     /// edges with `edge` times the section's own radius.
     ///
     /// On an arc of radius R the flat is 2 sqrt(2 R depth) wide and meets the flanks at the slope
-    /// sqrt(2 depth / R); a sharp edge (0) presses without limit, as the logarithm of the distance
-    /// from it.
+    /// sqrt(2 depth / R). At a sharp edge (0) the pressure is singular, with the logarithm of the
+    /// distance from the edge.
     ///
     /// # Errors
     /// [`MeshError::Value`] where the depth is negative or takes the whole section, or `edge`
@@ -137,7 +138,7 @@ impl Section {
         }
     }
 
-    /// Positions between which a measured section is smooth [m]; none of one given by a formula.
+    /// Positions between which a measured section is smooth [m]; empty for one given by a formula.
     pub(crate) fn breaks(&self) -> &[f64] {
         match self {
             Self::Arc { .. } | Self::Edge { .. } => &[],
@@ -157,7 +158,8 @@ impl Section {
     }
 }
 
-/// Height of a circle of `radius` over its lowest point, at `y`, at most `radius` to rounding.
+/// Height of a circle of `radius` over its lowest point, at `y`; |y| may exceed `radius` by
+/// rounding.
 fn arc_height(radius: f64, y: f64) -> f64 {
     if radius.is_infinite() {
         return 0.0;
@@ -216,7 +218,7 @@ impl Rocker {
         }
     }
 
-    /// Positions between which a measured rocker is smooth [m]; none of an arc.
+    /// Positions between which a measured rocker is smooth [m]; empty for an arc.
     pub(crate) fn breaks(&self) -> &[f64] {
         match self {
             Self::Arc { .. } => &[],

@@ -33,7 +33,7 @@ pub struct Swept {
 
 /// Radius of the rounded ends [m].
 const END_RADIUS: f64 = 0.1;
-/// Even lines along and across where the other of rocker and section is measured.
+/// Numbers of equidistant lines along and across, where the rocker or the section is not measured.
 const EVEN: [usize; 2] = [400, 60];
 
 impl Swept {
@@ -61,7 +61,7 @@ impl Swept {
             needed = half - ends.length;
         }
         let [from, to] = rocker.range();
-        // Positions that are decimals of the length may round either way.
+        // Decimal positions of the rocker's ends may be rounded either way.
         let needed = needed * (1.0 - 1e-12);
         let spans = from <= -needed && to >= needed;
         expect(spans, "length [m]", length, "a rocker that spans it")?;
@@ -105,8 +105,8 @@ impl Swept {
         lows([xs, ys], |i, j| keel[i] + section[j])
     }
 
-    /// The same with ends of a radius of 0.1 m that rise by half the distance between the
-    /// underside's corners and the top, or less where the runner is too short for that.
+    /// [`Swept::new`] with ends of a radius of 0.1 m that rise by half the distance between the
+    /// underside's corners and the top, or less where the runner is too short.
     ///
     /// # Errors
     /// As [`Swept::new`].
@@ -118,7 +118,7 @@ impl Swept {
     ) -> Result<Self, MeshError> {
         let sides = section.rise();
         let [keel, slope] = rocker.height_and_slope(0.5 * length);
-        // A runner with no room for ends is refused by `new`, which names why.
+        // `new` refuses a runner without room for ends, with the reason.
         let rise = (0.5 * (top - sides - keel)).clamp(1e-3 * END_RADIUS, 0.5 * END_RADIUS);
         // The ends meet at the middle at most, and stay less than upright.
         let steepest = 0.99 - slope.abs() / slope.hypot(1.0);
@@ -135,7 +135,7 @@ impl Swept {
         &self.section
     }
 
-    /// The ends' shape; none where the runner is cut off.
+    /// The ends' shape; `None` if the runner is cut off.
     pub fn ends(&self) -> Option<Ends> {
         self.ends
     }
@@ -203,7 +203,7 @@ impl Underside for Swept {
 
 /// A bobsled runner: a rocker arc, a circular section across, ends that turn up.
 ///
-/// The ends' arcs rise by about half of what lies between the underside's corners and the top.
+/// The ends' arcs rise by about half the distance between the underside's corners and the top.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BobRunner {
     /// Length along x [m].
@@ -235,7 +235,7 @@ impl BobRunner {
     /// The runner as a swept surface.
     ///
     /// # Errors
-    /// [`MeshError::Value`] where the numbers make no runner.
+    /// As [`Swept::new`].
     pub fn swept(&self) -> Result<Swept, MeshError> {
         let section = Section::arc(self.section_radius, self.width)?;
         let rocker = Rocker::arc(self.rocker_radius)?;
@@ -254,8 +254,8 @@ pub struct LugeSteel {
     pub rocker_radius: f64,
     /// Radius of the edge [m].
     pub edge_radius: f64,
-    /// Angle of the flat underside to the ice [rad]. At 0 the whole flat touches while the origin
-    /// stays at the edge.
+    /// Angle of the flat underside to the ice [rad]. At 0 the whole flat is in contact, but the
+    /// origin is at the edge.
     pub tilt: f64,
     /// Width [m].
     pub width: f64,
@@ -281,7 +281,7 @@ impl LugeSteel {
     /// The steel as a swept surface.
     ///
     /// # Errors
-    /// [`MeshError::Value`] where the numbers make no steel.
+    /// As [`Swept::new`].
     pub fn swept(&self) -> Result<Swept, MeshError> {
         let section = Section::edge(self.edge_radius, self.tilt, self.width)?;
         let rocker = Rocker::arc(self.rocker_radius)?;

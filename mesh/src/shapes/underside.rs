@@ -20,18 +20,18 @@ pub trait Underside: Send + Sync {
     /// Whether the height is even in x and even in y, to rounding.
     fn mirror_symmetric(&self) -> [bool; 2];
 
-    /// Places (x, y) [m] where a surface through measured points is below its surroundings, along x
-    /// or across: a burr may lie between any even lines. None of one given by a formula.
+    /// Local minima (x, y) [m], along x or across, of a surface through measured points, so that a
+    /// burr between equidistant lines is not missed. Empty for a surface given by a formula.
     fn lows(&self) -> &[[f64; 2]] {
         &[]
     }
 }
 
-/// Most places that are returned: the lowest of a surface that is rough everywhere.
-const MOST: usize = 20_000;
+/// Largest number of minima that are returned, the lowest ones.
+const MAX_LOWS: usize = 20_000;
 
-/// Where heights on lines of x and of y are below the adjacent ones, along x or along y: a burr's
-/// whole length, and every keel's. The lowest first.
+/// Points of a grid whose heights are below the adjacent ones along x or along y, the lowest first:
+/// a burr over its whole length, and every keel.
 pub(crate) fn lows([xs, ys]: [&[f64]; 2], height: impl Fn(usize, usize) -> f64) -> Vec<[f64; 2]> {
     let (nx, ny) = (xs.len(), ys.len());
     let heights: Vec<f64> = (0..nx * ny).map(|k| height(k % nx, k / nx)).collect();
@@ -45,7 +45,7 @@ pub(crate) fn lows([xs, ys]: [&[f64]; 2], height: impl Fn(usize, usize) -> f64) 
     };
     let mut found: Vec<usize> = (0..nx * ny).filter(low).collect();
     found.sort_by(|&a, &b| heights[a].total_cmp(&heights[b]));
-    found.truncate(MOST);
+    found.truncate(MAX_LOWS);
     found.iter().map(|k| [xs[k % nx], ys[k / nx]]).collect()
 }
 

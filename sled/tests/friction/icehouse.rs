@@ -316,7 +316,7 @@ fn glides_in_kilometres_an_hour_or_pushed_or_listed_twice_are_refused() {
     );
     let reported = read_glide("run.csv", kmh.as_bytes()).expect_err("refused");
     let reported = reported.to_string();
-    for part in ["run.csv", "row 2", "v_mps", "m/s", "3.60 times", "km/h"] {
+    for part in ["run.csv", "row 2", "v_mps", "m/s", "ratio 3.60", "km/h"] {
         assert!(reported.contains(part), "{reported}");
     }
     // Downhill by more than the ice takes.
