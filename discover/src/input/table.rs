@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::error::Error;
 
 /// Largest table [bytes]: some 500,000 rows.
-const MOST_BYTES: u64 = 1 << 25;
+const MAX_BYTES: u64 = 1 << 25;
 
 /// A CSV table as text.
 #[derive(Clone, Debug)]
@@ -22,7 +22,7 @@ impl Table {
     /// [`Error::File`] if it cannot be read or is ragged.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let refused = |reason: &dyn std::fmt::Display| Error::file(path, reason);
-        let text = kufe_files::text_of_regular(path, MOST_BYTES).map_err(|e| refused(&e))?;
+        let text = kufe_files::text_of_regular(path, MAX_BYTES).map_err(|e| refused(&e))?;
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .from_reader(text.as_bytes());

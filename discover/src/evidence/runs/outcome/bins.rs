@@ -6,7 +6,7 @@ use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::finding::{BIN_SHOWN, BINS_SHOWN, Bin};
+use crate::finding::{Bin, MAX_BIN_P_VALUE, MAX_BINS};
 use crate::null::sign_flips::{MaxT, statistics};
 
 /// A column of a run.
@@ -121,7 +121,7 @@ pub fn significant_bins(
                 .map(|s| s.0 / s.1)
                 .collect();
             let n = means.len() as f64;
-            if p_value > BIN_SHOWN || n < 2.0 {
+            if p_value > MAX_BIN_P_VALUE || n < 2.0 {
                 return None;
             }
             let mean = means.iter().sum::<f64>() / n;
@@ -143,8 +143,5 @@ pub fn significant_bins(
         })
         .collect();
     out.sort_by(|a, b| b.0.total_cmp(&a.0));
-    out.into_iter()
-        .map(|(_, bin)| bin)
-        .take(BINS_SHOWN)
-        .collect()
+    out.into_iter().map(|(_, bin)| bin).take(MAX_BINS).collect()
 }

@@ -209,7 +209,7 @@ impl Campaign<'_> {
         Some(Decrease {
             by: decrease.by + observed,
             error: decrease.error.hypot(EVIDENCE_UNDER_NOISE),
-            weighed: Some([observed, EVIDENCE_UNDER_NOISE]),
+            weighted: Some([observed, EVIDENCE_UNDER_NOISE]),
             contact_evidence: Some([observed, EVIDENCE_UNDER_NOISE]),
             ..decrease
         })
