@@ -40,7 +40,8 @@ pub(crate) fn held_out<'a>(
 /// A bin of the values of a column between two ends, with the mean of its residuals.
 ///
 /// `as_one` neighbouring residuals are correlated and count as one value. The p-value is that of
-/// Student's t with `freedom` degrees of freedom. `None` if the degrees of freedom are not positive.
+/// Student's t with `freedom` degrees of freedom. `None` if the degrees of freedom are not
+/// positive.
 pub(crate) fn bin(
     (channel, unit): (&str, &str),
     column: &str,

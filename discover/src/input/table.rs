@@ -82,7 +82,7 @@ impl Table {
             .collect()
     }
 
-    /// The same of a column that may be absent: it then has this value in all rows.
+    /// Numbers of a column that may be absent: it then has this value in all rows.
     ///
     /// # Errors
     /// [`Error::Cell`].

@@ -82,7 +82,8 @@ impl<'a> Joint<'a> {
     }
 
     /// Evaluates `result` for one kind of data, with an account of the `steps` that the kind takes
-    /// part in. Returns the result and these steps. The account's remarks are added to the campaign's.
+    /// part in. Returns the result and these steps. The account's remarks are added to the
+    /// campaign's.
     pub fn of_kind<T>(
         &mut self,
         kind: usize,

@@ -1,11 +1,12 @@
 //! Joint screen of all kinds of data.
 //!
 //! Each member of the class of a selected effect is evaluated in every other kind that knows it.
-//! That kind adds `t^2 - d^2` to the member's evidence (twice a log-likelihood ratio), with t the ratio
-//! of the size in that kind to its standard error, and d the ratio of the difference of the two sizes
-//! to the standard error of the difference. Members whose evidence is below the best by more than the square of the needed t are excluded.
-//! If no kind selects anything alone, p-values of the same effect are combined. Each is corrected
-//! for all candidates of its kind of data, so that the combination is corrected for all, too.
+//! That kind adds `t^2 - d^2` to the member's evidence (twice a log-likelihood ratio), with t the
+//! ratio of the size in that kind to its standard error, and d the ratio of the difference of the
+//! two sizes to the standard error of the difference. Members whose evidence is below the best by
+//! more than the square of the needed t are excluded. If no kind selects anything alone, p-values
+//! of the same effect are combined. Each is corrected for all candidates of its kind of data, so
+//! that the combination is corrected for all, too.
 
 use crate::error::Error;
 use crate::finding::Rival;
@@ -217,8 +218,8 @@ impl Joint<'_> {
     }
 }
 
-/// The rivals of a member that is named instead of the kind's own selection. The selection takes the
-/// member's place among them.
+/// The rivals of a member that is named instead of the kind's own selection. The selection takes
+/// the member's place among them.
 fn rivals_of_member(selection: &Selection<usize>, named: &str) -> Vec<Rival> {
     let mut rivals = selection.rivals.clone();
     let t = selection.size / selection.error.max(1e-300);

@@ -40,16 +40,16 @@ impl MaxT {
         Self { maxima }
     }
 
-    /// Flips the sign of whole runs: under the null hypothesis the distribution of a run's scores is
-    /// symmetric, whatever the correlation within the run. Westfall and Young's single-step max-T
-    /// over the rows of `u` (candidates by runs).
+    /// Flips the sign of whole runs: under the null hypothesis the distribution of a run's scores
+    /// is symmetric, whatever the correlation within the run. Westfall and Young's single-step
+    /// max-T over the rows of `u` (candidates by runs).
     pub fn by_sign_flips(u: &DMatrix<f64>, flips: usize, seed: u64) -> Self {
         let norms: Vec<f64> = (0..u.nrows()).map(|c| u.row(c).norm()).collect();
         Self::with_norms(u, &norms, &DMatrix::zeros(u.nrows(), 0), flips, seed)
     }
 
-    /// Sign-flips of sums of scores divided by given norms, which must not depend on the signs; rows
-    /// of norm 0 are excluded.
+    /// Sign-flips of sums of scores divided by given norms, which must not depend on the signs;
+    /// rows of norm 0 are excluded.
     ///
     /// Random effects common to all runs are drawn with the signs; `common` (candidates by random
     /// effects) is the derivative of the sums by a standard deviation of each.

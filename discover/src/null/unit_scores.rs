@@ -8,10 +8,10 @@
 //! t*    = (sum w_i u_i + z) / sqrt(n/(n - 1) sum (w_i u_i - size* I_i)^2 + V),   z ~ N(0, V)
 //! ```
 //!
-//! The observed t has all w = 1 and the fitted random effects as z. The null hypothesis is imposed on
-//! the scores, but the scatter of every draw is taken about the draw's estimate size*. If it were
-//! taken about 0, an effect in all units would contribute to its own scatter, and |t| could not
-//! exceed sqrt(n). Weights of runs are random signs, exact if scores are symmetric. Weights of
+//! The observed t has all w = 1 and the fitted random effects as z. The null hypothesis is imposed
+//! on the scores, but the scatter of every draw is taken about the draw's estimate size*. If it
+//! were taken about 0, an effect in all units would contribute to its own scatter, and |t| could
+//! not exceed sqrt(n). Weights of runs are random signs, exact if scores are symmetric. Weights of
 //! sessions are Webb's six values (wild cluster bootstrap), which give more distinct draws if there
 //! are few sessions.
 //!
@@ -76,8 +76,8 @@ impl UnitScores {
         self.shared.push(from.shared[candidate]);
     }
 
-    /// Scores with sessions as units: sums over the runs of each session; `None` with fewer than two
-    /// sessions.
+    /// Scores with sessions as units: sums over the runs of each session; `None` with fewer than
+    /// two sessions.
     ///
     /// `sessions`: number of each run's session.
     pub fn by_sessions(&self, sessions: &[usize]) -> Option<Self> {

@@ -15,11 +15,11 @@ pub struct ClosedGap<'a> {
 }
 
 impl ClosedGap<'_> {
-    /// Closed share `1 - |f . r_after| / (f . r_before)` with its 95 % interval. The magnitude counts
-    /// a change that is too large like one that is too small.
+    /// Closed share `1 - |f . r_after| / (f . r_before)` with its 95 % interval. The magnitude
+    /// counts a change that is too large like one that is too small.
     ///
-    /// The interval includes the noise on these rows and the noise of the fit; it is -1 to 1 if
-    /// `f . r_before` does not exceed the noise. f is independent of the noise of rows that were not
+    /// The interval includes the noise on these rows and the noise of the fit; it is -1 to 1 if `f
+    /// . r_before` does not exceed the noise. f is independent of the noise of rows that were not
     /// fitted, so that r_before needs no correction. The variance of the noise is subtracted from
     /// `(f . r_after)^2` in the value, not in the interval.
     pub fn closed(&self) -> Interval {

@@ -65,8 +65,8 @@ pub trait Evidence {
         account: &mut Account,
     ) -> Result<HeldOutResults, Error>;
 
-    /// The model to write: the first of these that is no worse than the model as given on data it was
-    /// not fitted to: the fit with all or some effects, the refitted base, the model as given.
+    /// The model to write: the first of these that is no worse than the model as given on data it
+    /// was not fitted to: the fit with all or some effects, the refitted base, the model as given.
     fn choose(
         &mut self,
         refitted: &Self::Fit,
@@ -124,11 +124,11 @@ pub struct Dependence {
 }
 
 impl Account {
-    /// An installation error within its tolerance; `None` if its interval contains 0 or if it exceeds
-    /// the tolerance, which adds a remark.
+    /// An installation error within its tolerance; `None` if its interval contains 0 or if it
+    /// exceeds the tolerance, which adds a remark.
     ///
-    /// `size`, its standard `error` and the standard deviation `sd` of the tolerance; `quantile`: half
-    /// width of an interval in standard errors.
+    /// `size`, its standard `error` and the standard deviation `sd` of the tolerance; `quantile`:
+    /// half width of an interval in standard errors.
     pub fn tolerated(
         &mut self,
         what: String,

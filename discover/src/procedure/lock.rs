@@ -60,12 +60,12 @@ pub struct Place<'a> {
 impl LockRules {
     /// Held-out runs.
     ///
-    /// 1. With at least three tracks: the track with the fewest runs, if it has at most a quarter of
-    ///    them (effects peculiar to a held-out track could not be found).
+    /// 1. With at least three tracks: the track with the fewest runs, if it has at most a quarter
+    ///    of them (effects peculiar to a held-out track could not be found).
     /// 2. With at least six sessions: the whole middle session.
-    /// 3. Single runs of sessions of at least three runs, at most half of a session: as many as there
-    ///    are such sessions among every second one, or more up to a quarter of all runs while eleven
-    ///    training runs remain.
+    /// 3. Single runs of sessions of at least three runs, at most half of a session: as many as
+    ///    there are such sessions among every second one, or more up to a quarter of all runs while
+    ///    eleven training runs remain.
     ///
     /// Each single run is of the track and driver with the smallest held-out share, so that all are
     /// both learned and tested. Ties go to the last run of every second session.

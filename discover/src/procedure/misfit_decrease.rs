@@ -84,9 +84,9 @@ impl Decrease {
         }
     }
 
-    /// This decrease by one step, with the repeatable part of the whole comparison `all`: the largest
-    /// of the repeatable misfits and of the decrease by all steps, of which `before` is due to the
-    /// other steps. A decrease on held-out data is repeatable whether runs are alike or not.
+    /// This decrease by one step, with the repeatable part of the whole comparison `all`: the
+    /// largest of the repeatable misfits and of the decrease by all steps, of which `before` is due
+    /// to the other steps. A decrease on held-out data is repeatable whether runs are alike or not.
     pub fn with_repeatable_part_of(self, all: &Decrease, before: f64) -> Self {
         Self {
             repeats: self.repeats.max(all.repeats).max(before + self.by),
@@ -96,8 +96,8 @@ impl Decrease {
 
     /// Whether the decrease is accepted: significant, and a material share of the repeatable misfit.
     ///
-    /// If it is clearly significant with weighted channels, the unweighted decrease may be within its
-    /// scatter of 0. The evidence of contacts must exceed its bound under noise.
+    /// If it is clearly significant with weighted channels, the unweighted decrease may be within
+    /// its scatter of 0. The evidence of contacts must exceed its bound under noise.
     pub fn is_accepted(&self, rules: &SearchRules) -> bool {
         let clear = self
             .weighted
@@ -151,8 +151,8 @@ impl Decrease {
 }
 
 /// Weight of each channel: the ratio of its mean decrease to its variance between pieces of data,
-/// which maximises the significance of the sum; 0 without a decrease. All 1 for too few pieces and if
-/// no channel decreases.
+/// which maximises the significance of the sum; 0 without a decrease. All 1 for too few pieces and
+/// if no channel decreases.
 fn weights<const C: usize>(training: &[[f64; C]]) -> [f64; C] {
     const MIN_PIECES: usize = 4;
     let n = training.len() as f64;

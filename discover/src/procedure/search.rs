@@ -167,8 +167,8 @@ pub fn search_evidence<E: Evidence>(
     })
 }
 
-/// A quick search: the first screen after the fit of the base. The selected effect is neither fitted
-/// nor compared on held-out data.
+/// A quick search: the first screen after the fit of the base. The selected effect is neither
+/// fitted nor compared on held-out data.
 fn quick_search<E: Evidence>(
     evidence: &mut E,
     base: E::Fit,

@@ -41,8 +41,8 @@ impl Prior {
         let Some(smooth) = smooth.into_owned().cholesky().filter(|_| self.smooth > 0) else {
             return ridge_inverse(products);
         };
-        // Block inverse: with A, C and S the blocks of the other and the smooth parameters, the first
-        // block of the inverse is the inverse of the Schur complement A - C inv(S) C'.
+        // Block inverse: with A, C and S the blocks of the other and the smooth parameters, the
+        // first block of the inverse is the inverse of the Schur complement A - C inv(S) C'.
         let (smooth, cross) = (
             smooth.inverse(),
             products.view((0, first), (first, self.smooth)),

@@ -1,19 +1,19 @@
 //! Scores of each candidate, run by run, after a refit of the base.
 //!
-//! With J the columns of the base, c the column of a candidate and r the residual (all whitened, with
-//! each run's levels projected out), and products summed over runs i:
+//! With J the columns of the base, c the column of a candidate and r the residual (all whitened,
+//! with each run's levels projected out), and products summed over runs i:
 //!
 //! ```text
 //! c' = c - J (J'J)^-1 J'c        r' = r - J (J'J)^-1 J'r        U_i = c'_i . r'_i        I_i = c'_i . c'_i
 //! ```
 //!
-//! (sum U) / (sum I) estimates the candidate's size, (sum U)^2 / (sum I) is its gain, and
-//! T = (sum U) / sqrt(sum U^2) the test statistic.
+//! (sum U) / (sum I) estimates the candidate's size, (sum U)^2 / (sum I) is its gain, and T = (sum
+//! U) / sqrt(sum U^2) the test statistic.
 //!
 //! If J contains random effects with a prior precision P, c' = c - J B with B = (J'J + P)^-1 J'c.
-//! The sums are then those of generalised least squares: B'P a, with a the fitted random effects, is
-//! added to sum U, and B'P B to sum I. The latter is also the variance of sum U due to the random
-//! effects, which are common to all runs.
+//! The sums are then those of generalised least squares: B'P a, with a the fitted random effects,
+//! is added to sum U, and B'P B to sum I. The latter is also the variance of sum U due to the
+//! random effects, which are common to all runs.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -185,12 +185,10 @@ mod tests {
         let r = stacked.column(m - 2) - &hat * stacked.column(m - 2);
         for c in 0..q {
             let column = stacked.column(base + c);
-            let remaining_share = column - &hat * column;
+            let projected = column - &hat * column;
             for i in 0..runs {
-                let u: f64 = (0..30)
-                    .map(|k| remaining_share[30 * i + k] * r[30 * i + k])
-                    .sum();
-                let info: f64 = (0..30).map(|k| remaining_share[30 * i + k].powi(2)).sum();
+                let u: f64 = (0..30).map(|k| projected[30 * i + k] * r[30 * i + k]).sum();
+                let info: f64 = (0..30).map(|k| projected[30 * i + k].powi(2)).sum();
                 assert!((u - scores.u[(c, i)]).abs() < 1e-9);
                 assert!((info - scores.information[(c, i)]).abs() < 1e-9);
             }

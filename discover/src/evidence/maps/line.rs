@@ -10,8 +10,9 @@ use crate::evidence::maps::sized::SizedEffects;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::closed::change;
 
-/// Relative change of the maps by a first step.
+/// Relative change of the maps at which the first step aims.
 const CHANGE: f64 = 0.04;
+/// Range of the relative change in which a first step is accepted.
 const CHANGES: std::ops::RangeInclusive<f64> = 0.008..=0.12;
 /// Trials without a gain after which a search ends.
 const FAILURES: usize = 3;
@@ -176,12 +177,12 @@ impl LineSearch {
         }
         let known = |p: &Point| (p.u - to).abs() < 0.01 * by.abs();
         if self.points.iter().any(known) {
-            // That point is known and no better: halves the step.
+            // The point was evaluated and is not better: halves the step.
             to = here + 0.5 * (to - here);
         }
         let before = self.chi2();
         if self.eval(simulations, active, to).is_none() {
-            // That point cannot be solved: bounds the search at half the step.
+            // The point cannot be solved: bounds the search at half the step.
             let end = if to > here {
                 &mut self.high
             } else {

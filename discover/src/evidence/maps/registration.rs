@@ -25,17 +25,17 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::evidence::maps::sample::{FilmPosition, SolvedPressure, centre, place};
 
-/// Trials of Gauss-Newton.
-const TRIALS: usize = 30;
-/// Predicted decrease of the sum of squares, in independent values, below which it ends.
-const CONVERGED: f64 = 1e-4;
+/// Largest number of trial steps of Gauss-Newton.
+const MAX_TRIALS: usize = 30;
+/// Predicted decrease of the sum of squares, in independent values, below which the iteration ends.
+const TOLERANCE: f64 = 1e-4;
 
 /// Standard deviations of a film's position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmTolerance {
-    /// Of the shift in each direction [m].
+    /// Standard deviation of the shift in each direction [m].
     pub shift: f64,
-    /// Of the rotation [rad].
+    /// Standard deviation of the rotation [rad].
     pub rotation: f64,
 }
 
@@ -80,8 +80,8 @@ pub struct Film<'a> {
 impl Film<'_> {
     /// Registers `solved`, as the sensor reads it, to the measured map.
     ///
-    /// Starts from the best of three positions: none, the shift that makes the centres agree, and
-    /// with it the rotation that makes the principal axes agree.
+    /// Starts from the best of three positions: no shift, the shift that makes the centres agree,
+    /// and this shift with the rotation that makes the principal axes agree.
     pub fn register(&self, solved: &SolvedPressure, sense: &dyn Fn(&mut Map)) -> Registered {
         let at = |z: Vector3<f64>| {
             let mut map = solved.on(self.measured, &self.tolerance.position(&z));
@@ -94,10 +94,10 @@ impl Film<'_> {
             .expect("three positions");
         let (mut normal, mut gradient) = self.derivatives(&here.2, &here.1);
         let mut damping = 0.0;
-        for _ in 0..TRIALS {
+        for _ in 0..MAX_TRIALS {
             let damped = normal + Matrix3::from_diagonal(&(normal.diagonal() * damping));
             let step = inverse(&damped) * gradient;
-            if step.dot(&gradient) < CONVERGED {
+            if step.dot(&gradient) < TOLERANCE {
                 break;
             }
             let there = at(here.1 + step);

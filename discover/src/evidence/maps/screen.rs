@@ -11,10 +11,10 @@ use crate::finding::Detectable;
 use crate::options::Options;
 use crate::procedure::rules::Rules;
 
-/// Line searches that are continued at a time.
-const FOLLOWED: usize = 4;
-/// Rounds of continued searches.
-const ROUNDS: usize = 10;
+/// Number of line searches that are continued at a time.
+const MAX_CONTINUED: usize = 4;
+/// Largest number of rounds of continued searches.
+const MAX_ROUNDS: usize = 10;
 
 /// First steps by effect's name, stored from screen to screen.
 pub type Steps = BTreeMap<&'static str, f64>;
@@ -52,12 +52,12 @@ pub fn screen_maps(
             lines.push(line);
         }
     }
-    for round in 0..ROUNDS {
+    for round in 0..MAX_ROUNDS {
         lines.sort_by(|a, b| a.predicted_chi2().total_cmp(&b.predicted_chi2()));
         let mut moved = false;
         for (place, line) in lines.iter_mut().enumerate() {
             let growth = line.candidate.act.search.growth;
-            let near = place < FOLLOWED || round < 2;
+            let near = place < MAX_CONTINUED || round < 2;
             let promising = chi2 - line.predicted_chi2() >= options.rules.maps.least_drop && near;
             let nonlinear = matches!(growth, Growth::Bent | Growth::Far) && round < 3;
             if !line.settled && (promising || nonlinear) {

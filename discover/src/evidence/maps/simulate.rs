@@ -16,8 +16,8 @@ use crate::evidence::maps::sample::SolvedPressure;
 use crate::evidence::maps::sized::SizedEffects;
 use crate::procedure::rules::MapRules;
 
-/// Standard deviations of its noise above which a pixel is in contact, wherever the simulation has
-/// none: none of a million by chance.
+/// Measured pressure, in standard deviations of its noise, above which a pixel counts as in contact
+/// although the simulation has no contact there: less than one of a million by chance.
 const ABOVE_NOISE: f64 = 5.0;
 
 /// Solution of a row before the sensor: the pressure of a row with a map, or the peak alone.
@@ -45,8 +45,8 @@ pub struct Misfit {
     pub chi2: f64,
     /// chi2 of each row.
     pub by_row: Vec<f64>,
-    /// Its part at the pixels in contact, simulated or measured. Around them is noise alone, on as
-    /// many pixels as the film is large.
+    /// Part of chi2 at the pixels in contact, simulated or measured. The pixels around them contain
+    /// noise alone, and their number depends on the size of the film.
     pub in_contact: f64,
     /// Number of independent values in contact.
     pub count: f64,
@@ -82,11 +82,11 @@ impl<'a> Simulations<'a> {
     /// Solves each row on two meshes; their difference is the discretisation error of every later
     /// comparison.
     ///
-    /// Errors fall at least as the first power of the cell near the rim. With n cells on the coarse
-    /// mesh and m on the fine one, the error of the fine solution is `|difference| / (m / n - 1)`.
-    /// The largest difference within a cell counts, since the two may agree at a pixel by chance
-    /// where a rim lies between two nodes. Both have the film's position of the fine one without
-    /// effects.
+    /// Errors decrease at least as the first power of the cell near the rim. With n cells on the
+    /// coarse mesh and m on the fine one, the error of the fine solution is `|difference| / (m / n
+    /// - 1)`. The largest difference within a cell counts, since the two may agree at a pixel by
+    /// chance where a rim lies between two nodes. Both have the film's position of the fine one
+    /// without effects.
     pub fn new(rows: Vec<&'a Row>, rules: &MapRules) -> Result<Self, Error> {
         let mut simulations = Simulations {
             rows,
@@ -127,7 +127,7 @@ impl<'a> Simulations<'a> {
         self.misfit(active, self.rules.searching_cells)
     }
 
-    /// The same on the finer meshes from which sizes are reported.
+    /// Simulates every row with the effects, on the finer meshes from which sizes are reported.
     pub fn reporting(&self, active: &SizedEffects) -> Result<Misfit, Error> {
         self.misfit(active, self.rules.reporting_cells)
     }

@@ -37,21 +37,20 @@ pub struct Rules {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SearchRules {
-    /// Largest number of effects that are named; twice as many screens are made, since several amplitudes or
-    /// places of one effect belong to one effect. Chosen: a fifth effect is usually explained by
-    /// errors of the others.
+    /// Largest number of effects that are named; twice as many screens are made, since several
+    /// amplitudes or places of one effect belong to one effect. Chosen: a fifth effect is usually
+    /// explained by errors of the others.
     pub most_effects: usize,
-    /// |t| given all other effects below which a selected effect has become superfluous, in experiments.
-    /// Chosen.
+    /// |t| given all other effects below which a selected effect has become superfluous, in
+    /// experiments. Chosen.
     pub superfluous_t: f64,
-    /// Decrease of the misfit on held-out data, in its standard errors, that a step and the whole model
-    /// must exceed to be named. Chosen: it is a second test of significant effects.
+    /// Decrease of the misfit on held-out data, in its standard errors, that a step and the whole
+    /// model must exceed to be named. Chosen: it is a second test of significant effects.
     pub beyond_scatter: f64,
-    /// Decrease with weighted channels, in its standard errors, above which the unweighted decrease may
-    /// be within its scatter of 0; and gain of a law that replaces a named effect, in its standard
-    /// errors.
-    /// Chosen: of 34 steps that were refused without it four pass, three of them correctly; at half
-    /// the same four, at twice one that is incorrect.
+    /// Decrease with weighted channels, in its standard errors, above which the unweighted decrease
+    /// may be within its scatter of 0; and gain of a law that replaces a named effect, in its
+    /// standard errors. Chosen: of 34 steps that were refused without it four pass, three of them
+    /// correctly; at half the same four, at twice one that is incorrect.
     pub clear: f64,
     /// Share of a channel's mean square that may repeat from run to run in an adequate model.
     /// Chosen: a twentieth of the root mean square.
@@ -99,9 +98,9 @@ pub struct RunRules {
     /// Chosen with the three below for a total false positive rate of about 0.02: missing effects
     /// are usually far more significant.
     pub alpha: f64,
-    /// Largest p-value of a selected effect between sessions or between the runs of a session, tested
-    /// for friction and for grip; and of a bin whose place is reported although no effect is named.
-    /// Chosen.
+    /// Largest p-value of a selected effect between sessions or between the runs of a session,
+    /// tested for friction and for grip; and of a bin whose place is reported although no effect is
+    /// named. Chosen.
     pub alpha_levels: f64,
     /// Largest p-value of a selected column outside the catalogue, and of unexplained differences
     /// between sessions. Chosen.
@@ -110,8 +109,8 @@ pub struct RunRules {
     pub alpha_track: f64,
     /// Factor on these p-values after the first selected effect. Chosen.
     pub alpha_again: f64,
-    /// Smallest share of a candidate's information that remains after a refit of the base, for it to be
-    /// tested. Chosen.
+    /// Smallest share of a candidate's information that remains after a refit of the base, for it
+    /// to be tested. Chosen.
     pub least_left: f64,
     /// The smallest remaining share if installation errors are refitted, too. Chosen.
     pub least_left_installed: f64,
@@ -186,8 +185,8 @@ pub struct RecordingRules {
     /// Range of the ratio of the noise estimated from differences to the stated noise in which the
     /// stated noise is not doubted. Chosen.
     pub noise_as_stated: [f64; 2],
-    /// Ratio of the power of an axis at frequencies above the motion to the power of the quietest axis
-    /// of its instrument, above which the power is taken for motion. Chosen.
+    /// Ratio of the power of an axis at frequencies above the motion to the power of the quietest
+    /// axis of its instrument, above which the power is taken for motion. Chosen.
     pub quietest_axis: f64,
 }
 

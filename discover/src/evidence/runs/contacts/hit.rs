@@ -6,7 +6,7 @@ use kufe_sled::effects::{Active, Effect};
 use kufe_sled::{HARDEST, WallContact};
 use rayon::prelude::*;
 
-use crate::evidence::runs::contacts::FEWEST_HITS;
+use crate::evidence::runs::contacts::MIN_HITS;
 use crate::evidence::runs::contacts::find::stretches;
 use crate::evidence::runs::contacts::model::at_place;
 use crate::evidence::runs::contacts::own::set_own_of;
@@ -52,7 +52,7 @@ pub fn hit(
             let own = frames.iter().flat_map(|f| &f.contacts);
             let of_place = own.filter(|own| own.place == k).map(|own| own.contact);
             let spots = spots(of_place.collect());
-            let spots = spots.iter().filter(|s| s.len() >= FEWEST_HITS);
+            let spots = spots.iter().filter(|s| s.len() >= MIN_HITS);
             let mut found: Vec<Active> = Vec::new();
             for contacts in spots.take(if round == 0 { usize::MAX } else { 1 }) {
                 let place = at_spot(&stretch, contacts);

@@ -1,4 +1,5 @@
-//! Estimates of contacts by the balances that did not set them: lever, friction and significance.
+//! Lever, friction and significance of contacts, from the balances that the contacts were not
+//! estimated from.
 
 use kufe_sled::WallContact;
 use kufe_sled::effects::Active;
@@ -12,10 +13,10 @@ use crate::null::random::{below, stream};
 
 /// Standard errors above which a contact is strong: its selection bias is then a thirtieth.
 const STRONG: f64 = 10.0;
-/// Fewest strong contacts that are used alone.
-const FEWEST_STRONG: usize = 4;
-/// Reference places along the track.
-const ELSEWHERE: usize = 60;
+/// Smallest number of strong contacts that are used alone.
+const MIN_STRONG: usize = 4;
+/// Number of reference places along the track.
+const REFERENCES: usize = 60;
 /// Share of the reference places trimmed at either end, where runs may have contacts.
 const TRIMMED: f64 = 0.2;
 
@@ -77,8 +78,8 @@ pub fn excess(
         let (from, to) = ends.fold((f64::NEG_INFINITY, f64::INFINITY), |a, b| {
             (a.0.max(b.0), a.1.min(b.1))
         });
-        let step = (to - from - wave.length_m) / ELSEWHERE as f64;
-        let elsewhere = (0..ELSEWHERE).map(|d| from + step * d as f64 - wave.s_m);
+        let step = (to - from - wave.length_m) / REFERENCES as f64;
+        let elsewhere = (0..REFERENCES).map(|d| from + step * d as f64 - wave.s_m);
         let elsewhere: Vec<[f64; 2]> = elsewhere
             .filter(|by_m| by_m.abs() > wave.length_m)
             .filter_map(at)
@@ -155,14 +156,15 @@ fn trimmed(mut values: Vec<f64>) -> f64 {
 
 /// Ratio of another residual to the lateral one at contacts.
 ///
-/// The median of all runs and the same sums at reference places are subtracted, so that neither
-/// noise that both share nor the selection of hits biases it:
+/// With x the half-wave amplitudes in the lateral residual and y those in the other one, the median
+/// of all runs and the sums at reference places are subtracted, so that neither noise that both
+/// residuals share nor the selection of hits biases the ratio:
 ///
 /// ```text
 /// (sum x y - reference) / (sum x^2 - reference)        over the runs of each place's track
 /// ```
 ///
-/// The interval is that of the jackknife over runs.
+/// The interval is a jackknife interval over runs.
 pub fn ratio(excess: &Excess, interval: f64) -> Interval {
     let n = excess.runs.len() as f64;
     let total = excess
@@ -221,7 +223,7 @@ pub fn ratio_of_strong(
         .iter()
         .fold([0.0; 2], |a, [xx, xy]| [a[0] + xx, a[1] + xy]);
     let n = contacts.len() as f64;
-    (contacts.len() >= FEWEST_STRONG && xx > 0.0).then(|| {
+    (contacts.len() >= MIN_STRONG && xx > 0.0).then(|| {
         let value = xy / xx;
         let away = contacts.iter().map(|[xx, xy]| (xy - value * xx).powi(2));
         let half = interval * (away.sum::<f64>() * n / (n - 1.0)).sqrt() / xx;
@@ -281,8 +283,8 @@ pub fn subtract_side_noise(residual: &[ChannelRows], shared_m: f64) -> Vec<Vec<f
 }
 
 /// p-value of the yaw residual ([`subtract_side_noise`]) at the contacts, with one lever for all,
-/// against the same half waves moved elsewhere in the same run where it has no contact. With the
-/// half wave w of a contact, F its force and y the residual, of
+/// against the same half waves moved to other places of the run without contacts. With w the half
+/// wave of a contact, F its force and y the residual, the statistic is
 ///
 /// ```text
 /// (sum F w y)^2 / sum F^2 w^2

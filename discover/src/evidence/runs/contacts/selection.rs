@@ -1,11 +1,12 @@
-//! Selection of wall contacts: found by lateral differences of runs, tested by their yaw residuals.
+//! Selection of wall contacts: found from lateral differences between runs, tested by their yaw
+//! residuals.
 
 use kufe_sled::effects::{Active, Kind, Level};
 
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, RunFit, gap_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::contacts::FEWEST_HITS;
+use crate::evidence::runs::contacts::MIN_HITS;
 use crate::evidence::runs::contacts::found::FoundContacts;
 use crate::evidence::runs::contacts::grip::subtract_grip;
 use crate::evidence::runs::contacts::hit::hit;
@@ -54,7 +55,7 @@ impl Campaign<'_> {
                 own.filter(|own| own.place == k).count()
             };
             let hit: Vec<Active> = (0..places.len())
-                .filter(|k| hits(*k) >= FEWEST_HITS)
+                .filter(|k| hits(*k) >= MIN_HITS)
                 .map(|k| places[k].clone())
                 .collect();
             if hit.is_empty() {
@@ -204,7 +205,8 @@ impl Campaign<'_> {
         })
     }
 
-    /// Takes over the contacts of the given model; every run has its own.
+    /// Adopts the places of contacts of the given model, and estimates the contacts of every run
+    /// there.
     pub fn given_contacts(&mut self, contacts: Contacts) {
         set_own(&mut self.training, &self.given, &contacts.places);
         self.whole.clone_from(&self.training);

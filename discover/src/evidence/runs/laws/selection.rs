@@ -18,7 +18,7 @@ use crate::procedure::evidence::{Randomised, Selection};
 
 /// Result of comparing laws with a selected effect.
 pub enum Law {
-    /// It is selected instead.
+    /// The law is selected instead of the effect.
     Instead(Box<Selection<Amplitude>>),
     /// The name of a law that explains more, but not by enough to replace the effect.
     Alternative(String),
@@ -129,8 +129,8 @@ impl Campaign<'_> {
 }
 
 impl LawFitter<'_> {
-    /// The smooth laws whose formulas are tried, largest gain first: the significant ones, that of
-    /// a selected column, and those that explain more than it or than all significant ones.
+    /// The smooth laws whose formulas are tried, largest gain first: the significant laws, the law
+    /// of a selected column, and the laws that explain more than it or than all significant ones.
     fn best<'l>(
         &self,
         smooth: &'l [SmoothLaw],
@@ -168,7 +168,7 @@ impl LawFitter<'_> {
         best
     }
 
-    /// The law's name, then those of laws that the data cannot distinguish from it.
+    /// The law's name, then the names of laws that the data cannot distinguish from it.
     fn class(&self, law: &FittedLaw, smooth: &[SmoothLaw]) -> Vec<String> {
         let own = &law.candidate.effect;
         let alike = self.campaign.rules().laws.alike;
@@ -220,6 +220,6 @@ fn error_of(sums: &LawSums, size: f64) -> f64 {
         .map(|i| (sums.u[(0, i)] - size * sums.m[i][(0, 0)]).powi(2))
         .sum();
     let shared = sums.common.row(0).norm_squared();
-    let information = sums.of(&[0], 0..sums.m.len()).m[(0, 0)];
+    let information = sums.over(&[0], 0..sums.m.len()).m[(0, 0)];
     (scatter * n / (n - 1.0).max(1.0) + shared).sqrt() / information
 }

@@ -38,7 +38,8 @@ pub fn of_instrument(
     of_axes(&seen, dt, quietest)
 }
 
-/// Noise of each axis; that of the quietest axis for one that is dominated by motion or constant.
+/// Noise of each axis; an axis that is constant or dominated by motion gets the noise of the
+/// quietest one.
 fn of_axes(seen: &[Option<Periodogram>], dt: f64, quietest: f64) -> Option<Vec<ColumnNoise>> {
     let power = |axis: &Periodogram| axis.lowest();
     let less = |a: &&Periodogram, b: &&Periodogram| power(a).total_cmp(&power(b));

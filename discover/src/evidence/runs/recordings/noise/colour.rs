@@ -1,7 +1,7 @@
 //! Spectral model of a sensor's noise, fitted to the recordings above the frequencies of the
 //! motion.
 //!
-//! Noise is white noise of the recorded rate through a first-order low pass of its own and a
+//! Noise is white noise at the recorded rate that passes the sensor's first-order low pass and the
 //! recorder's second-order one. The motion is represented by a steep power of the frequency:
 //!
 //! ```text
@@ -10,8 +10,9 @@
 //! A = (1 - k)^2/(1 + k^2 - 2 k cos(2 pi f dt)),    k = exp(-2 pi knee dt)    without one
 //! ```
 //!
-//! Minimises the Whittle likelihood `sum_f (ln S + P/S)`, P being the periodogram (P. Whittle, Ark.
-//! Mat. 2 (1953) 423): the corners by a pattern search, the amplitudes by Fisher scoring.
+//! The fit minimises the negative Whittle log-likelihood `sum_f (ln S + P/S)`, with P the
+//! periodogram (P. Whittle, Ark. Mat. 2 (1953) 423): over the corners by a pattern search, over the
+//! amplitudes by Fisher scoring.
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -20,7 +21,8 @@ use rand::Rng;
 use crate::evidence::runs::recordings::noise::periodogram::Periodogram;
 use crate::null::random::normal;
 
-/// A first-order low pass and a second-order one; infinite corners pass everything.
+/// A first-order and a second-order low pass; an infinite corner (cutoff frequency) passes
+/// everything.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Colour {
     /// Corner of the noise's own low pass \[Hz\].
@@ -41,7 +43,7 @@ impl Colour {
         corner_hz: f64::INFINITY,
     };
 
-    /// Power at a frequency, relative to the lowest.
+    /// Power at a frequency, relative to the power at frequency 0.
     fn power(self, f: f64, dt: f64) -> f64 {
         match self.corner_hz.is_finite() {
             true => {
@@ -187,7 +189,8 @@ impl Colour {
         ]
     }
 
-    /// Least misfit of this colour given the exponent of the motion, and the white noise's density.
+    /// Smallest misfit of this colour given the exponent of the motion, and the white noise's
+    /// density.
     fn fitted(self, seen: &Periodogram, dt: f64, power: Option<i32>) -> (f64, f64) {
         const ROUNDS: usize = 8;
         let first = seen.frequency_hz[0];

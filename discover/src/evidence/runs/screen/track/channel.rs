@@ -1,10 +1,10 @@
 //! The track channel: errors of the slope and of the accelerometer, with the surveyed profile as a
 //! random effect.
 //!
-//! The residual `dv/dt - g sin(slope) - a_x cos(beta) - a_y sin(beta)` contains no friction. Residuals are
-//! averaged over runs in bins of distance. A bin's mean has the variance of its runs' scatter plus
-//! that of the survey, (g sd)^2, which does not decrease with the number of runs. Neighbouring bins
-//! are correlated; their lag-1 correlation is estimated.
+//! The residual `dv/dt - g sin(slope) - a_x cos(beta) - a_y sin(beta)` contains no friction.
+//! Residuals are averaged over runs in bins of distance. A bin's mean has the variance of its runs'
+//! scatter plus that of the survey, (g sd)^2, which does not decrease with the number of runs.
+//! Neighbouring bins are correlated; their lag-1 correlation is estimated.
 
 use kufe_sled::GRAVITY;
 use nalgebra::{DMatrix, DVector};
@@ -105,8 +105,8 @@ impl TrackChannel {
     }
 
     /// Adds a candidate, whose standard deviation due to installation errors is `tolerance`. Its
-    /// change per unit is evaluated at its best nonlinear size: a delay of the speed of a tenth of a
-    /// second is poorly approximated to first order.
+    /// change per unit is evaluated at its best nonlinear size: a delay of the speed of a tenth of
+    /// a second is poorly approximated to first order.
     pub fn add_candidate(
         &mut self,
         residual_model: &ResidualModel,
@@ -203,9 +203,9 @@ impl TrackChannel {
     ///
     /// With y the means of the bins, d their change by one standard deviation of an installation
     /// error and W the inverse covariance of the means, the information is `d' W d` and the score
-    /// `d' W y`, both divided by the excess scatter of the means. The covariance contains the scatter
-    /// of the means, an independent survey error of each place, and an equal one common to all
-    /// places.
+    /// `d' W y`, both divided by the excess scatter of the means. The covariance contains the
+    /// scatter of the means, an independent survey error of each place, and an equal one common to
+    /// all places.
     pub fn information(
         &self,
         bare: &ResidualModel,
