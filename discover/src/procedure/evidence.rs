@@ -165,9 +165,7 @@ impl Account {
             let by = -100.0 * closed.value;
             not_named(
                 step,
-                &format!(
-                    "with it more remains of what can be explained on the held-out data (by {by:.0} %)"
-                ),
+                &format!("it increases the explainable misfit on the held-out data (by {by:.0} %)"),
             )
         };
         self.explain_removal(removed.iter().zip(closed).map(message).collect());

@@ -12,7 +12,8 @@ pub struct Decrease {
     /// The decrease and its standard error with channels weighted by their information on the
     /// training data; `None` for a single channel.
     pub weighted: Option<[f64; 2]>,
-    /// Log likelihood ratio of contacts and its bound under noise, if only one model has contacts.
+    /// Twice the log-likelihood ratio of contacts and its bound under noise, if only one model has
+    /// contacts.
     pub contact_evidence: Option<[f64; 2]>,
     /// The decrease and its standard error by channel, if there are several.
     pub by_channel: Vec<(&'static str, [f64; 2])>,
@@ -125,13 +126,13 @@ impl Decrease {
     /// The decrease in words, for an effect selected in this channel.
     pub fn in_words(&self, channel: &str) -> String {
         let mut text = format!(
-            "the sum of squares falls by {:.1} ± {:.1} noise variances, {:.1} repeat between runs",
+            "the sum of squares decreases by {:.1} ± {:.1} noise variances, its repeatable part is {:.1}",
             self.by, self.error, self.repeats
         );
         match (self.contact_evidence, self.weighted) {
             (Some([observed, chance]), _) => {
                 text += &format!(
-                    "; {observed:.1} of the predicted fall is observed, {chance:.1} by chance"
+                    "; twice the log-likelihood ratio of the contacts is {observed:.1}, noise alone gives up to {chance:.1}"
                 );
             }
             (None, Some([by, error])) => {
@@ -243,7 +244,7 @@ mod tests {
         assert!(observed(3.8).is_accepted(&rules));
         assert!(!observed(3.6).is_accepted(&rules) && !observed(-4.0).is_accepted(&rules));
         let text = observed(-4.0).in_words("yaw");
-        assert!(text.contains("-4.0 of the predicted fall"), "{text}");
+        assert!(text.contains("ratio of the contacts is -4.0"), "{text}");
     }
 
     fn falls_learned() -> Vec<[f64; 2]> {

@@ -29,8 +29,9 @@ pub fn next_experiment(verdict: Verdict, account: &Account, described: &Descript
     outside.sort_by(|(_, a), (_, b)| b.total_cmp(a));
     let names = outside.into_iter().take(MAX_CHECKED).map(|(what, _)| what);
     let outside = names.collect::<Vec<_>>().join(", ");
-    let check = (!outside.is_empty())
-        .then(|| format!("a check of what the fit moves farthest beyond its tolerance: {outside}"));
+    let check = (!outside.is_empty()).then(|| {
+        format!("a check of the installation errors that exceed their tolerance most: {outside}")
+    });
     let measured = Some(measurement(verdict, account, described)).filter(|what| !what.is_empty());
     let both: Vec<String> = check.into_iter().chain(measured).collect();
     both.join("; ")

@@ -337,7 +337,7 @@ impl Evidence for Experiments<'_> {
             parameters: amounts.map(|a| vec![a.fitted(quantile)]).collect(),
             effects: effects.collect(),
             nothing: format!(
-                "Nothing to be found with {} points: the base fit has {}, and no effect is significant.",
+                "Nothing found with {} points: the base fit has {}, and no effect is significant.",
                 self.rows(),
                 self.of_base(base)
             ),

@@ -54,19 +54,19 @@ pub fn screen_maps(
     }
     for round in 0..MAX_ROUNDS {
         lines.sort_by(|a, b| a.predicted_chi2().total_cmp(&b.predicted_chi2()));
-        let mut moved = false;
+        let mut any_advanced = false;
         for (place, line) in lines.iter_mut().enumerate() {
             let growth = line.candidate.act.search.growth;
             let near = place < MAX_CONTINUED || round < 2;
             let promising = chi2 - line.predicted_chi2() >= options.rules.maps.least_drop && near;
             let nonlinear = matches!(growth, Growth::Bent | Growth::Far) && round < 3;
-            if !line.settled && (promising || nonlinear) {
+            if !line.converged && (promising || nonlinear) {
                 progress(&line.candidate.effect);
                 line.advance(simulations, active);
-                moved = true;
+                any_advanced = true;
             }
         }
-        if !moved {
+        if !any_advanced {
             break;
         }
     }
@@ -74,13 +74,14 @@ pub fn screen_maps(
     lines
 }
 
-/// Detectable sizes: those at which chi2 drops by enough with a probability of 90 %.
+/// Detectable size of each effect: the size at which chi2 decreases by enough with a probability of
+/// 90 %.
 pub fn detectable(lines: &[LineSearch], rules: &Rules) -> Vec<Detectable> {
     let errors = rules.maps.least_drop.sqrt() + rules.search.nine_in_ten;
-    let of = |(k, line): (usize, &LineSearch)| {
+    let detectable = |(k, line): (usize, &LineSearch)| {
         let others = lines.iter().enumerate().filter(|(j, _)| *j != k);
         let others = others.map(|(_, other)| (&other.candidate, line.correlation(other)));
         line.candidate.detectable(line.size_at(errors), 1.0, others)
     };
-    lines.iter().enumerate().map(of).collect()
+    lines.iter().enumerate().map(detectable).collect()
 }

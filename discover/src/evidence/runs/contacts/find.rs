@@ -121,7 +121,7 @@ fn on_track(
         }
     }
     let squares = squares(&sums, unit);
-    let roots = together(&squares);
+    let roots = joint_differences(&squares);
     for (start, end) in exceeding(&deviations_from_median(&roots), rules.together) {
         differs[start + 1..(end + SUM - 2).min(cells)].fill(true);
     }
@@ -166,13 +166,13 @@ fn squares(sums: &[Vec<f64>], unit: f64) -> Vec<Vec<f64>> {
     sums.iter().map(of_run).collect()
 }
 
-/// Difference of runs at each sum, without the run that differs most, which may be an outlier: with
-/// q the mean of the squares of the others, `q^(1/3)`, which is nearly normal; NaN where few runs
-/// have samples.
+/// Difference of runs at each sum: `q^(1/3)`, with q the mean square over the runs without the
+/// largest square, which may be an outlier. The cube root is nearly normal. NaN where few runs have
+/// samples.
 ///
 /// Source: E. B. Wilson and M. M. Hilferty, The distribution of chi-square, Proc. Natl. Acad. Sci.
 /// 17 (1931) 684.
-fn together(squares: &[Vec<f64>]) -> Vec<f64> {
+fn joint_differences(squares: &[Vec<f64>]) -> Vec<f64> {
     let unmoved = vec![0; squares.len()];
     let root = |w: usize| mean_of_others(squares, &unmoved, w).cbrt();
     (0..squares[0].len()).map(root).collect()
@@ -194,7 +194,7 @@ fn mean_of_others(squares: &[Vec<f64>], shifts: &[usize], w: usize) -> f64 {
     }
 }
 
-/// Robust deviations above the median.
+/// Deviations from the median, in units of a robust standard deviation.
 fn deviations_from_median(roots: &[f64]) -> Vec<f64> {
     let mut sorted: Vec<f64> = roots.iter().copied().filter(|u| u.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
@@ -204,8 +204,8 @@ fn deviations_from_median(roots: &[f64]) -> Vec<f64> {
     away.iter().map(|away| away / deviation).collect()
 }
 
-/// Null distribution of the largest value of [`together`], sorted: every run is shifted cyclically
-/// along the track on its own.
+/// Null distribution of the largest value of [`joint_differences`], sorted: every run is shifted
+/// cyclically along the track on its own.
 fn null_distribution(squares: &[Vec<f64>], seed: u64) -> Vec<f64> {
     let count = squares[0].len();
     let largest = |trial: u64| {
@@ -270,7 +270,7 @@ mod tests {
     #[test]
     fn places_are_found_by_all_runs_together_and_noise_has_none() {
         let rules = ContactRules::default();
-        let roots = |sums: &[Vec<f64>]| together(&squares(sums, 1.0));
+        let roots = |sums: &[Vec<f64>]| joint_differences(&squares(sums, 1.0));
         let chance = |draw: u64, pushed: std::ops::Range<usize>| {
             let sums = sums(draw, pushed);
             let most = roots(&sums).into_iter().fold(f64::NEG_INFINITY, f64::max);

@@ -57,13 +57,14 @@ impl LawSums {
             let jc = rows.columns(p, q);
             let (b, of_residual) = (b.select_rows(&acting), of_residual.select_rows(&acting));
             let residual_scores = rows.column(n - 1) - &jj * &of_residual;
-            let own = gram.view((p, n - 1), (q, 1)).column(0)
+            let scores = gram.view((p, n - 1), (q, 1)).column(0)
                 - jc.tr_mul(&of_residual)
                 - b.tr_mul(&residual_scores);
-            u.set_column(i, &own);
+            u.set_column(i, &scores);
             let half = jc.tr_mul(&b);
-            let all = gram.view((p, p), (q, q)) - &half - half.transpose() + b.tr_mul(&(&jj * &b));
-            m.push(all);
+            let information =
+                gram.view((p, p), (q, q)) - &half - half.transpose() + b.tr_mul(&(&jj * &b));
+            m.push(information);
         }
         let fitted = &prior.at + &of_residual;
         Self {

@@ -58,12 +58,12 @@ pub fn significant_bins(
             vec![None]
         };
         for track in tracks {
-            let mine = |f: &Frame| track.as_ref().is_none_or(|t| *t == f.track);
+            let is_on_track = |f: &Frame| track.as_ref().is_none_or(|t| *t == f.track);
             let values: Vec<Vec<f64>> = frames.iter().map(|f| f.rows(of(f))).collect();
             let mut all: Vec<f64> = frames
                 .iter()
                 .zip(&values)
-                .filter(|(f, _)| mine(f))
+                .filter(|(f, _)| is_on_track(f))
                 .flat_map(|(_, x)| x.iter().copied())
                 .collect();
             all.sort_by(f64::total_cmp);
@@ -77,12 +77,12 @@ pub fn significant_bins(
                     let channel = whitener.channel(k);
                     let mut u = vec![0.0; frames.len()];
                     let mut sums = vec![(0.0, 0.0); frames.len()];
-                    for (i, _) in frames.iter().enumerate().filter(|(_, f)| mine(f)) {
+                    for (i, _) in frames.iter().enumerate().filter(|(_, f)| is_on_track(f)) {
                         let x = &values[i];
-                        let per = white[i].len() / whitener.count();
-                        for j in 0..per {
+                        let rows_per_channel = white[i].len() / whitener.count();
+                        for j in 0..rows_per_channel {
                             if x[j] >= pair[0] && x[j] < pair[1] {
-                                u[i] += white[i][k * per + j];
+                                u[i] += white[i][k * rows_per_channel + j];
                                 sums[i].0 += rows[i][channel][j];
                                 sums[i].1 += 1.0;
                             }

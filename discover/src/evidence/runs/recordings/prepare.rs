@@ -163,7 +163,7 @@ pub fn prepare(
     if !gaps.is_empty() {
         remarks.push(gaps_line(&gaps));
     }
-    let locked = locked(&frames, segmented, &rules.lock);
+    let locked = split(&frames, segmented, &rules.lock);
     let learned = training_samples(runs, &frames, segmented, &locked);
     let seen = estimate(&learned);
     let as_stated = |stated: &Noise| !doubted(stated, &seen, recordings.noise_as_stated);
@@ -230,7 +230,8 @@ fn coverage(run: &Run, frame: &Frame) -> SampleCoverage {
     }
 }
 
-fn locked(frames: &[Frame], segmented: bool, lock: &LockRules) -> Split {
+/// Splits the runs, or the segments of one run, into training and held-out ones.
+fn split(frames: &[Frame], segmented: bool, lock: &LockRules) -> Split {
     if segmented {
         return lock.segments(frames.len());
     }

@@ -24,8 +24,8 @@ impl Periodogram {
         self.power.iter().take(4).sum()
     }
 
-    /// Welch's mean over pieces of all columns that overlap by half, with a Hann window; pieces
-    /// with a gap are omitted.
+    /// Welch's mean over pieces of all columns that overlap by half, with a squared Hann window
+    /// (sin^4); pieces with a gap are omitted. `None` with too few frequencies or without a piece.
     pub fn of(columns: &[&[f64]], dt: f64, from_hz: f64) -> Option<Self> {
         let n = (PIECE_S / dt).round() as usize;
         let lowest = (from_hz * PIECE_S).ceil() as usize;
