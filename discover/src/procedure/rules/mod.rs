@@ -162,9 +162,10 @@ pub struct RunRules {
     pub track_bin_m: f64,
     /// Shortest piece of a run in simulations of noise \[s\]. Chosen: longer ones cost more.
     pub noise_piece_s: f64,
-    /// Share of an explainable direction that is not collinear with others. Chosen.
+    /// Smallest eigenvalue of an explainable direction, whose candidates have unit norm: below it
+    /// the candidates are collinear. Chosen.
     pub explains_alone: f64,
-    /// Standard errors over runs of an explainable direction. Chosen.
+    /// Smallest |t| over runs of the scores of an explainable direction. Chosen.
     pub explains_beyond: f64,
     /// Signal processing.
     pub recordings: RecordingRules,
