@@ -20,7 +20,8 @@ const FILES: [&str; 3] = ["runs.csv", "experiments.csv", "pressures.csv"];
 /// well.
 ///
 /// # Errors
-/// Those of readers and search; [`Error::File`] for a folder, an unknown table or a missing model.
+/// Errors of the readers and the search; [`Error::File`] for a folder, an unknown table or a
+/// missing model.
 pub fn discover(
     data: &Path,
     model: Option<&Path>,

@@ -5,9 +5,9 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 pub use kufe::results::finding::*;
 
 /// Largest p-value of a bin that is reported.
-pub(crate) const BIN_SHOWN: f64 = 0.05;
-/// Most bins that are reported.
-pub(crate) const BINS_SHOWN: usize = 40;
+pub(crate) const MAX_BIN_P_VALUE: f64 = 0.05;
+/// Largest number of bins that are reported.
+pub(crate) const MAX_BINS: usize = 40;
 
 /// A parameter with an interval of this half width.
 pub(crate) fn fitted(name: &str, unit: &str, value: f64, half: f64) -> Fitted {
@@ -39,8 +39,9 @@ pub(crate) fn held_out<'a>(
 
 /// A bin of the values of a column between two ends, with the mean of its residuals.
 ///
-/// `as_one` neighbouring residuals count as one value. The p-value is that of Student's t with
-/// `freedom` degrees of freedom.
+/// `as_one` neighbouring residuals are correlated and count as one value. The p-value is that of
+/// Student's t with `freedom` degrees of freedom. `None` if the degrees of freedom are not
+/// positive.
 pub(crate) fn bin(
     (channel, unit): (&str, &str),
     column: &str,
@@ -71,11 +72,11 @@ pub(crate) fn significant(mut bins: Vec<Bin>) -> Vec<Bin> {
     for bin in &mut bins {
         bin.p_value = (bin.p_value * count).min(1.0);
     }
-    bins.retain(|bin| bin.p_value <= BIN_SHOWN);
+    bins.retain(|bin| bin.p_value <= MAX_BIN_P_VALUE);
     bins.sort_by(|a, b| {
         let t = |bin: &Bin| (bin.mean / bin.error.max(1e-300)).abs();
         t(b).total_cmp(&t(a))
     });
-    bins.truncate(BINS_SHOWN);
+    bins.truncate(MAX_BINS);
     bins
 }

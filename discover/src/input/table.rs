@@ -7,7 +7,7 @@ use kufe_files::{TABLE_TEXT, column_names, line_of_row};
 use crate::error::Error;
 
 /// Largest table [bytes]: some 500,000 rows.
-const MOST_BYTES: u64 = 1 << 25;
+const MAX_BYTES: u64 = 1 << 25;
 
 /// A CSV table as text.
 #[derive(Clone, Debug)]
@@ -26,7 +26,7 @@ impl Table {
     /// [`Error::File`] if it cannot be read or is ragged.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let refused = |reason: &dyn std::fmt::Display| Error::file(path, reason);
-        let text = kufe_files::read_regular(path, MOST_BYTES).map_err(|e| refused(&e))?;
+        let text = kufe_files::read_regular(path, MAX_BYTES).map_err(|e| refused(&e))?;
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .from_reader(text.as_slice());
@@ -93,7 +93,7 @@ impl Table {
             .collect()
     }
 
-    /// The same of a column that may be absent: it then has this value in all rows.
+    /// Numbers of a column that may be absent: it then has this value in all rows.
     ///
     /// # Errors
     /// [`Error::Cell`].

@@ -22,7 +22,7 @@ pub fn together(amounts: &[Amount]) -> Option<Amount> {
     })
 }
 
-/// Largest difference of two sizes, in its standard errors.
+/// Largest ratio of the difference of two sizes to its standard error.
 pub fn disagreement(amounts: &[Amount]) -> f64 {
     let pairs = amounts
         .iter()
@@ -31,7 +31,7 @@ pub fn disagreement(amounts: &[Amount]) -> f64 {
     pairs.fold(0.0, f64::max)
 }
 
-/// Twice the log likelihood ratio of one common size: the sum of t^2, less the disagreement.
+/// Twice the log-likelihood ratio of one common size to a size of 0: the square of the common t.
 pub fn gain(amounts: &[Amount]) -> f64 {
     let Some(common) = together(amounts) else {
         return 0.0;

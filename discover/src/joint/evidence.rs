@@ -6,7 +6,7 @@
 
 use crate::error::Error;
 use crate::joint::description::described;
-use crate::joint::indexed::Part;
+use crate::joint::indexed::KindEvidence;
 use crate::joint::kinds::{Joint, JointFit, Origin, PartFit};
 use crate::procedure::evidence::{
     Account, Description, Evidence, ExtendedFit, HeldOutResults, Screen, Selection,
@@ -41,7 +41,7 @@ impl Evidence for Joint<'_> {
             if self.kinds[k].silent == Some(*free) {
                 continue;
             }
-            let screen = |part: &mut Part, own: &mut Account| part.screen(free, own);
+            let screen = |part: &mut KindEvidence, own: &mut Account| part.screen(free, own);
             let (screen, _) = self.of_kind(k, steps, account, screen)?;
             detectable.extend(screen.detectable);
             match screen.selection {
@@ -54,7 +54,7 @@ impl Evidence for Joint<'_> {
             .into_iter()
             .reduce(|a, b| if b.1.p_value < a.1.p_value { b } else { a });
         let selection = match surest {
-            Some((kind, selection)) => Some(self.judged(fit, kind, &selection)?),
+            Some((kind, selection)) => Some(self.with_joint_class(fit, kind, &selection)?),
             None => self.weak_together(fit, account),
         };
         Ok(Screen {
@@ -105,7 +105,7 @@ impl Evidence for Joint<'_> {
         for k in 0..self.kinds.len() {
             let part = &mut fit.parts[k];
             let free = part.free;
-            let settle = |kind: &mut Part, own: &mut Account| kind.settle(free, own);
+            let settle = |kind: &mut KindEvidence, own: &mut Account| kind.settle(free, own);
             let (settled, own) = self.of_kind(k, &part.steps, account, settle)?;
             (part.free, part.written) = (settled, settled);
             part.steps.retain(|step| {
@@ -177,8 +177,9 @@ impl Evidence for Joint<'_> {
     ) -> Result<HeldOutResults, Error> {
         let mut closed = vec![None; account.steps.len()];
         for (k, (base, last)) in base.parts.iter().zip(&last.parts).enumerate() {
-            let open =
-                |part: &mut Part, own: &mut Account| part.open(&base.written, &last.written, own);
+            let open = |part: &mut KindEvidence, own: &mut Account| {
+                part.open(&base.written, &last.written, own)
+            };
             let (opened, _) = self.of_kind(k, &last.steps, account, open)?;
             for (step, of_step) in last.steps.iter().zip(opened.closed) {
                 closed[*step].get_or_insert(of_step);
@@ -206,8 +207,9 @@ impl Evidence for Joint<'_> {
     ) -> Result<Description, Error> {
         let mut parts = Vec::new();
         for (k, (base, last)) in base.parts.iter().zip(&last.parts).enumerate() {
-            let describe =
-                |part: &mut Part, own: &mut Account| part.describe(&base.free, &last.written, own);
+            let describe = |part: &mut KindEvidence, own: &mut Account| {
+                part.describe(&base.free, &last.written, own)
+            };
             let (description, own) = self.of_kind(k, &last.steps, account, describe)?;
             for (step, of_part) in last.steps.iter().zip(own) {
                 account.steps[*step].contacts = of_part.contacts;

@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::input::table::Table;
 
 /// Largest campaign file [bytes].
-const MOST_BYTES: u64 = 1 << 20;
+const MAX_BYTES: u64 = 1 << 20;
 
 /// The files of a campaign; paths are relative to its folder.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -32,7 +32,7 @@ impl CampaignFile {
     /// or one that does not exist.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let refused = |reason: &str| Error::file(path, reason.trim());
-        let text = kufe_files::text_of_regular(path, MOST_BYTES);
+        let text = kufe_files::text_of_regular(path, MAX_BYTES);
         let text = text.map_err(|error| refused(&error.to_string()))?;
         let mut campaign: Self = toml::from_str(&text).map_err(|error: toml::de::Error| {
             refused(&kufe_files::broken_at(&text, error.span(), error.message()))

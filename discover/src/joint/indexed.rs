@@ -7,8 +7,8 @@ use crate::procedure::evidence::{
 use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::shared_effects::{Amount, ScreenEstimate, SharesEffects};
 
-/// Evidence of a kind that is not named.
-pub type Part<'a> = Box<dyn SharesEffects<Act = usize, Fit = usize> + 'a>;
+/// Evidence of any kind of data, as a trait object.
+pub type KindEvidence<'a> = Box<dyn SharesEffects<Act = usize, Fit = usize> + 'a>;
 
 /// Evidence with all its fits and selections.
 pub struct Indexed<E: Evidence> {
@@ -26,13 +26,13 @@ impl<E: Evidence> Indexed<E> {
         }
     }
 
-    /// The index of a fit, once stored.
+    /// Stores a fit and returns its index.
     fn stored(&mut self, fit: Result<E::Fit, Error>) -> Result<usize, Error> {
         self.fits.push(fit?);
         Ok(self.fits.len() - 1)
     }
 
-    /// The same selection with its index as action, once stored.
+    /// Stores a selection and returns it with its index as action.
     fn selected(&mut self, selection: Selection<E::Act>) -> Selection<usize> {
         let indexed = selection.acting(self.selections.len());
         self.selections.push(selection);
@@ -63,13 +63,13 @@ impl<E: Evidence> Evidence for Indexed<E> {
         selection: &Selection<usize>,
         step: usize,
     ) -> Result<ExtendedFit<usize>, Error> {
-        let own = &self.selections[selection.candidate.act];
-        let own = self.evidence.add(&self.fits[*fit], own, step)?;
+        let selection = &self.selections[selection.candidate.act];
+        let added = self.evidence.add(&self.fits[*fit], selection, step)?;
         Ok(ExtendedFit {
-            fit: self.stored(Ok(own.fit))?,
-            written: own.written,
-            gap: own.gap,
-            place: own.place,
+            fit: self.stored(Ok(added.fit))?,
+            written: added.written,
+            gap: added.gap,
+            place: added.place,
         })
     }
 

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::finding::{HeldOut, Step};
 use crate::joint::combine::{disagreement, together};
-use crate::joint::indexed::Part;
+use crate::joint::indexed::KindEvidence;
 use crate::options::Options;
 use crate::procedure::evidence::{Account, Dependence};
 use crate::procedure::shared_effects::Amount;
@@ -14,8 +14,8 @@ pub const PRESSURES: &str = "pressures";
 /// One kind of data of a campaign.
 pub struct Kind<'a> {
     pub name: &'static str,
-    pub part: Part<'a>,
-    /// The fit with which its last screen selected nothing.
+    pub part: KindEvidence<'a>,
+    /// Index of the fit with which its last screen selected nothing.
     pub silent: Option<usize>,
     /// Comparison on its held-out data.
     pub held_out: HeldOut,
@@ -39,18 +39,18 @@ pub struct JointFit {
 /// A fit of one kind.
 #[derive(Clone)]
 pub struct PartFit {
-    /// With its own sizes.
+    /// Index of the fit with the sizes estimated from this kind alone.
     pub free: usize,
-    /// With the combined ones; the same without any.
+    /// Index of the fit with the combined sizes; equal to `free` without combined sizes.
     pub written: usize,
-    /// The campaign's step of each of its own steps.
+    /// The campaign's step of each step of this kind.
     pub steps: Vec<usize>,
 }
 
 /// Estimates of a step's effect by the kinds of data.
 #[derive(Clone, Default)]
 pub struct StepEstimates {
-    /// Sizes by kind, of those that know it.
+    /// Sizes by kind, for the kinds that know the effect.
     pub by_kind: Vec<(usize, Vec<Amount>)>,
     /// The combined sizes, if they agree.
     pub together: Vec<Amount>,
@@ -58,7 +58,7 @@ pub struct StepEstimates {
     pub disagreement: Option<String>,
 }
 
-/// Which kind selects, and its selection.
+/// The kind of data that selected an effect, and the index of its selection.
 #[derive(Clone, Copy)]
 pub struct Origin {
     pub kind: usize,
@@ -68,7 +68,7 @@ pub struct Origin {
 
 impl<'a> Joint<'a> {
     /// Kinds of data with their names.
-    pub fn new(parts: Vec<(&'static str, Part<'a>)>, options: &'a Options) -> Self {
+    pub fn new(parts: Vec<(&'static str, KindEvidence<'a>)>, options: &'a Options) -> Self {
         let kinds = parts.into_iter().map(|(name, part)| Kind {
             name,
             part,
@@ -81,14 +81,15 @@ impl<'a> Joint<'a> {
         }
     }
 
-    /// A result of one kind of data, with the steps as it reports them. Its account has the steps
-    /// that it takes part in; its remarks are added to the campaign's.
+    /// Evaluates `result` for one kind of data, with an account of the `steps` that the kind takes
+    /// part in. Returns the result and these steps. The account's remarks are added to the
+    /// campaign's.
     pub fn of_kind<T>(
         &mut self,
         kind: usize,
         steps: &[usize],
         account: &mut Account,
-        result: impl FnOnce(&mut Part<'a>, &mut Account) -> Result<T, Error>,
+        result: impl FnOnce(&mut KindEvidence<'a>, &mut Account) -> Result<T, Error>,
     ) -> Result<(T, Vec<Step>), Error> {
         let mut own = Account {
             steps: steps.iter().map(|s| account.steps[*s].clone()).collect(),
@@ -96,18 +97,20 @@ impl<'a> Joint<'a> {
         };
         let Kind { name, part, .. } = &mut self.kinds[kind];
         let result = result(part, &mut own)?;
-        let of = |text: String| format!("{name}: {text}");
-        account.remarks.extend(own.remarks.into_iter().map(of));
+        let prefixed = |text: String| format!("{name}: {text}");
+        account
+            .remarks
+            .extend(own.remarks.into_iter().map(prefixed));
         let depends = own.depends.into_iter().map(|one| Dependence {
-            assumption: of(one.assumption),
+            assumption: prefixed(one.assumption),
             ..one
         });
         account.depends.extend(depends);
         if let Some(why) = own.unexplained {
             // Reported with the names that other kinds of data have found.
-            let remark = of(format!("a residual remains unidentified: {why}"));
+            let remark = prefixed(format!("a residual remains unidentified: {why}"));
             account.remarks.push(remark);
-            account.unexplained.get_or_insert(of(why));
+            account.unexplained.get_or_insert(prefixed(why));
         }
         Ok((result, own.steps))
     }
@@ -169,14 +172,14 @@ impl<'a> Joint<'a> {
 }
 
 impl PartFit {
-    /// Its own number of a step of the campaign.
+    /// This kind's index of a step of the campaign; `None` if it does not take part.
     pub fn own_step(&self, step: usize) -> Option<usize> {
         self.steps.iter().position(|s| *s == step)
     }
 }
 
 impl JointFit {
-    /// Removes a step that no kind contains; later ones move up.
+    /// Removes a step; the indices of later steps decrease by one.
     pub fn remove_step(&mut self, step: usize) {
         for part in &mut self.parts {
             part.steps.retain(|s| *s != step);

@@ -1,11 +1,12 @@
 //! Joint screen of all kinds of data.
 //!
 //! Each member of the class of a selected effect is evaluated in every other kind that knows it.
-//! That kind adds `t^2 - d^2` to its evidence (twice a log likelihood ratio), with t the size there
-//! in its standard errors and d the difference of the two sizes in those of their difference.
-//! Members whose evidence is below the best by more than the square of the needed t are excluded.
-//! If no kind selects anything alone, p-values of the same effect are combined. Each is corrected
-//! for all candidates of its kind of data, so that the combination is corrected for all, too.
+//! That kind adds `t^2 - d^2` to the member's evidence (twice a log-likelihood ratio), with t the
+//! ratio of the size in that kind to its standard error, and d the ratio of the difference of the
+//! two sizes to the standard error of the difference. Members whose evidence is below the best by
+//! more than the square of the needed t are excluded. If no kind selects anything alone, p-values
+//! of the same effect are combined. Each is corrected for all candidates of its kind of data, so
+//! that the combination is corrected for all, too.
 
 use crate::error::Error;
 use crate::finding::Rival;
@@ -15,7 +16,7 @@ use crate::null::combined_p_value;
 use crate::procedure::evidence::{Account, Randomised, Selection};
 use crate::procedure::shared_effects::{Amount, ScreenEstimate};
 
-/// An effect of several kinds of data that none selects alone.
+/// An effect with its estimates in all kinds of data, and the combined p-value.
 struct WeakEffect {
     /// Kinds that know it, and its size by each of them.
     kinds: Vec<usize>,
@@ -45,8 +46,8 @@ impl Joint<'_> {
         levels.into_iter().fold(1.0, f64::min)
     }
 
-    /// A kind's selected effect with the class given all kinds.
-    pub fn judged(
+    /// A kind's selected effect, with its class determined by all kinds.
+    pub fn with_joint_class(
         &mut self,
         fit: &JointFit,
         kind: usize,
@@ -82,8 +83,11 @@ impl Joint<'_> {
             added.push((!is_untestable).then_some(sum));
         }
         let needed = self.needed_t().powi(2);
-        let of = |k: usize| added[k].unwrap_or(0.0);
-        let better = |best, k| if of(k) - of(best) > needed { k } else { best };
+        let evidence = |k: usize| added[k].unwrap_or(0.0);
+        let better = |best, k| {
+            let gain = evidence(k) - evidence(best);
+            if gain > needed { k } else { best }
+        };
         let best = (1..members.len()).fold(0, better);
         let named = &members[best];
         let unchanged = selection.acting(origin(selection.candidate.act));
@@ -92,7 +96,7 @@ impl Joint<'_> {
         }
         let mut class = vec![named.effect.clone()];
         for (member, added) in members.iter().zip(&added) {
-            let stays = added.is_none_or(|added| added >= of(best) - needed);
+            let stays = added.is_none_or(|added| added >= evidence(best) - needed);
             if stays && !class.contains(&member.effect) {
                 class.push(member.effect.clone());
             }
@@ -104,18 +108,18 @@ impl Joint<'_> {
         };
         let mut joint = other.map_or(unchanged, |other| Selection {
             p_value: selection.p_value,
-            rivals: instead(selection, &named.effect),
+            rivals: rivals_of_member(selection, &named.effect),
             ..other.acting(origin(other.candidate.act))
         });
         let names = members.iter().map(|member| member.effect.as_str());
-        let out: Vec<&str> = names
+        let excluded: Vec<&str> = names
             .filter(|name| !class.iter().any(|c| c == name))
             .collect();
-        if !out.is_empty() {
+        if !excluded.is_empty() {
             let message = format!(
                 "{} alone cannot distinguish {} from {}: the other data do",
                 self.kinds[kind].name,
-                out.join(", "),
+                excluded.join(", "),
                 named.effect
             );
             let before = joint.remark.take().map(|before| format!("{before}; "));
@@ -151,7 +155,7 @@ impl Joint<'_> {
         Ok(estimates)
     }
 
-    /// A selected effect that no kind selects alone.
+    /// An effect that is significant in all kinds together, though no kind selects it alone.
     pub fn weak_together(
         &mut self,
         fit: &JointFit,
@@ -176,8 +180,8 @@ impl Joint<'_> {
         });
         joint.p_value = best.p_value;
         joint.randomised = Randomised::default();
-        let least = gain(&best.amounts) - self.needed_t().powi(2);
-        for rival in weak.iter().filter(|w| gain(&w.amounts) >= least) {
+        let min_gain = gain(&best.amounts) - self.needed_t().powi(2);
+        for rival in weak.iter().filter(|w| gain(&w.amounts) >= min_gain) {
             if !joint.class.contains(rival.effect()) {
                 joint.class.push(rival.effect().clone());
             }
@@ -214,8 +218,9 @@ impl Joint<'_> {
     }
 }
 
-/// The rivals of a member named instead of a kind's own selection, which becomes one of them.
-fn instead(selection: &Selection<usize>, named: &str) -> Vec<Rival> {
+/// The rivals of a member that is named instead of the kind's own selection. The selection takes
+/// the member's place among them.
+fn rivals_of_member(selection: &Selection<usize>, named: &str) -> Vec<Rival> {
     let mut rivals = selection.rivals.clone();
     let t = selection.size / selection.error.max(1e-300);
     for rival in rivals.iter_mut().filter(|r| r.effect == named) {

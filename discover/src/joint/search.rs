@@ -11,7 +11,7 @@ use crate::evidence::maps::measured::rows::Measured;
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::{experiments, maps, runs};
 use crate::joint::file::{CampaignFile, case_of};
-use crate::joint::indexed::{Indexed, Part};
+use crate::joint::indexed::{Indexed, KindEvidence};
 use crate::joint::kinds::{Joint, PRESSURES};
 use crate::options::Options;
 use crate::procedure::search::{Found, search_evidence};
@@ -19,7 +19,7 @@ use crate::procedure::search::{Found, search_evidence};
 /// Searches all data of a campaign together; a single kind is searched as usual.
 ///
 /// # Errors
-/// Those of the campaign's file and of the readers and searches of its data.
+/// Errors of the campaign's file and of the readers and searches of its data.
 pub fn search(
     path: &Path,
     options: &Options,
@@ -56,7 +56,7 @@ pub fn search(
             Some((case, rows))
         }
     };
-    let mut parts: Vec<(&'static str, Part)> = Vec::new();
+    let mut parts: Vec<(&'static str, KindEvidence)> = Vec::new();
     if let (Some(data), Some(model)) = (&data, model) {
         let campaign = Campaign::new(data, model, options)?;
         parts.push(("runs", Box::new(Indexed::new(campaign))));

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::finding::Rival;
-use crate::joint::indexed::{Indexed, Part};
+use crate::joint::indexed::{Indexed, KindEvidence};
 use crate::joint::kinds::{Joint, JointFit, PartFit};
 use crate::options::Options;
 use crate::procedure::candidate::Candidate;
@@ -146,7 +146,7 @@ fn with_joint<T>(stated: [StatedData; 2], of: impl FnOnce(&mut Joint, &JointFit)
         let mut indexed = Indexed::new(stated);
         let fit = indexed.fit_base(&mut Account::default());
         assert_eq!(fit.ok(), Some(0));
-        (name, Box::new(indexed) as Part)
+        (name, Box::new(indexed) as KindEvidence)
     });
     let mut joint = Joint::new(parts.collect(), &options);
     let part = PartFit {
@@ -164,7 +164,7 @@ fn with_joint<T>(stated: [StatedData; 2], of: impl FnOnce(&mut Joint, &JointFit)
 fn of_class(own: StatedData, other: StatedData, rivals: &[(&str, f64)]) -> (String, Vec<String>) {
     with_joint([own, other], |joint, fit| {
         let selection = selection_of("humidity", 1.0, rivals);
-        let joint = joint.judged(fit, 0, &selection);
+        let joint = joint.with_joint_class(fit, 0, &selection);
         joint.map_or_else(
             |error| (error.to_string(), Vec::new()),
             |selection| (selection.candidate.effect, selection.class),

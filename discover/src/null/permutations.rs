@@ -47,6 +47,7 @@ pub fn by_session_permutation(
     observed.map(|r| (r, null.p_value(r))).collect()
 }
 
+/// Calls `visit` with every permutation of the elements from `from` on.
 fn visit_orders(order: &mut [usize], from: usize, visit: &mut impl FnMut(&[usize])) {
     if from + 1 >= order.len() {
         return visit(order);

@@ -17,13 +17,14 @@ pub struct MaxT {
 }
 
 impl MaxT {
-    /// From the largest |T| of each of so many randomisations.
+    /// From the largest |T| of each of `count` randomisations.
     pub(crate) fn drawn(count: usize, largest: impl Fn(u64) -> f64 + Sync + Send) -> Self {
         let draws = (0..count as u64).into_par_iter();
         Self::of(draws.map(largest).collect())
     }
 
-    /// The same from blocks of randomisations, whose products cost less together.
+    /// From the largest |T| of each of `count` randomisations, computed in blocks, whose matrix
+    /// products cost less.
     pub(crate) fn drawn_in_blocks(
         count: usize,
         largest: impl Fn(Range<u64>) -> Vec<f64> + Sync + Send,
@@ -39,16 +40,16 @@ impl MaxT {
         Self { maxima }
     }
 
-    /// Flips the sign of whole runs: under the null a run's scores are symmetric, whatever the
-    /// correlation within it. Westfall and Young's single-step max-T over the rows of `u`
-    /// (candidates by runs).
+    /// Flips the sign of whole runs: under the null hypothesis the distribution of a run's scores
+    /// is symmetric, whatever the correlation within the run. Westfall and Young's single-step
+    /// max-T over the rows of `u` (candidates by runs).
     pub fn by_sign_flips(u: &DMatrix<f64>, flips: usize, seed: u64) -> Self {
         let norms: Vec<f64> = (0..u.nrows()).map(|c| u.row(c).norm()).collect();
         Self::with_norms(u, &norms, &DMatrix::zeros(u.nrows(), 0), flips, seed)
     }
 
-    /// The same for sums of scores over given norms, which signs must not change; rows of norm 0
-    /// are excluded.
+    /// Sign-flips of sums of scores divided by given norms, which must not depend on the signs;
+    /// rows of norm 0 are excluded.
     ///
     /// Random effects common to all runs are drawn with the signs; `common` (candidates by random
     /// effects) is the derivative of the sums by a standard deviation of each.

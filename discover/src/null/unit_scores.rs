@@ -1,17 +1,19 @@
 //! Randomisation tests of sizes from the scores of independent units: runs, or sessions.
 //!
-//! With u_i the score of unit i, I_i its information, V the variance of the sum by random effects
-//! common to all units, and weights w_i of mean 0 and variance 1:
+//! With u_i the score of unit i, I_i its information, V the variance of the sum of scores due to
+//! random effects common to all units, and random weights w_i of mean 0 and variance 1:
 //!
 //! ```text
 //! size* = (sum w_i u_i + z) / (sum I_i + V)
 //! t*    = (sum w_i u_i + z) / sqrt(n/(n - 1) sum (w_i u_i - size* I_i)^2 + V),   z ~ N(0, V)
 //! ```
 //!
-//! t is that of w = 1. The null is imposed on the scores, but the scatter is about the estimate in
-//! every draw: about 0, an effect in all units would be in its own scatter, and |t| could not
-//! exceed the root of n. Weights are signs for runs, exact if scores are symmetric, and Webb's six
-//! for sessions, which give distinct values with few of them: the wild cluster bootstrap.
+//! The observed t has all w = 1 and the fitted random effects as z. The null hypothesis is imposed
+//! on the scores, but the scatter of every draw is taken about the draw's estimate size*. If it
+//! were taken about 0, an effect in all units would contribute to its own scatter, and |t| could
+//! not exceed sqrt(n). Weights of runs are random signs, exact if scores are symmetric. Weights of
+//! sessions are Webb's six values (wild cluster bootstrap), which give more distinct draws if there
+//! are few sessions.
 //!
 //! Source: A. C. Cameron, J. B. Gelbach, D. L. Miller, Bootstrap-based improvements for inference
 //! with clustered errors, Review of Economics and Statistics 90 (2008) 414; P. Kline, A. Santos, A
@@ -40,7 +42,7 @@ pub struct UnitScores {
 }
 
 impl UnitScores {
-    /// Those of runs.
+    /// Scores with runs as units.
     pub fn of(scores: &Scores) -> Self {
         Self {
             u: scores.u.clone(),
@@ -50,7 +52,7 @@ impl UnitScores {
         }
     }
 
-    /// Some of the candidates.
+    /// Scores of the selected candidates.
     pub fn only(&self, selected: &[usize]) -> Self {
         Self {
             u: self.u.select_rows(selected),
@@ -60,21 +62,22 @@ impl UnitScores {
         }
     }
 
-    /// Adds a candidate of other scores.
+    /// Appends candidate `candidate` of other scores of the same units.
     pub fn push(&mut self, from: &Self, candidate: usize) {
         let rows = self.u.nrows();
-        let grown = |to: &DMatrix<f64>, from: &DMatrix<f64>| {
-            let mut grown = to.clone().insert_row(rows, 0.0);
-            grown.row_mut(rows).copy_from(&from.row(candidate));
-            grown
+        let appended = |to: &DMatrix<f64>, from: &DMatrix<f64>| {
+            let mut appended = to.clone().insert_row(rows, 0.0);
+            appended.row_mut(rows).copy_from(&from.row(candidate));
+            appended
         };
-        self.u = grown(&self.u, &from.u);
-        self.information = grown(&self.information, &from.information);
-        self.common = grown(&self.common, &from.common);
+        self.u = appended(&self.u, &from.u);
+        self.information = appended(&self.information, &from.information);
+        self.common = appended(&self.common, &from.common);
         self.shared.push(from.shared[candidate]);
     }
 
-    /// Sums over the runs of each session; `None` with fewer than two sessions.
+    /// Scores with sessions as units: sums over the runs of each session; `None` with fewer than
+    /// two sessions.
     ///
     /// `sessions`: number of each run's session.
     pub fn by_sessions(&self, sessions: &[usize]) -> Option<Self> {
@@ -82,8 +85,8 @@ impl UnitScores {
         let summed = |of: &DMatrix<f64>| {
             let mut sums = DMatrix::zeros(of.nrows(), groups);
             for (run, session) in sessions.iter().enumerate() {
-                let mut own = sums.column_mut(*session);
-                own += of.column(run);
+                let mut sum = sums.column_mut(*session);
+                sum += of.column(run);
             }
             sums
         };
@@ -94,7 +97,7 @@ impl UnitScores {
         })
     }
 
-    /// t of each candidate.
+    /// Observed t of each candidate.
     pub fn t(&self) -> Vec<f64> {
         Weighted::of(self, |_| 1.0, &self.shared).studentised(&self.totals())
     }
@@ -104,12 +107,13 @@ impl UnitScores {
         self.drawn(draws, (seed, 0xF11B), sign)
     }
 
-    /// The same with one of Webb's weights of each unit.
+    /// The distribution of the largest |t| with a random one of Webb's weights for each unit.
     pub fn by_wild_bootstrap(&self, draws: usize, seed: u64) -> MaxT {
         let webb = [-1.5_f64, -1.0, -0.5, 0.5, 1.0, 1.5].map(|w| w.signum() * w.abs().sqrt());
         self.drawn(draws, (seed, 0xC105), |rng| webb[below(rng, webb.len())])
     }
 
+    /// The distribution of the largest |t| with random weights.
     fn drawn(
         &self,
         draws: usize,
@@ -150,7 +154,7 @@ impl UnitScores {
         (0..self.u.nrows()).map(of).collect()
     }
 
-    /// t of candidate `a` less `share` of candidate `b`, with its scatter about 0.
+    /// t of candidate `a` minus `share` times candidate `b`, with the scatter taken about 0.
     pub fn t_less(&self, a: usize, b: usize, share: f64) -> f64 {
         let difference = self.u.row(a) - self.u.row(b) * share;
         let common = self.common.row(a) - self.common.row(b) * share;
@@ -160,7 +164,7 @@ impl UnitScores {
     }
 }
 
-/// Totals of the information about a candidate's size, which weights do not change.
+/// Sums of the information about a candidate's size, which do not depend on weights.
 struct Totals {
     /// Number of units with information.
     units: f64,
@@ -168,11 +172,12 @@ struct Totals {
     information: f64,
     /// Sum of the squares of the units' information.
     squares: f64,
-    /// V.
+    /// Variance V of the sum of scores due to random effects.
     variance: f64,
 }
 
-/// Sums of weighted scores: themselves, their squares, and their products with the information.
+/// Sums over units, by candidate: of weighted scores, of their squares, and of their products with
+/// the information.
 struct Weighted {
     sums: Vec<f64>,
     squares: Vec<f64>,
@@ -208,9 +213,9 @@ impl Weighted {
             let [sum, squares, crossed] =
                 [&self.sums, &self.squares, &self.crossed].map(|sums| sums[c]);
             let size = sum / of.information;
-            let about = squares - 2.0 * size * crossed + size * size * of.squares;
-            let square = of.units / (of.units - 1.0) * about.max(0.0) + of.variance;
-            sum / square.sqrt().max(f64::MIN_POSITIVE)
+            let scatter = squares - 2.0 * size * crossed + size * size * of.squares;
+            let variance = of.units / (of.units - 1.0) * scatter.max(0.0) + of.variance;
+            sum / variance.sqrt().max(f64::MIN_POSITIVE)
         };
         totals.iter().enumerate().map(of).collect()
     }

@@ -63,8 +63,8 @@ impl<A> Candidate<A> {
     where
         A: 'a,
     {
-        let like = others.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-        let (most_like, correlation) = like
+        let most_correlated = others.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        let (most_like, correlation) = most_correlated
             .map_or_else(Default::default, |(other, correlation)| {
                 (other.effect.clone(), correlation)
             });
@@ -89,7 +89,7 @@ impl<A> Candidate<A> {
         (self.low..=self.high).contains(&size)
     }
 
-    /// The same with another action.
+    /// This candidate with another action.
     pub fn acting<B>(&self, act: B) -> Candidate<B> {
         Candidate {
             effect: self.effect.clone(),

@@ -4,23 +4,24 @@ use crate::finding::Interval;
 
 /// Residuals and directions, in units of their standard deviations.
 pub struct ClosedGap<'a> {
-    /// Change of the simulation by all that the training rows explain.
+    /// Direction f: change of the residuals by everything that was fitted to the training rows.
     pub direction: &'a [f64],
     pub before: &'a [f64],
     pub after: &'a [f64],
-    /// The same direction on the training rows, to which its length was fitted.
+    /// f on the training rows, to which its length was fitted.
     pub fitted: &'a [f64],
     /// Standard deviation of a residual without missing effects, 1 if the noise is as stated.
     pub spread: f64,
 }
 
 impl ClosedGap<'_> {
-    /// 1 - |f . r_after| / f . r_before with its 95 % interval; an excess counts as a deficit.
+    /// Closed share `1 - |f . r_after| / (f . r_before)` with its 95 % interval. The magnitude
+    /// counts a change that is too large like one that is too small.
     ///
-    /// The interval includes the noise on these rows and that of the fit; it is -1 to 1 if nothing
-    /// explainable exceeds the noise here. f is independent of the noise of rows that were not
-    /// fitted, so that r_before needs no correction. The noise of f . r_after is subtracted in
-    /// squares from the value, not from the interval.
+    /// The interval includes the noise on these rows and the noise of the fit; it is -1 to 1 if `f
+    /// . r_before` does not exceed the noise. f is independent of the noise of rows that were not
+    /// fitted, so that r_before needs no correction. The variance of the noise is subtracted from
+    /// `(f . r_after)^2` in the value, not in the interval.
     pub fn closed(&self) -> Interval {
         let along = |r: &[f64]| -> f64 { self.direction.iter().zip(r).map(|(f, r)| f * r).sum() };
         let (before, after) = (along(self.before), along(self.after));

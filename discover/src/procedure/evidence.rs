@@ -10,14 +10,14 @@ use crate::finding::{
 use crate::procedure::candidate::Candidate;
 use crate::procedure::misfit_decrease::Decrease;
 
-/// Data of one kind, a part of them held out, and the model that is tested with them.
+/// Data of one kind, of which a part is held out, and the model that is tested with them.
 pub trait Evidence {
-    /// Action of a candidate on these data.
+    /// Description of how a candidate changes the model of these data.
     type Act;
     /// A model fitted to the training data.
     type Fit: Clone;
 
-    /// The base model, fitted.
+    /// Fits the base model.
     fn fit_base(&mut self, account: &mut Account) -> Result<Self::Fit, Error>;
 
     /// Scores every candidate given the fit, with p-values under the null.
@@ -27,7 +27,8 @@ pub trait Evidence {
         account: &mut Account,
     ) -> Result<Screen<Self::Act>, Error>;
 
-    /// Fits base, earlier selected effects and this one of the account's step `step` together.
+    /// Fits base, earlier selected effects and this one together; it belongs to step `step` of the
+    /// account.
     fn add(
         &mut self,
         fit: &Self::Fit,
@@ -64,9 +65,8 @@ pub trait Evidence {
         account: &mut Account,
     ) -> Result<HeldOutResults, Error>;
 
-    /// The model to write: the fit with effects or some of them, the refitted base or the model as
-    /// given, whichever comes first of those that are no worse than the model as given on data they
-    /// were not fitted to.
+    /// The model to write: the first of these that is no worse than the model as given on data it
+    /// was not fitted to: the fit with all or some effects, the refitted base, the model as given.
     fn choose(
         &mut self,
         refitted: &Self::Fit,
@@ -97,10 +97,10 @@ pub trait Evidence {
 /// Reason for removing an effect that later ones explain.
 pub const SUPERFLUOUS: &str = "became superfluous";
 
-/// Why an effect of no size is removed.
+/// Reason for removing an effect whose size may be 0.
 pub const NO_SIZE: &str = "had an interval that contains 0";
 
-/// State of a search.
+/// State of a search: what it has found and what it remarks.
 #[derive(Clone, Debug, Default)]
 pub struct Account {
     /// The effects that are named.
@@ -110,7 +110,7 @@ pub struct Account {
     pub depends: Vec<Dependence>,
     /// A measurement to make if data and model differ but no effect can be named.
     pub unexplained: Option<String>,
-    /// Sensors and constants that are off by more than their tolerance, with their sizes in it.
+    /// Installation errors that exceed their tolerance, with the ratio of size to tolerance.
     pub outside_tolerance: Vec<(String, f64)>,
 }
 
@@ -124,11 +124,11 @@ pub struct Dependence {
 }
 
 impl Account {
-    /// An error of the installation: within its tolerance, or as a remark; `None` if its interval
-    /// contains 0.
+    /// An installation error within its tolerance; `None` if its interval contains 0 or if it
+    /// exceeds the tolerance, which adds a remark.
     ///
     /// `size`, its standard `error` and the standard deviation `sd` of the tolerance; `quantile`:
-    /// standard errors of an interval.
+    /// half width of an interval in standard errors.
     pub fn tolerated(
         &mut self,
         what: String,
@@ -150,49 +150,47 @@ impl Account {
 
     /// Removes a selected effect for a reason: [`SUPERFLUOUS`], the insufficient size or worse runs.
     pub fn remove_step(&mut self, step: usize, why: &str) {
-        let gone = self.steps.remove(step);
+        let removed = self.steps.remove(step);
         let message = match self.steps.is_empty() {
-            false => format!("{} {why} given the others and was removed", gone.effect),
-            true => not_named(&gone, "its size is within its standard error"),
+            false => format!("{} {why} given the others and was removed", removed.effect),
+            true => not_named(&removed, "its size is within its standard error"),
         };
         self.explain_removal(vec![message]);
     }
 
     /// Removes every selected effect, given their closed shares on the held-out data.
     pub fn remove_all(&mut self, closed: &[Interval]) {
-        let gone = std::mem::take(&mut self.steps);
+        let removed = std::mem::take(&mut self.steps);
         let message = |(step, closed): (&Step, &Interval)| {
             let by = -100.0 * closed.value;
             not_named(
                 step,
-                &format!(
-                    "with it more remains of what can be explained on the held-out data (by {by:.0} %)"
-                ),
+                &format!("it increases the explainable misfit on the held-out data (by {by:.0} %)"),
             )
         };
-        self.explain_removal(gone.iter().zip(closed).map(message).collect());
+        self.explain_removal(removed.iter().zip(closed).map(message).collect());
     }
 
     /// Removes these steps because the model with them is worse than the given one, for this reason.
     pub fn withhold(&mut self, steps: &[usize], reason: &str) {
         let all = std::mem::take(&mut self.steps).into_iter().enumerate();
-        let (gone, kept): (Vec<_>, Vec<_>) = all.partition(|(step, _)| steps.contains(step));
+        let (removed, kept): (Vec<_>, Vec<_>) = all.partition(|(step, _)| steps.contains(step));
         self.steps = kept.into_iter().map(|(_, step)| step).collect();
-        let gone: Vec<Step> = gone.into_iter().map(|(_, step)| step).collect();
-        let names: Vec<&str> = gone.iter().map(|step| step.effect.as_str()).collect();
+        let removed: Vec<Step> = removed.into_iter().map(|(_, step)| step).collect();
+        let names: Vec<&str> = removed.iter().map(|step| step.effect.as_str()).collect();
         self.explain_removal(vec![format!(
             "{} fits the training runs (p = {:.1e}), but the model with it is worse than the model as given on runs it was not fitted to ({reason}): not named",
             names.join(" with "),
-            gone.first().map_or(1.0, |step| step.p_value)
+            removed.first().map_or(1.0, |step| step.p_value)
         )]);
     }
 
     /// Removes a step that is significant at more places than can be listed.
     pub fn remove_nonlocal(&mut self, step: usize, places: usize) {
-        let gone = self.steps.remove(step);
+        let removed = self.steps.remove(step);
         self.explain_removal(vec![format!(
             "{} was significant at {places} places ({}) and is so at others: it is not a local effect and is not named",
-            gone.effect, gone.place
+            removed.effect, removed.place
         )]);
     }
 
@@ -277,7 +275,7 @@ impl<A> Selection<A> {
         }
     }
 
-    /// The same selection with another action.
+    /// This selection with another action.
     pub fn acting<B>(&self, act: B) -> Selection<B> {
         Selection {
             candidate: self.candidate.acting(act),
@@ -388,7 +386,7 @@ pub struct Meaning {
 }
 
 impl Meaning {
-    /// That of an effect of a catalogue.
+    /// Meaning of an effect of a catalogue.
     pub fn of(info: &Info) -> Self {
         Self {
             name: info.name.to_owned(),

@@ -60,14 +60,15 @@ pub struct Place<'a> {
 impl LockRules {
     /// Held-out runs.
     ///
-    /// With at least three tracks, the one with the fewest runs if it has at most a quarter of them
-    /// (effects peculiar to a held-out track could not be found). With at least six sessions, the
-    /// whole middle one. Then as many runs as every second session gives, one each, or as make up a
-    /// quarter of all if eleven training runs remain, of sessions of at least three runs and at
-    /// most half of one.
+    /// 1. With at least three tracks: the track with the fewest runs, if it has at most a quarter
+    ///    of them (effects peculiar to a held-out track could not be found).
+    /// 2. With at least six sessions: the whole middle session.
+    /// 3. Single runs of sessions of at least three runs, at most half of a session: as many as
+    ///    there are such sessions among every second one, or more up to a quarter of all runs while
+    ///    eleven training runs remain.
     ///
-    /// Each is of the track and driver with the smallest held-out share, so that all are both
-    /// learned and tested. Ties go to the last run of every second session.
+    /// Each single run is of the track and driver with the smallest held-out share, so that all are
+    /// both learned and tested. Ties go to the last run of every second session.
     pub fn runs(&self, runs: &[Place]) -> Split {
         let mut held_out = vec![false; runs.len()];
         let tracks = names(runs.iter().map(|r| r.track));
@@ -83,13 +84,16 @@ impl LockRules {
         }
         // Runs of each session that may be held out, from its last on.
         let of_session = |session: &&str| -> Vec<usize> {
-            let own = (0..runs.len()).rev();
-            own.filter(|i| runs[*i].session == *session).collect()
+            let last_first = (0..runs.len()).rev();
+            last_first
+                .filter(|i| runs[*i].session == *session)
+                .collect()
         };
-        let own: Vec<Vec<usize>> = sessions.iter().map(of_session).collect();
-        let gives = |k: &usize| own[*k].len() >= self.fewest && Some(&sessions[*k]) != whole;
-        let mut spare: Vec<usize> = own.iter().map(|own| own.len() / 2).collect();
-        let seconds = (1..own.len()).step_by(2).filter(gives).count();
+        let by_session: Vec<Vec<usize>> = sessions.iter().map(of_session).collect();
+        let is_eligible =
+            |k: &usize| by_session[*k].len() >= self.fewest && Some(&sessions[*k]) != whole;
+        let mut spare: Vec<usize> = by_session.iter().map(|runs| runs.len() / 2).collect();
+        let seconds = (1..by_session.len()).step_by(2).filter(is_eligible).count();
         let already = held_out.iter().filter(|held_out| **held_out).count();
         let to_spare = runs.len().saturating_sub(self.fewest_to_learn);
         let fewest = to_spare.min(runs.len() / self.every.max(1));
@@ -105,11 +109,16 @@ impl LockRules {
                 let by_driver = share(&|run| run.driver == driver);
                 (by_track + by_driver, (before, k % 2 == 0, k), i)
             };
-            let sessions = (0..own.len()).filter(gives).filter(|k| spare[*k] > 0);
-            let all =
-                sessions.flat_map(|k| own[k].iter().enumerate().map(move |(n, i)| (k, n, *i)));
-            let able = all.filter(|(.., i)| !held_out[*i]).map(order);
-            let next = able.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            let sessions = (0..by_session.len()).filter(is_eligible);
+            let sessions = sessions.filter(|k| spare[*k] > 0);
+            let all = sessions.flat_map(|k| {
+                by_session[k]
+                    .iter()
+                    .enumerate()
+                    .map(move |(n, i)| (k, n, *i))
+            });
+            let available = all.filter(|(.., i)| !held_out[*i]).map(order);
+            let next = available.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
             let Some((_, (.., k), i)) = next else { break };
             held_out[i] = true;
             spare[k] -= 1;

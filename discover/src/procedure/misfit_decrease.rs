@@ -11,8 +11,9 @@ pub struct Decrease {
     pub error: f64,
     /// The decrease and its standard error with channels weighted by their information on the
     /// training data; `None` for a single channel.
-    pub weighed: Option<[f64; 2]>,
-    /// Log likelihood ratio of contacts and its bound under noise, if only one model has contacts.
+    pub weighted: Option<[f64; 2]>,
+    /// Twice the log-likelihood ratio of contacts and its bound under noise, if only one model has
+    /// contacts.
     pub contact_evidence: Option<[f64; 2]>,
     /// The decrease and its standard error by channel, if there are several.
     pub by_channel: Vec<(&'static str, [f64; 2])>,
@@ -21,12 +22,12 @@ pub struct Decrease {
 }
 
 impl Decrease {
-    /// The sum over independent pieces, with the standard error of their scatter; `None` without
-    /// any.
-    pub fn over(falls: &[f64], repeats: f64) -> Option<Self> {
-        let n = falls.len() as f64;
-        let by: f64 = falls.iter().sum();
-        let squares: f64 = falls.iter().map(|fall| (fall - by / n).powi(2)).sum();
+    /// The sum over independent pieces, with a standard error from their scatter; `None` without
+    /// pieces.
+    pub fn over(pieces: &[f64], repeats: f64) -> Option<Self> {
+        let n = pieces.len() as f64;
+        let by: f64 = pieces.iter().sum();
+        let squares: f64 = pieces.iter().map(|piece| (piece - by / n).powi(2)).sum();
         (n > 0.0).then(|| Self {
             by,
             error: (squares * n / (n - 1.0).max(1.0)).sqrt(),
@@ -35,32 +36,36 @@ impl Decrease {
         })
     }
 
-    /// The same with the decrease of the squared distance from the prior, which has no scatter.
+    /// The decrease plus the decrease `by` of the squared distance from the prior, which has no
+    /// scatter.
     pub fn with_prior(self, by: f64) -> Self {
         Self {
             by: self.by + by,
-            weighed: self.weighed.map(|[weighed, error]| [weighed + by, error]),
+            weighted: self
+                .weighted
+                .map(|[weighted, error]| [weighted + by, error]),
             ..self
         }
     }
 
-    /// The same by channel; `learned` are the decreases on the training data, for the weights.
+    /// The sum over independent pieces of several channels. The weights of the channels follow from
+    /// `training`, the decreases on the training data.
     pub fn over_channels<const C: usize>(
         names: [&'static str; C],
-        falls: &[[f64; C]],
-        learned: &[[f64; C]],
+        pieces: &[[f64; C]],
+        training: &[[f64; C]],
     ) -> Option<Self> {
         let over = |weights: [f64; C]| {
-            let one = |fall: &[f64; C]| fall.iter().zip(&weights).map(|(f, w)| f * w).sum();
-            Self::over(&falls.iter().map(one).collect::<Vec<f64>>(), 0.0)
+            let sum = |piece: &[f64; C]| piece.iter().zip(&weights).map(|(f, w)| f * w).sum();
+            Self::over(&pieces.iter().map(sum).collect::<Vec<f64>>(), 0.0)
         };
-        let weighed = over(weights(learned))?;
+        let weighted = over(weights(training))?;
         let of_channel = |(c, name): (usize, &'static str)| {
-            let own = over(std::array::from_fn(|k| f64::from(k == c)))?;
-            Some((name, [own.by, own.error]))
+            let decrease = over(std::array::from_fn(|k| f64::from(k == c)))?;
+            Some((name, [decrease.by, decrease.error]))
         };
         Some(Self {
-            weighed: Some([weighed.by, weighed.error]),
+            weighted: Some([weighted.by, weighted.error]),
             by_channel: (names.into_iter().enumerate())
                 .filter_map(of_channel)
                 .collect(),
@@ -68,22 +73,22 @@ impl Decrease {
         })
     }
 
-    /// The same together with the decrease in data of another kind.
+    /// The sum of this decrease and the decrease in data of another kind.
     pub fn with_other_data(self, other: Self) -> Self {
         Self {
             by: self.by + other.by,
             error: self.error.hypot(other.error),
-            weighed: None,
+            weighted: None,
             contact_evidence: self.contact_evidence.or(other.contact_evidence),
             by_channel: [self.by_channel, other.by_channel].concat(),
             repeats: self.repeats + other.repeats,
         }
     }
 
-    /// The same with the repeatable part of the whole comparison: the larger of the repeatable
-    /// misfits and of the decrease from the first model to the second one here, of which `before`
-    /// precedes this step. A decrease on held-out data is repeatable whether runs are alike or not.
-    pub fn of_all(self, all: &Decrease, before: f64) -> Self {
+    /// This decrease by one step, with the repeatable part of the whole comparison `all`: the
+    /// largest of the repeatable misfits and of the decrease by all steps, of which `before` is due
+    /// to the other steps. A decrease on held-out data is repeatable whether runs are alike or not.
+    pub fn with_repeatable_part_of(self, all: &Decrease, before: f64) -> Self {
         Self {
             repeats: self.repeats.max(all.repeats).max(before + self.by),
             ..self
@@ -91,12 +96,14 @@ impl Decrease {
     }
 
     /// Whether the decrease is accepted: significant, and a material share of the repeatable misfit.
-    /// If it is clearly significant in the weighted
-    /// channels, the unweighted decrease may be within its scatter of 0. The evidence of contacts
-    /// must exceed its bound under noise.
+    ///
+    /// If it is clearly significant with weighted channels, the unweighted decrease may be within
+    /// its scatter of 0. The evidence of contacts must exceed its bound under noise.
     pub fn is_accepted(&self, rules: &SearchRules) -> bool {
-        let clearly = self.weighed.filter(|[by, error]| *by > rules.clear * error);
-        let by = match clearly {
+        let clear = self
+            .weighted
+            .filter(|[by, error]| *by > rules.clear * error);
+        let by = match clear {
             Some([by, _]) if self.by > -rules.beyond_scatter * self.error => by.max(self.by),
             _ => self.by,
         };
@@ -110,21 +117,22 @@ impl Decrease {
     /// The decrease in standard errors: unweighted or weighted, whichever is larger. The unweighted
     /// one dilutes a step of one channel by the scatter of the others.
     pub fn strength(&self) -> f64 {
-        let of = |[by, error]: [f64; 2]| by / error.max(1e-300);
-        let alike = of([self.by, self.error]);
-        self.weighed.map_or(alike, |weighed| of(weighed).max(alike))
+        let ratio = |[by, error]: [f64; 2]| by / error.max(1e-300);
+        let unweighted = ratio([self.by, self.error]);
+        self.weighted
+            .map_or(unweighted, |weighted| ratio(weighted).max(unweighted))
     }
 
-    /// The same in words, for an effect selected in this channel.
+    /// The decrease in words, for an effect selected in this channel.
     pub fn in_words(&self, channel: &str) -> String {
         let mut text = format!(
-            "the sum of squares falls by {:.1} ± {:.1} noise variances, {:.1} repeat between runs",
+            "the sum of squares decreases by {:.1} ± {:.1} noise variances, its repeatable part is {:.1}",
             self.by, self.error, self.repeats
         );
-        match (self.contact_evidence, self.weighed) {
+        match (self.contact_evidence, self.weighted) {
             (Some([observed, chance]), _) => {
                 text += &format!(
-                    "; {observed:.1} of the predicted fall is observed, {chance:.1} by chance"
+                    "; twice the log-likelihood ratio of the contacts is {observed:.1}, noise alone gives up to {chance:.1}"
                 );
             }
             (None, Some([by, error])) => {
@@ -143,18 +151,19 @@ impl Decrease {
     }
 }
 
-/// Weight of a channel: its mean decrease over its variance between pieces of data, which maximises
-/// the significance of the sum; 0 without a decrease. Equal for too few pieces.
-fn weights<const C: usize>(learned: &[[f64; C]]) -> [f64; C] {
-    const FEW: usize = 4;
-    let n = learned.len() as f64;
+/// Weight of each channel: the ratio of its mean decrease to its variance between pieces of data,
+/// which maximises the significance of the sum; 0 without a decrease. All 1 for too few pieces and
+/// if no channel decreases.
+fn weights<const C: usize>(training: &[[f64; C]]) -> [f64; C] {
+    const MIN_PIECES: usize = 4;
+    let n = training.len() as f64;
     let weight: [f64; C] = std::array::from_fn(|c| {
-        let mean = learned.iter().map(|fall| fall[c]).sum::<f64>() / n;
-        let squares = learned.iter().map(|fall| (fall[c] - mean).powi(2));
+        let mean = training.iter().map(|piece| piece[c]).sum::<f64>() / n;
+        let squares = training.iter().map(|piece| (piece[c] - mean).powi(2));
         mean.max(0.0) * (n - 1.0) / squares.sum::<f64>().max(1e-300)
     });
     let largest = weight.iter().copied().fold(0.0, f64::max);
-    match learned.len() < FEW || largest == 0.0 {
+    match training.len() < MIN_PIECES || largest == 0.0 {
         true => [1.0; C],
         false => weight.map(|weight| weight / largest),
     }
@@ -170,7 +179,7 @@ mod tests {
         let decrease = |by, error, repeats| Decrease {
             by,
             error,
-            weighed: None,
+            weighted: None,
             contact_evidence: None,
             by_channel: Vec::new(),
             repeats,
@@ -178,15 +187,17 @@ mod tests {
         let of = |by, error, repeats| decrease(by, error, repeats).is_accepted(&rules);
         assert!(of(30.0, 5.0, 100.0));
         assert!(!of(-1.0, 5.0, 0.0) && !of(4.0, 5.0, 0.0));
-        let weighed = |by, weighed| Decrease {
-            weighed: Some([weighed, 0.5]),
+        let weighted = |by, weighted| Decrease {
+            weighted: Some([weighted, 0.5]),
             ..decrease(by, 5.0, 0.0)
         };
-        assert!(weighed(4.0, 2.0).is_accepted(&rules));
-        assert!(weighed(4.0, 1.0).is_accepted(&rules) && !weighed(-4.0, 1.0).is_accepted(&rules));
+        assert!(weighted(4.0, 2.0).is_accepted(&rules));
+        assert!(weighted(4.0, 1.0).is_accepted(&rules) && !weighted(-4.0, 1.0).is_accepted(&rules));
         // Clear as reported, with channels that scatter about 0 or rise.
-        assert!(weighed(-4.0, 2.0).is_accepted(&rules) && !weighed(-6.0, 2.0).is_accepted(&rules));
-        assert!(weighed(6.0, 0.1).is_accepted(&rules) && !weighed(4.0, 0.1).is_accepted(&rules));
+        assert!(
+            weighted(-4.0, 2.0).is_accepted(&rules) && !weighted(-6.0, 2.0).is_accepted(&rules)
+        );
+        assert!(weighted(6.0, 0.1).is_accepted(&rules) && !weighted(4.0, 0.1).is_accepted(&rules));
         assert!(!of(4.0, 0.1, 100.0) && of(6.0, 0.1, 100.0));
         for (repeats, before, accepted) in [
             (20.0, 0.0, true),
@@ -196,7 +207,7 @@ mod tests {
             let all = decrease(20.0, 1.0, repeats);
             assert_eq!(
                 decrease(6.0, 0.1, 100.0)
-                    .of_all(&all, before)
+                    .with_repeatable_part_of(&all, before)
                     .is_accepted(&rules),
                 accepted
             );
@@ -220,7 +231,7 @@ mod tests {
         assert!(!of(&falls(-1.0)).unwrap().is_accepted(&rules));
         // Too few to estimate the scatter.
         let few = Decrease::over_channels(names, &falls(1.0), &falls_learned()[..3]).unwrap();
-        assert_eq!(few.weighed, Some([few.by, few.error]));
+        assert_eq!(few.weighted, Some([few.by, few.error]));
     }
 
     #[test]
@@ -233,7 +244,7 @@ mod tests {
         assert!(observed(3.8).is_accepted(&rules));
         assert!(!observed(3.6).is_accepted(&rules) && !observed(-4.0).is_accepted(&rules));
         let text = observed(-4.0).in_words("yaw");
-        assert!(text.contains("-4.0 of the predicted fall"), "{text}");
+        assert!(text.contains("ratio of the contacts is -4.0"), "{text}");
     }
 
     fn falls_learned() -> Vec<[f64; 2]> {

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::finding::Rival;
 
-/// Most rivals that are reported.
-const SHOWN: usize = 12;
+/// Largest number of rivals that are reported.
+const MAX_REPORTED: usize = 12;
 
 /// When a rival belongs to the class.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -70,7 +70,7 @@ impl RivalRule {
                 class.push(rival.effect.clone());
             }
         }
-        rivals.truncate(SHOWN);
+        rivals.truncate(MAX_REPORTED);
         (class, rivals)
     }
 }

@@ -33,16 +33,16 @@ pub fn search_evidence<E: Evidence>(
     progress("fitting the base model");
     let base = evidence.fit_base(&mut account)?;
     if options.quick {
-        return screened(evidence, base, account, options, progress);
+        return quick_search(evidence, base, account, options, progress);
     }
     let rules = &options.rules.search;
     let mut fit = base.clone();
     let mut detectable = Vec::new();
     // Number of places of each step.
     let mut places: Vec<usize> = Vec::new();
-    // Several amplitudes or places of one effect belong to one effect.
-    let most_screens = 2 * rules.most_effects;
-    for number in 0..=most_screens {
+    // Several amplitudes or places of one effect belong to one step.
+    let max_screens = 2 * rules.most_effects;
+    for number in 0..=max_screens {
         progress(&format!("screen {}", number + 1));
         let screen = evidence.screen(&fit, &mut account)?;
         if detectable.is_empty() {
@@ -54,7 +54,7 @@ pub fn search_evidence<E: Evidence>(
         let effect = &selection.candidate.effect;
         let count = account.steps.len();
         let known = account.steps.iter().position(|s| s.effect == *effect);
-        if number == most_screens || known.is_none() && count == rules.most_effects {
+        if number == max_screens || known.is_none() && count == rules.most_effects {
             match known.filter(|step| places[*step] > rules.most_effects) {
                 // An effect that is significant at many places is not local; without it a global
                 // effect may be significant.
@@ -112,7 +112,7 @@ pub fn search_evidence<E: Evidence>(
     if !account.steps.is_empty() {
         last = verify(evidence, &refitted, last, &mut account, rules)?;
     }
-    // An effect that increases the explainable misfit is wrong, even if the total misfit falls.
+    // An effect that increases the explainable misfit is wrong, even if the total misfit decreases.
     let compared = evidence.open(&base, &last, &mut account)?;
     if compared.are_worse() {
         account.remove_all(&compared.closed);
@@ -167,9 +167,9 @@ pub fn search_evidence<E: Evidence>(
     })
 }
 
-/// The first screen after the fit of the base: what it selects is neither fitted nor compared on
-/// held-out data.
-fn screened<E: Evidence>(
+/// A quick search: the first screen after the fit of the base. The selected effect is neither
+/// fitted nor compared on held-out data.
+fn quick_search<E: Evidence>(
     evidence: &mut E,
     base: E::Fit,
     mut account: Account,

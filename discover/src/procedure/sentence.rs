@@ -5,7 +5,8 @@ use kufe::plot::{number4, quantity};
 use crate::finding::{Fitted, Interval, Remaining, Report, Step, Verdict};
 use crate::procedure::evidence::Account;
 
-/// One sentence for the top of the report; `nothing` is that of these data without a finding.
+/// One sentence for the top of the report; `nothing` is the sentence of these data without a
+/// finding.
 pub fn sentence(report: &Report, account: &Account, nothing: &str) -> String {
     let steps = &account.steps;
     let size = |p: &Fitted| {
@@ -43,13 +44,13 @@ pub fn sentence(report: &Report, account: &Account, nothing: &str) -> String {
             let depends = account.depends.iter().map(|one| one.assumption.as_str());
             format!("{names}; {}.{gap}", depends.collect::<Vec<_>>().join("; "))
         }
-        Verdict::Located => "The residual is not clean at the places listed, and no effect of the catalogue fits.".to_owned(),
-        Verdict::Inadequate => "The model does not explain what repeats from run to run, and no effect of the catalogue does.".to_owned(),
+        Verdict::Located => "The residual is significant at the places listed, and no effect of the catalogue explains it.".to_owned(),
+        Verdict::Inadequate => "Part of the misfit repeats from run to run; neither the model nor an effect of the catalogue explains it.".to_owned(),
         Verdict::None if !nothing.is_empty() => nothing.to_owned(),
-        Verdict::None => "Nothing to be found: no effect exceeds chance and the noise of the inputs significantly.".to_owned(),
+        Verdict::None => "Nothing found: no effect is significant given chance and the noise of the inputs.".to_owned(),
         Verdict::NotIdentifiable => {
             let why = account.unexplained.as_deref().unwrap_or_default();
-            format!("Something differs that these data cannot name: {why}.")
+            format!("Model and data differ, but these data do not identify the cause: {why}.")
         }
     }
 }

@@ -23,20 +23,21 @@ pub fn verdict(account: &Account, located: bool, adequate: bool) -> Verdict {
 
 /// What to check and to measure next.
 pub fn next_experiment(verdict: Verdict, account: &Account, described: &Description) -> String {
-    /// More are as a rule errors of the first ones.
-    const CHECKED: usize = 3;
+    /// Largest number of installation errors to check; further ones usually follow from these.
+    const MAX_CHECKED: usize = 3;
     let mut outside = account.outside_tolerance.clone();
     outside.sort_by(|(_, a), (_, b)| b.total_cmp(a));
-    let names = outside.into_iter().take(CHECKED).map(|(what, _)| what);
+    let names = outside.into_iter().take(MAX_CHECKED).map(|(what, _)| what);
     let outside = names.collect::<Vec<_>>().join(", ");
-    let check = (!outside.is_empty())
-        .then(|| format!("a check of what the fit moves farthest beyond its tolerance: {outside}"));
+    let check = (!outside.is_empty()).then(|| {
+        format!("a check of the installation errors that exceed their tolerance most: {outside}")
+    });
     let measured = Some(measurement(verdict, account, described)).filter(|what| !what.is_empty());
     let both: Vec<String> = check.into_iter().chain(measured).collect();
     both.join("; ")
 }
 
-/// What to measure next.
+/// The next measurement, in words.
 fn measurement(verdict: Verdict, account: &Account, described: &Description) -> String {
     let report = &described.report;
     let meaning = |name: &String| described.effects.iter().find(|e| e.name == *name);

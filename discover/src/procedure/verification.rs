@@ -53,7 +53,7 @@ pub fn verify<E: Evidence>(
                 let to_base = evidence.misfit_decrease(&without, base)?;
                 before = to_base.map_or(0.0, |to| -to.by);
             }
-            let decrease = decrease.of_all(all, before);
+            let decrease = decrease.with_repeatable_part_of(all, before);
             let one = Weakest {
                 is_accepted: decrease.is_accepted(rules),
                 step,
@@ -73,10 +73,10 @@ pub fn verify<E: Evidence>(
         let Some(weakest) = weakest.filter(is_removed) else {
             break;
         };
-        let gone = account.steps.remove(weakest.step);
-        let decrease = weakest.decrease.in_words(&gone.channel);
+        let removed = account.steps.remove(weakest.step);
+        let decrease = weakest.decrease.in_words(&removed.channel);
         let reason = "the model with it does not lower the misfit on the held-out data enough";
-        reasons.push(not_named(&gone, &format!("{reason} ({decrease})")));
+        reasons.push(not_named(&removed, &format!("{reason} ({decrease})")));
         last = match account.steps.is_empty() {
             true => base.clone(),
             false => evidence.settle(weakest.without, account)?,

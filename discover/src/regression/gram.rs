@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use crate::regression::inverse::ridge_inverse;
 
-/// The product of two series, in sums that do not wait for one another.
+/// Scalar product, in eight independent partial sums (for instruction-level parallelism).
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     const LANES: usize = 8;
     let (a, b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
@@ -22,18 +22,18 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// Products of all columns with each other, `X'X`; each symmetric half is computed once.
 pub fn squares(columns: &DMatrix<f64>) -> DMatrix<f64> {
     let (rows, m) = columns.shape();
-    let of = |k: usize| &columns.as_slice()[k * rows..(k + 1) * rows];
+    let column = |k: usize| &columns.as_slice()[k * rows..(k + 1) * rows];
     let mut squares = DMatrix::zeros(m, m);
     for j in 0..m {
         for i in 0..=j {
-            let product = dot(of(i), of(j));
+            let product = dot(column(i), column(j));
             (squares[(i, j)], squares[(j, i)]) = (product, product);
         }
     }
     squares
 }
 
-/// Indices of the first columns that are not zero, as those of other tracks are.
+/// Indices of the columns before `first` that are not 0; columns of other tracks are 0.
 pub fn acting(products: &DMatrix<f64>, first: usize) -> Vec<usize> {
     (0..first).filter(|k| products[(*k, *k)] != 0.0).collect()
 }

@@ -11,7 +11,8 @@ pub struct Prior {
     pub precision: DVector<f64>,
     /// Parameters at which the model is linearised.
     pub at: DVector<f64>,
-    /// Number of last parameters with noise-free products and a precision above 0.
+    /// Number of parameters at the end with noise-free products and a precision above 0 (smooth
+    /// terms).
     pub smooth: usize,
 }
 
@@ -40,19 +41,19 @@ impl Prior {
         let Some(smooth) = smooth.into_owned().cholesky().filter(|_| self.smooth > 0) else {
             return ridge_inverse(products);
         };
-        // By blocks: with C the products of the others with the smooth ones S, the others' inverse
-        // is that of their products less C inv(S) C'.
+        // Block inverse: with A, C and S the blocks of the other and the smooth parameters, the
+        // first block of the inverse is the inverse of the Schur complement A - C inv(S) C'.
         let (smooth, cross) = (
             smooth.inverse(),
             products.view((0, first), (first, self.smooth)),
         );
         let shares = cross * &smooth;
-        let own = products.view((0, 0), (first, first)) - &shares * cross.transpose();
-        let own = ridge_inverse(own);
-        let both = &own * &shares;
+        let schur = products.view((0, 0), (first, first)) - &shares * cross.transpose();
+        let others = ridge_inverse(schur);
+        let both = &others * &shares;
         let rest = smooth + shares.tr_mul(&both);
         let mut inverse = DMatrix::zeros(self.count(), self.count());
-        inverse.view_mut((0, 0), (first, first)).copy_from(&own);
+        inverse.view_mut((0, 0), (first, first)).copy_from(&others);
         let mut upper = inverse.view_mut((0, first), (first, self.smooth));
         upper.copy_from(&-&both);
         let mut lower = inverse.view_mut((first, 0), (self.smooth, first));

@@ -1,19 +1,19 @@
 //! Scores of each candidate, run by run, after a refit of the base.
 //!
-//! With J the base's columns, c a candidate's, r the residual (all whitened, and free of each run's
-//! own level), and the sums over runs G = sum_i G_i:
+//! With J the columns of the base, c the column of a candidate and r the residual (all whitened,
+//! with each run's levels projected out), and products summed over runs i:
 //!
 //! ```text
 //! c' = c - J (J'J)^-1 J'c        r' = r - J (J'J)^-1 J'r        U_i = c'_i . r'_i        I_i = c'_i . c'_i
 //! ```
 //!
-//! sum U / sum I is the candidate's size, (sum U)^2 / sum I its gain, T = sum U / sqrt(sum U^2) the
-//! test statistic.
+//! (sum U) / (sum I) estimates the candidate's size, (sum U)^2 / (sum I) is its gain, and T = (sum
+//! U) / sqrt(sum U^2) the test statistic.
 //!
-//! If J contains random effects with a prior precision P, c' = c - J B with B = (J'J + P)^-1 J'c,
-//! and sums are those of generalised least squares: sum U gains B'P a, a being the fitted random
-//! effects, and sum I gains B'P B, which is also the variance of sum U by the random effects,
-//! common to all runs.
+//! If J contains random effects with a prior precision P, c' = c - J B with B = (J'J + P)^-1 J'c.
+//! The sums are then those of generalised least squares: B'P a, with a the fitted random effects,
+//! is added to sum U, and B'P B to sum I. The latter is also the variance of sum U due to the
+//! random effects, which are common to all runs.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -31,7 +31,7 @@ pub struct Scores {
     pub raw: Vec<f64>,
     /// Contribution of the fitted random effects to a candidate's sum over runs.
     pub shared: Vec<f64>,
-    /// Derivative of that sum by each random effect, per standard deviation.
+    /// Derivative of a candidate's sum by each random effect, per standard deviation.
     pub common: DMatrix<f64>,
 }
 
@@ -102,12 +102,12 @@ impl Scores {
         self.u.row(candidate).sum() + self.shared[candidate]
     }
 
-    /// Variance of that sum by random effects, common to all runs.
+    /// Variance of the sum of a candidate's scores due to random effects, common to all runs.
     pub fn shared_variance(&self, candidate: usize) -> f64 {
         self.common.row(candidate).norm_squared()
     }
 
-    /// Share of a candidate that remains after a refit of the base.
+    /// Share of a candidate's information that remains after a refit of the base.
     pub fn remaining_share(&self, candidate: usize) -> f64 {
         if self.raw[candidate] > 0.0 {
             self.total_information(candidate) / self.raw[candidate]
@@ -185,12 +185,10 @@ mod tests {
         let r = stacked.column(m - 2) - &hat * stacked.column(m - 2);
         for c in 0..q {
             let column = stacked.column(base + c);
-            let remaining_share = column - &hat * column;
+            let projected = column - &hat * column;
             for i in 0..runs {
-                let u: f64 = (0..30)
-                    .map(|k| remaining_share[30 * i + k] * r[30 * i + k])
-                    .sum();
-                let info: f64 = (0..30).map(|k| remaining_share[30 * i + k].powi(2)).sum();
+                let u: f64 = (0..30).map(|k| projected[30 * i + k] * r[30 * i + k]).sum();
+                let info: f64 = (0..30).map(|k| projected[30 * i + k].powi(2)).sum();
                 assert!((u - scores.u[(c, i)]).abs() < 1e-9);
                 assert!((info - scores.information[(c, i)]).abs() < 1e-9);
             }

@@ -4,10 +4,10 @@ use crate::evidence::experiments::fit::{Fit, Setting};
 use crate::evidence::experiments::rows::{Row, further_columns};
 use crate::finding::{Bin, bin, significant};
 
-/// Bins of a column.
+/// Number of bins of a column.
 const BINS: usize = 3;
-/// Fewest rows in a bin: three give a standard error of their own.
-const BIN_ROWS: usize = 3;
+/// Smallest number of rows in a bin, for a standard error.
+const MIN_ROWS: usize = 3;
 
 /// Significant bins of the residual of mu, strongest first; p-values are Bonferroni-corrected.
 pub fn bins(setting: &Setting, rows: &[Row], fit: &Fit) -> Vec<Bin> {
@@ -23,7 +23,7 @@ pub fn bins(setting: &Setting, rows: &[Row], fit: &Fit) -> Vec<Bin> {
         for k in 0..BINS {
             let own = &order[k * order.len() / BINS..(k + 1) * order.len() / BINS];
             let n = own.len();
-            if n < BIN_ROWS {
+            if n < MIN_ROWS {
                 continue;
             }
             let residuals: Vec<f64> = own.iter().map(|i| rest[*i]).collect();

@@ -113,7 +113,7 @@ impl<'a> Experiments<'a> {
         fit(&self.setting, &self.training, chosen)
     }
 
-    /// The same with the deviations between specimens and sessions given these candidates.
+    /// Fits these candidates, with new estimates of the deviations between specimens and sessions.
     fn fitted_anew(&mut self, chosen: &[usize]) -> Fit {
         self.setting.between = between(&self.setting, &self.training, chosen);
         self.fitted(chosen)
@@ -218,9 +218,9 @@ impl Evidence for Experiments<'_> {
     }
 
     fn settle(&mut self, mut fit: Fit, account: &mut Account) -> Result<Fit, Error> {
-        let least = self.options.rules.search.superfluous_t;
+        let min_t = self.options.rules.search.superfluous_t;
         while fit.chosen.len() > 1 {
-            let is_weak = |k: &usize| fit.t(&self.setting, *k).abs() < least;
+            let is_weak = |k: &usize| fit.t(&self.setting, *k).abs() < min_t;
             let Some(weak) = (0..fit.chosen.len()).find(is_weak) else {
                 break;
             };
@@ -246,9 +246,9 @@ impl Evidence for Experiments<'_> {
     fn misfit_decrease(&self, from: &Fit, to: &Fit) -> Result<Option<Decrease>, Error> {
         let setting = &self.setting;
         let offsets = [from, to].map(|fit| fit.offsets(setting, &self.training));
-        // An effect within sessions and specimens shows given their offsets, one between them in
-        // rows without.
-        let fall = |row: &Row| {
+        // An effect within sessions and specimens is visible in residuals given their offsets, an
+        // effect between them in residuals without offsets.
+        let decrease = |row: &Row| {
             let squares = |of: &Fit, offsets: &Offsets| {
                 let residual = row.mu - of.predict(setting, row).1;
                 let given = (residual - offsets.of(row)) / from.own_deviation(setting, row);
@@ -258,16 +258,16 @@ impl Evidence for Experiments<'_> {
             let [before, after] = [squares(from, &offsets[0]), squares(to, &offsets[1])];
             [before[0] - after[0], before[1] - after[1]]
         };
-        let falls: Vec<[f64; 2]> = self.held_out.iter().map(fall).collect();
+        let decreases: Vec<[f64; 2]> = self.held_out.iter().map(decrease).collect();
         if setting.between.both() == 0.0 {
-            let falls: Vec<f64> = falls.iter().map(|fall| fall[1]).collect();
-            return Ok(Decrease::over(&falls, 0.0));
+            let without_offsets: Vec<f64> = decreases.iter().map(|by| by[1]).collect();
+            return Ok(Decrease::over(&without_offsets, 0.0));
         }
-        let learned: Vec<[f64; 2]> = self.training.iter().map(fall).collect();
+        let training: Vec<[f64; 2]> = self.training.iter().map(decrease).collect();
         Ok(Decrease::over_channels(
             ["mu given specimen and session", "mu"],
-            &falls,
-            &learned,
+            &decreases,
+            &training,
         ))
     }
 
@@ -337,7 +337,7 @@ impl Evidence for Experiments<'_> {
             parameters: amounts.map(|a| vec![a.fitted(quantile)]).collect(),
             effects: effects.collect(),
             nothing: format!(
-                "Nothing to be found with {} points: the base fit has {}, and no effect is significant.",
+                "Nothing found with {} points: the base fit has {}, and no effect is significant.",
                 self.rows(),
                 self.of_base(base)
             ),

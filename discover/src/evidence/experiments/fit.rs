@@ -25,8 +25,8 @@ pub struct Setting {
     pub between: Between,
 }
 
-/// Standard deviations of mu between specimens and between sessions, in addition to that of the
-/// rows.
+/// Standard deviations of mu between specimens and between sessions, in addition to the deviations
+/// of the rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Between {
     pub specimens: f64,
@@ -34,6 +34,7 @@ pub struct Between {
 }
 
 impl Between {
+    /// Standard deviation of the sum of both offsets.
     pub fn both(&self) -> f64 {
         self.specimens.hypot(self.sessions)
     }
@@ -41,16 +42,16 @@ impl Between {
 
 /// Whitening of rows whose specimens and sessions have random offsets.
 ///
-/// With sd_i the standard deviation of row i and s that between specimens (or between sessions,
-/// whichever are more), the covariance of a specimen's rows is `diag(sd^2) + s^2 1 1'`. With
-/// `a = s / sd`, its inverse root is
+/// Let sd_i be the standard deviation of row i and s the standard deviation between specimens (or
+/// between sessions, whichever are more). The covariance of a specimen's rows is `diag(sd^2) + s^2
+/// 1 1'`. With `a = s / sd`, its inverse root is
 ///
 /// ```text
 /// R = (1 - (1 - 1 / sqrt(1 + |a|^2)) a a' / |a|^2) diag(1 / sd)
 /// ```
 ///
-/// With g the standard deviation between the others, Z their indicators and `g^2 R Z Z' R' = U L U'`,
-/// that of all rows is
+/// Let g be the standard deviation between the other groups, Z their indicator columns and `g^2 R Z
+/// Z' R' = U L U'`. The inverse root of the covariance of all rows is
 ///
 /// ```text
 /// (1 - U (1 - 1 / sqrt(1 + L)) U') R
@@ -58,11 +59,11 @@ impl Between {
 #[derive(Clone)]
 pub struct Whitening {
     weights: Vec<f64>,
-    /// Rows of each specimen or session, with a.
+    /// Rows of each specimen or session, with their a.
     blocks: Vec<(Vec<usize>, Vec<f64>)>,
-    /// U.
+    /// Eigenvectors U.
     directions: DMatrix<f64>,
-    /// L.
+    /// Eigenvalues L.
     variances: DVector<f64>,
 }
 
@@ -182,13 +183,16 @@ pub struct Fit {
     pub chi2: f64,
     /// Root mean square of the residual of mu.
     pub rms: f64,
+    /// Whitened residuals.
     pub rest: DVector<f64>,
+    /// Whitened columns of the design matrix.
     pub columns: DMatrix<f64>,
     pub whitening: Whitening,
 }
 
-/// Predicted offsets of specimens and of sessions: with r the residual and V its covariance, those
-/// of sessions of a standard deviation g are `g^2 Z' inv(V) r`.
+/// Predicted offsets of specimens and of sessions (best linear unbiased predictions). With r the
+/// residual and V its covariance, the offsets of sessions of standard deviation g are `g^2 Z'
+/// inv(V) r`.
 pub struct Offsets<'a>([BTreeMap<&'a str, f64>; 2]);
 
 impl Offsets<'_> {
@@ -219,24 +223,27 @@ impl Fit {
         Offsets(offsets)
     }
 
-    /// Number of rows less that of parameters, at least 1.
+    /// Degrees of freedom: number of rows minus number of parameters, at least 1.
     pub fn freedom(&self) -> f64 {
         (self.rest.len() as f64 - self.step.len() as f64).max(1.0)
     }
 
     /// mu of a row by the base alone, and with the known and selected effects.
     pub fn predict(&self, setting: &Setting, row: &Row) -> (f64, f64) {
-        let own = base_law(setting.base, row, &self.step);
+        let base = base_law(setting.base, row, &self.step);
         let changes = (0..self.chosen.len()).map(|k| self.added(setting, row, k));
-        let more: f64 = changes.sum();
-        (own, own + setting.known.add(row, own.max(LEAST_MU)) + more)
+        let selected: f64 = changes.sum();
+        (
+            base,
+            base + setting.known.add(row, base.max(MIN_MU)) + selected,
+        )
     }
 
     /// Contribution of the `k`-th selected effect to mu of a row.
     pub fn added(&self, setting: &Setting, row: &Row, k: usize) -> f64 {
-        let own = base_law(setting.base, row, &self.step);
+        let base = base_law(setting.base, row, &self.step);
         let size = self.step[setting.base.len() + k];
-        setting.candidates[self.chosen[k]].change(row, own.max(LEAST_MU), size)
+        setting.candidates[self.chosen[k]].change(row, base.max(MIN_MU), size)
     }
 
     /// t of the `k`-th selected effect; 0 if it is not determined.
@@ -274,7 +281,7 @@ impl Fit {
 }
 
 /// Smallest mu for which changes by effects are computed.
-const LEAST_MU: f64 = 1e-5;
+const MIN_MU: f64 = 1e-5;
 
 fn base_law(base: Base, row: &Row, step: &DVector<f64>) -> f64 {
     let columns = base.columns(row);
@@ -302,7 +309,7 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
                 0 => row.mu,
                 _ => base_law(base, row, &step),
             };
-            let mu = mu.max(LEAST_MU);
+            let mu = mu.max(MIN_MU);
             for (k, x) in base.columns(row).into_iter().enumerate() {
                 columns[(i, k)] = x;
             }
@@ -356,18 +363,19 @@ pub fn fit(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Fit {
 /// Restricted maximum likelihood estimates of the standard deviations of mu between specimens and
 /// between sessions, given these candidates.
 ///
-/// 0 for fewer than three groups, and where almost none was measured repeatedly.
+/// 0 for fewer than three groups, and if almost no group was measured repeatedly.
 pub fn between(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Between {
-    /// Largest deviation tried, in units of the rows' own, and number of trials.
-    const LARGEST: f64 = 10.0;
-    const TRIED: i32 = 60;
-    /// Most sessions: with specimens, a matrix of that many columns may be diagonalised in every fit.
-    const MOST: usize = 200;
+    /// Largest trial deviation, in units of the rows' mean deviation, and number of trials.
+    const MAX_RATIO: f64 = 10.0;
+    const TRIALS: i32 = 60;
+    /// Largest number of sessions: with specimens, a matrix with as many columns as sessions may be
+    /// diagonalised in every fit.
+    const MAX_SESSIONS: usize = 200;
     /// Estimates of each deviation given the other.
     const ROUNDS: usize = 2;
     let groups = Groups::of(rows);
     let repeats = |groups: &[Vec<usize>]| groups.len() >= 3 && rows.len() >= groups.len() + 3;
-    let own = rows.iter().map(|row| row.mu_sd).sum::<f64>() / rows.len() as f64;
+    let mean_sd = rows.iter().map(|row| row.mu_sd).sum::<f64>() / rows.len() as f64;
     let cost = |between: Between| {
         let setting = Setting {
             candidates: setting.candidates.clone(),
@@ -379,11 +387,12 @@ pub fn between(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Between {
         let information = fit.columns.tr_mul(&fit.columns).determinant().max(1e-300);
         fit.chi2 + fit.whitening.log_determinant() + information.ln()
     };
-    let least = |with: &dyn Fn(f64) -> Between| {
-        let tried = (0..=TRIED).map(|k| own * LARGEST * (f64::from(k) / f64::from(TRIED)).powi(2));
-        let costs = tried.map(|sd| (cost(with(sd)), with(sd)));
-        let least = costs.min_by(|a, b| a.0.total_cmp(&b.0));
-        least.map_or(with(0.0), |(_, between)| between)
+    let minimise = |with: &dyn Fn(f64) -> Between| {
+        let share = |k| (f64::from(k) / f64::from(TRIALS)).powi(2);
+        let trials = (0..=TRIALS).map(|k| mean_sd * MAX_RATIO * share(k));
+        let costs = trials.map(|sd| (cost(with(sd)), with(sd)));
+        let best = costs.min_by(|a, b| a.0.total_cmp(&b.0));
+        best.map_or(with(0.0), |(_, between)| between)
     };
     let mut between = Between::default();
     for round in 0..ROUNDS {
@@ -391,16 +400,16 @@ pub fn between(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Between {
         if round > 0 && between.specimens == 0.0 {
             break;
         }
-        if repeats(&groups.sessions) && groups.sessions.len() <= MOST {
+        if repeats(&groups.sessions) && groups.sessions.len() <= MAX_SESSIONS {
             let specimens = between.specimens;
-            between = least(&|sessions| Between {
+            between = minimise(&|sessions| Between {
                 specimens,
                 sessions,
             });
         }
         if repeats(&groups.specimens) {
             let sessions = between.sessions;
-            between = least(&|specimens| Between {
+            between = minimise(&|specimens| Between {
                 specimens,
                 sessions,
             });

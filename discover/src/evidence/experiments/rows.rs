@@ -10,21 +10,23 @@ use rayon::prelude::*;
 use crate::error::Error;
 use crate::input::table::Table;
 
+/// A row of friction experiments.
 #[derive(Clone, Debug)]
 pub struct Row {
+    /// Specimen.
     pub name: String,
     /// Session; the row itself if there is no such column.
     pub session: String,
     /// Peak pressure [Pa].
     pub pressure: f64,
-    /// Its standard deviation [Pa].
+    /// Standard deviation of the peak pressure [Pa].
     pub pressure_sd: f64,
     /// Measured coefficient of friction.
     pub mu: f64,
     pub mu_sd: f64,
-    /// Friction of the melt film on its contact; NaN for other base laws.
+    /// Coefficient of friction of the melt film on the row's contact; NaN for other base laws.
     pub film: f64,
-    /// Conditions as the effects of the catalogue take them.
+    /// Conditions at which effects are evaluated.
     pub conditions: OperatingPoint,
     /// All further numeric columns.
     pub columns: BTreeMap<String, f64>,

@@ -13,8 +13,8 @@ use crate::options::Options;
 use crate::procedure::shared_effects::{Amount, ScreenEstimate};
 use crate::regression::inverse::ridge_inverse;
 
-/// Fewest simulated tables.
-const FEWEST_TABLES: u64 = 40;
+/// Smallest number of simulated tables.
+const MIN_TABLES: u64 = 40;
 
 /// Scores of a screen.
 pub struct TableScreen<'a> {
@@ -32,15 +32,15 @@ pub struct Score {
     pub t: f64,
     /// Size in the unit of the candidate.
     pub size: f64,
-    /// Its standard error, with deviations as stated.
+    /// Standard error of the size, with deviations as stated.
     pub error: f64,
-    /// Max-T p-value by permutation of sessions for a candidate that differs mainly between them,
-    /// else the larger of those by permutation of rows and by simulated tables.
+    /// Max-T p-value: by permutation of sessions for a candidate that differs mainly between them,
+    /// else the larger of the p-values by permutation of rows and by simulated tables.
     pub p_value: f64,
     remaining_share: f64,
     /// Whether its size is within its bounds, and enough of it remains after a refit of the base.
     pub is_admissible: bool,
-    /// Its column after projection on the complement of the base.
+    /// Whitened column after projection on the complement of the base.
     free: DVector<f64>,
 }
 
@@ -129,7 +129,7 @@ pub fn screen_table<'a>(
         (specimens, setting.between.specimens),
         (sessions, setting.between.sessions),
     ];
-    let simulated = MaxT::drawn(options.twins.max(FEWEST_TABLES) as usize, |k| {
+    let simulated = MaxT::drawn(options.twins.max(MIN_TABLES) as usize, |k| {
         let mut rng = stream(options.seed, 0x7A17, k);
         let mut drawn = rows.to_vec();
         for (drawn, row) in drawn.iter_mut().zip(rows) {
@@ -187,8 +187,8 @@ pub fn screen_table<'a>(
 /// score = d'x        |x'|^2 = x'x - x'C (C'C)^-1 C'x        t = score / sqrt(max(1, (|x'|^2 - score^2) / freedom))
 /// ```
 ///
-/// A residual costs its products with these columns. Errors are scaled up if the rows scatter more
-/// than stated, never down.
+/// Each residual needs only its products with these columns. Standard errors are scaled up if the
+/// rows scatter more than stated, never down.
 struct Units<'a> {
     /// Candidates, then columns of the base, by row; 0 for a candidate that cannot be judged.
     by_row: DMatrix<f64>,

@@ -105,7 +105,8 @@ impl<'a> Maps<'a> {
             && best.size().abs() >= rules.search.agree * error
     }
 
-    /// Named effects are doubtful if most of the misfit above the noise remains.
+    /// Why named effects are doubtful: most of the misfit above the noise remains; `None` if they
+    /// are not.
     fn doubt(&self, last: &Misfit, steps: &[Step]) -> Option<String> {
         let [most, share] = self.options.rules.maps.doubtful;
         let excess = |misfit: &Misfit| misfit.in_contact - misfit.count;
@@ -121,14 +122,15 @@ impl<'a> Maps<'a> {
         ))
     }
 
-    /// Removes effects without which chi2 rises by less than a selected effect must lower it.
+    /// Removes effects without which chi2 increases by less than a selected effect must lower it.
     fn remove_steps(&mut self, mut fit: MapFit, account: &mut Account) -> Result<MapFit, Error> {
-        let least = |misfit: &Misfit| self.options.rules.maps.least_drop * misfit.mean_square();
-        // On the finer meshes the misfit must fall as well, relative to its errors and in Pa.
+        let min_decrease =
+            |misfit: &Misfit| self.options.rules.maps.least_drop * misfit.mean_square();
+        // On the finer meshes the misfit must decrease as well, relative to its errors and in Pa.
         let start = &self.start.misfit;
-        let falls =
-            start.chi2 - fit.misfit.chi2 >= least(&fit.misfit) && start.rms > fit.misfit.rms;
-        if let ([only], false) = (&account.steps[..], falls) {
+        let is_lower =
+            start.chi2 - fit.misfit.chi2 >= min_decrease(&fit.misfit) && start.rms > fit.misfit.rms;
+        if let ([only], false) = (&account.steps[..], is_lower) {
             let [before, after] = [start.rms, fit.misfit.rms].map(|rms| quantity(rms, "Pa"));
             account.remarks.push(format!(
                 "{} lowers the misfit on the meshes of the search, not on finer ones ({before} before, {after} after): not named",
@@ -151,8 +153,8 @@ impl<'a> Maps<'a> {
             for _ in 0..2 {
                 without = polish(&self.training, &without.active, &without.errors)?;
             }
-            let raised = without.misfit.chi2 - fit.misfit.chi2;
-            if raised < least(&fit.misfit) {
+            let increase = without.misfit.chi2 - fit.misfit.chi2;
+            if increase < min_decrease(&fit.misfit) {
                 account.remove_step(k, SUPERFLUOUS);
                 account.steps[0].gap_before = self.start.misfit.rms;
                 fit = without;
@@ -167,15 +169,16 @@ impl<'a> Maps<'a> {
         Ok(fit)
     }
 
+    /// Closed share of the explainable misfit, on the held-out rows if there are any.
     fn closed(&self, last: &MapFit) -> Result<Interval, Error> {
         let mut all = last.active.clone();
         all.extend(self.next);
         let explained = |rows: &Simulations, before: &Misfit| -> Result<Vec<f64>, Error> {
-            let least = match rows.reporting(&all) {
-                Ok(least) => least,
+            let after = match rows.reporting(&all) {
+                Ok(after) => after,
                 Err(_) => rows.reporting(&last.active)?,
             };
-            Ok(change(&before.rest, &least.rest))
+            Ok(change(&before.residuals, &after.residuals))
         };
         let judged = match self.held_out.rows.is_empty() {
             true => &self.training,
@@ -184,8 +187,8 @@ impl<'a> Maps<'a> {
         let before = judged.reporting(&self.start.active)?;
         Ok(ClosedGap {
             direction: &explained(judged, &before)?,
-            before: &before.rest,
-            after: &judged.reporting(&last.active)?.rest,
+            before: &before.residuals,
+            after: &judged.reporting(&last.active)?.residuals,
             fitted: &explained(&self.training, &self.start.misfit)?,
             spread: last.misfit.mean_square().sqrt(),
         }
@@ -337,7 +340,7 @@ impl Evidence for Maps<'_> {
         let (before, after) = (of(from)?, of(to)?);
         // Relative to its errors and in Pa.
         let falls = match after.rms < before.rms {
-            true => before.falls(&after, PIECES),
+            true => before.decreases(&after, PIECES),
             false => vec![0.0; PIECES],
         };
         Ok(Decrease::over(&falls, 0.0))

@@ -10,12 +10,14 @@ use crate::evidence::maps::sized::SizedEffects;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::closed::change;
 
-/// Relative change of the maps by a first step.
+/// Relative change of the maps at which the first step aims.
 const CHANGE: f64 = 0.04;
+/// Range of the relative change in which a first step is accepted.
 const CHANGES: std::ops::RangeInclusive<f64> = 0.008..=0.12;
 /// Trials without a gain after which a search ends.
 const FAILURES: usize = 3;
 
+/// An evaluated point.
 struct Point {
     /// Coordinate of the search: the size, or its square for a blur, in which the maps are linear.
     u: f64,
@@ -26,12 +28,15 @@ struct Point {
 pub struct LineSearch {
     pub candidate: Candidate<&'static Effect>,
     points: Vec<Point>,
+    /// Index of the best point.
     best: usize,
+    /// Bounds of the search coordinate.
     low: f64,
     high: f64,
+    /// Number of trials without a gain.
     failures: usize,
     /// Whether the search has converged.
-    pub settled: bool,
+    pub converged: bool,
 }
 
 impl LineSearch {
@@ -51,23 +56,23 @@ impl LineSearch {
             low: effect.search.along(parameter.low),
             high: effect.search.along(parameter.high),
             failures: 0,
-            settled: false,
+            converged: false,
         };
         let from = beginning(simulations, effect);
         line.eval(simulations, active, from)?;
-        let most = 0.5 * (line.high - from);
+        let max_step = 0.5 * (line.high - from);
         let step = step.unwrap_or_else(|| effect.search.along(parameter.typical));
-        let mut step = step.min(most);
+        let mut step = step.min(max_step);
         for round in 0..3 {
             line.points.truncate(1);
             if line.eval(simulations, active, from + step).is_none() {
                 step *= 0.2;
                 continue;
             }
-            let moved = line.change();
-            let next = step * (CHANGE / moved.max(1e-9)).clamp(0.01, 30.0);
-            let next = next.min(most);
-            if CHANGES.contains(&moved) || round == 2 || (next - step).abs() < 0.1 * step {
+            let change = line.change();
+            let next = step * (CHANGE / change.max(1e-9)).clamp(0.01, 30.0);
+            let next = next.min(max_step);
+            if CHANGES.contains(&change) || round == 2 || (next - step).abs() < 0.1 * step {
                 break;
             }
             step = next;
@@ -91,7 +96,7 @@ impl LineSearch {
             if from + step > self.high || self.eval(simulations, active, from + step).is_none() {
                 return;
             }
-            worse = match self.is_better() {
+            worse = match self.keep_if_better() {
                 true => 0,
                 false => worse + 1,
             };
@@ -128,19 +133,23 @@ impl LineSearch {
         (self.chi2() + 2.0 * by * jr + by * by * jj).min(self.chi2())
     }
 
+    /// Standard error of the size; infinite if the derivative is 0.
     pub fn error(&self) -> f64 {
         let Some((jj, _)) = self.slopes() else {
             return f64::INFINITY;
         };
         let error = 1.0 / jj.sqrt();
         let here = self.points[self.best].u;
-        // From the search coordinate to the size; at the start of the line from the error itself.
+        // Half the interval of one standard error in the search coordinate, as a size.
         0.5 * (self.size_of(here + error) - self.size_of((here - error).max(self.low)))
     }
 
     /// Change of the weighted residuals by the first step.
     fn signature(&self) -> Vec<f64> {
-        change(&self.points[1].misfit.rest, &self.points[0].misfit.rest)
+        change(
+            &self.points[1].misfit.residuals,
+            &self.points[0].misfit.residuals,
+        )
     }
 
     /// Cosine between two effects' changes of the maps.
@@ -156,32 +165,32 @@ impl LineSearch {
         self.size_of(self.points[0].u + errors * self.first_step() / norm.max(1e-300))
     }
 
-    /// Evaluates one more point.
+    /// Evaluates one more point: a Gauss-Newton step, at first the step that matches moments.
     pub fn advance(&mut self, simulations: &Simulations, active: &SizedEffects) {
         let Some((jj, jr)) = self.slopes() else {
-            self.settled = true;
+            self.converged = true;
             return;
         };
         let here = self.points[self.best].u;
         let start = self.points[0].u;
         let reach = self.points.iter().map(|p| (p.u - start).abs());
-        let most = 4.0 * reach.fold(0.0, f64::max);
-        let is_guess = self.points.len() == 2;
-        let by_moments = is_guess.then(|| self.by_moments(here)).flatten();
-        let by = by_moments.unwrap_or_else(|| (-jr / jj).clamp(-most, most));
+        let max_step = 4.0 * reach.fold(0.0, f64::max);
+        let is_first = self.points.len() == 2;
+        let by_moments = is_first.then(|| self.by_moments(here)).flatten();
+        let by = by_moments.unwrap_or_else(|| (-jr / jj).clamp(-max_step, max_step));
         let mut to = (here + by).clamp(self.low, self.high);
         if (to - here).abs() < 0.05 / jj.sqrt() {
-            self.settled = true;
+            self.converged = true;
             return;
         }
         let known = |p: &Point| (p.u - to).abs() < 0.01 * by.abs();
         if self.points.iter().any(known) {
-            // That point is known and no better: halves the step.
+            // The point was evaluated and is not better: halves the step.
             to = here + 0.5 * (to - here);
         }
         let before = self.chi2();
         if self.eval(simulations, active, to).is_none() {
-            // That point cannot be solved: bounds the search at half the step.
+            // The point cannot be solved: bounds the search at half the step.
             let end = if to > here {
                 &mut self.high
             } else {
@@ -189,12 +198,12 @@ impl LineSearch {
             };
             *end = here + 0.5 * (to - here);
             self.failures += 1;
-        } else if self.is_better() {
-            self.settled = !is_guess && before - self.chi2() < 1e-3 * before;
-        } else if !is_guess {
+        } else if self.keep_if_better() {
+            self.converged = !is_first && before - self.chi2() < 1e-3 * before;
+        } else if !is_first {
             self.failures += 1;
         }
-        self.settled |= self.failures >= FAILURES;
+        self.converged |= self.failures >= FAILURES;
     }
 
     /// The step from `here` that matches sum, centre and spread of the maps; `None` without maps.
@@ -204,6 +213,7 @@ impl LineSearch {
         (jj > 0.0).then(|| a.u - jr / jj - here)
     }
 
+    /// Evaluates a point; `None` if it cannot be solved.
     fn eval(&mut self, simulations: &Simulations, active: &SizedEffects, u: f64) -> Option<()> {
         let mut with = active.clone();
         with.push((self.candidate.act, self.size_of(u)));
@@ -212,8 +222,8 @@ impl LineSearch {
         Some(())
     }
 
-    /// Whether the last point is the best one, which it then becomes.
-    fn is_better(&mut self) -> bool {
+    /// Makes the last point the best one if its misfit is smaller; returns whether it is.
+    fn keep_if_better(&mut self) -> bool {
         let last = self.points.len() - 1;
         let is_better = self.points[last].misfit.chi2 < self.chi2();
         if is_better {
@@ -227,14 +237,19 @@ impl LineSearch {
         self.candidate.act.search.back(u)
     }
 
-    /// J.J and J.r at the best point, from its nearest neighbour.
+    /// J.J and J.r at the best point, with the derivative J by a secant to its nearest neighbour;
+    /// `None` if J is 0.
     fn slopes(&self) -> Option<(f64, f64)> {
         let best = &self.points[self.best];
         let others = self.points.iter().enumerate();
         let others = others.filter(|(k, _)| *k != self.best).map(|(_, p)| p);
         let off = |p: &&Point| (p.u - best.u).abs();
         let nearest = others.min_by(|a, b| off(a).total_cmp(&off(b)))?;
-        let (jj, jr) = products(&best.misfit.rest, &nearest.misfit.rest, nearest.u - best.u);
+        let (jj, jr) = products(
+            &best.misfit.residuals,
+            &nearest.misfit.residuals,
+            nearest.u - best.u,
+        );
         (jj > 0.0).then_some((jj, jr))
     }
 

@@ -5,8 +5,8 @@ use crate::evidence::maps::simulate::Simulations;
 use crate::evidence::maps::sized::SizedEffects;
 use crate::finding::{Maps, Peak, Picture, Plot};
 
-/// Most rows of a picture of peaks.
-const MOST_PEAKS: usize = 60;
+/// Largest number of rows of a picture of peaks.
+const MAX_PEAKS: usize = 60;
 
 /// Measured and simulated pressure before and after, of training and held-out rows: the map of
 /// largest difference of each, and the peaks of rows without a map.
@@ -67,7 +67,7 @@ fn peaks(simulations: [&Simulations; 2], active: &SizedEffects) -> Result<Option
         }));
     }
     let count = rows.len();
-    rows.truncate(MOST_PEAKS);
+    rows.truncate(MAX_PEAKS);
     let shown = match count > rows.len() {
         true => format!(" The first {} of {count} rows.", rows.len()),
         false => String::new(),

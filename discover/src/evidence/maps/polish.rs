@@ -26,7 +26,7 @@ pub fn polish(
         errors: errors.to_vec(),
         misfit: simulations.reporting(active)?,
     };
-    let rest = DVector::from_column_slice(&fit.misfit.rest);
+    let rest = DVector::from_column_slice(&fit.misfit.residuals);
     let mut derivative = DMatrix::zeros(rest.len(), active.len());
     for (k, (effect, size)) in active.iter().enumerate() {
         // Well above the scatter of the solves, well below the size.
@@ -39,7 +39,7 @@ pub fn polish(
         let Ok(there) = simulations.reporting(&moved) else {
             return Ok(fit);
         };
-        let change = DVector::from_vec(there.rest) - &rest;
+        let change = DVector::from_vec(there.residuals) - &rest;
         derivative.set_column(k, &(change / step));
     }
     let Some(inverse) = derivative.tr_mul(&derivative).try_inverse() else {

@@ -25,17 +25,17 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::evidence::maps::sample::{FilmPosition, SolvedPressure, centre, place};
 
-/// Trials of Gauss-Newton.
-const TRIALS: usize = 30;
-/// Predicted decrease of the sum of squares, in independent values, below which it ends.
-const CONVERGED: f64 = 1e-4;
+/// Largest number of trial steps of Gauss-Newton.
+const MAX_TRIALS: usize = 30;
+/// Predicted decrease of the sum of squares, in independent values, below which the iteration ends.
+const TOLERANCE: f64 = 1e-4;
 
 /// Standard deviations of a film's position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmTolerance {
-    /// Of the shift in each direction [m].
+    /// Standard deviation of the shift in each direction [m].
     pub shift: f64,
-    /// Of the rotation [rad].
+    /// Standard deviation of the rotation [rad].
     pub rotation: f64,
 }
 
@@ -49,11 +49,11 @@ impl FilmTolerance {
 
     /// A position in standard deviations; 0 where the tolerance is 0.
     fn standardised(&self, position: &FilmPosition) -> Vector3<f64> {
-        let over = |size: f64, sd: f64| if sd > 0.0 { size / sd } else { 0.0 };
+        let ratio = |size: f64, sd: f64| if sd > 0.0 { size / sd } else { 0.0 };
         Vector3::new(
-            over(position.shift[0], self.shift),
-            over(position.shift[1], self.shift),
-            over(position.rotation, self.rotation),
+            ratio(position.shift[0], self.shift),
+            ratio(position.shift[1], self.shift),
+            ratio(position.rotation, self.rotation),
         )
     }
 }
@@ -80,29 +80,29 @@ pub struct Film<'a> {
 impl Film<'_> {
     /// Registers `solved`, as the sensor reads it, to the measured map.
     ///
-    /// Starts from the best of three positions: none, the shift that makes the centres agree, and
-    /// with it the rotation that makes the principal axes agree.
+    /// Starts from the best of three positions: no shift, the shift that makes the centres agree,
+    /// and this shift with the rotation that makes the principal axes agree.
     pub fn register(&self, solved: &SolvedPressure, sense: &dyn Fn(&mut Map)) -> Registered {
-        let at = |z: Vector3<f64>| {
+        let evaluate = |z: Vector3<f64>| {
             let mut map = solved.on(self.measured, &self.tolerance.position(&z));
             sense(&mut map);
             (self.objective(&map, &z), z, map)
         };
-        let starts = self.starts(solved).into_iter().map(at);
+        let starts = self.starts(solved).into_iter().map(evaluate);
         let mut here = starts
             .reduce(|best, other| if other.0 < best.0 { other } else { best })
             .expect("three positions");
         let (mut normal, mut gradient) = self.derivatives(&here.2, &here.1);
         let mut damping = 0.0;
-        for _ in 0..TRIALS {
+        for _ in 0..MAX_TRIALS {
             let damped = normal + Matrix3::from_diagonal(&(normal.diagonal() * damping));
             let step = inverse(&damped) * gradient;
-            if step.dot(&gradient) < CONVERGED {
+            if step.dot(&gradient) < TOLERANCE {
                 break;
             }
-            let there = at(here.1 + step);
-            if there.0 < here.0 {
-                here = there;
+            let trial = evaluate(here.1 + step);
+            if trial.0 < here.0 {
+                here = trial;
                 (normal, gradient) = self.derivatives(&here.2, &here.1);
                 damping = if damping > 1e-3 { 0.1 * damping } else { 0.0 };
             } else {
@@ -117,27 +117,29 @@ impl Film<'_> {
         }
     }
 
+    /// Weighted sum of squares of a map in position z, with the prior's part.
     fn objective(&self, map: &Map, z: &Vector3<f64>) -> f64 {
         let pairs = self.measured.pressure.iter().zip(&map.pressure);
         let weighted = pairs.zip(self.weights).map(|((m, s), w)| (m - s) * w);
         weighted.map(|r| r.powi(2)).sum::<f64>() + z.norm_squared()
     }
 
+    /// The three starting positions of [`register`](Self::register).
     fn starts(&self, solved: &SolvedPressure) -> [Vector3<f64>; 3] {
-        let own = Moments::of_map(self.measured);
-        let like = Moments::of(&solved.forces().collect::<Vec<_>>());
+        let measured = Moments::of_map(self.measured);
+        let simulated = Moments::of(&solved.forces().collect::<Vec<_>>());
         let c = centre(self.measured);
         let position = |rotation: f64| {
             let (sin, cos) = rotation.sin_cos();
-            let arm = [0, 1].map(|a| like.middle[a] - c[a]);
+            let arm = [0, 1].map(|a| simulated.middle[a] - c[a]);
             let turned = [cos * arm[0] - sin * arm[1], sin * arm[0] + cos * arm[1]];
             self.tolerance.standardised(&FilmPosition {
-                shift: [0, 1].map(|a| own.middle[a] - c[a] - turned[a]),
+                shift: [0, 1].map(|a| measured.middle[a] - c[a] - turned[a]),
                 rotation,
             })
         };
-        // Axes are the same after half a turn.
-        let (sin, cos) = (own.axis - like.axis).sin_cos();
+        // The principal axis is defined up to half a turn.
+        let (sin, cos) = (measured.axis - simulated.axis).sin_cos();
         let turn = sin.atan2(cos);
         let turn = turn - PI * (turn / PI).round();
         [Vector3::zeros(), position(0.0), position(turn)]
@@ -206,8 +208,12 @@ impl Moments {
 
     /// Moments of the pixels above a tenth of the largest; the spread is at least a pixel.
     pub fn of_map(map: &Map) -> Self {
-        let least = 0.1 * map.pressure.iter().copied().fold(0.0, f64::max);
-        let pixels = map.pressure.iter().enumerate().filter(|(_, p)| **p > least);
+        let threshold = 0.1 * map.pressure.iter().copied().fold(0.0, f64::max);
+        let pixels = map
+            .pressure
+            .iter()
+            .enumerate()
+            .filter(|(_, p)| **p > threshold);
         let points: Vec<[f64; 3]> = pixels
             .map(|(k, p)| {
                 let [x, y] = place(map, k);

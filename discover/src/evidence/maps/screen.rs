@@ -11,10 +11,10 @@ use crate::finding::Detectable;
 use crate::options::Options;
 use crate::procedure::rules::Rules;
 
-/// Line searches that are continued at a time.
-const FOLLOWED: usize = 4;
-/// Rounds of continued searches.
-const ROUNDS: usize = 10;
+/// Number of line searches that are continued at a time.
+const MAX_CONTINUED: usize = 4;
+/// Largest number of rounds of continued searches.
+const MAX_ROUNDS: usize = 10;
 
 /// First steps by effect's name, stored from screen to screen.
 pub type Steps = BTreeMap<&'static str, f64>;
@@ -52,21 +52,21 @@ pub fn screen_maps(
             lines.push(line);
         }
     }
-    for round in 0..ROUNDS {
+    for round in 0..MAX_ROUNDS {
         lines.sort_by(|a, b| a.predicted_chi2().total_cmp(&b.predicted_chi2()));
-        let mut moved = false;
+        let mut any_advanced = false;
         for (place, line) in lines.iter_mut().enumerate() {
             let growth = line.candidate.act.search.growth;
-            let near = place < FOLLOWED || round < 2;
+            let near = place < MAX_CONTINUED || round < 2;
             let promising = chi2 - line.predicted_chi2() >= options.rules.maps.least_drop && near;
             let nonlinear = matches!(growth, Growth::Bent | Growth::Far) && round < 3;
-            if !line.settled && (promising || nonlinear) {
+            if !line.converged && (promising || nonlinear) {
                 progress(&line.candidate.effect);
                 line.advance(simulations, active);
-                moved = true;
+                any_advanced = true;
             }
         }
-        if !moved {
+        if !any_advanced {
             break;
         }
     }
@@ -74,13 +74,14 @@ pub fn screen_maps(
     lines
 }
 
-/// Detectable sizes: those at which chi2 drops by enough with a probability of 90 %.
+/// Detectable size of each effect: the size at which chi2 decreases by enough with a probability of
+/// 90 %.
 pub fn detectable(lines: &[LineSearch], rules: &Rules) -> Vec<Detectable> {
     let errors = rules.maps.least_drop.sqrt() + rules.search.nine_in_ten;
-    let of = |(k, line): (usize, &LineSearch)| {
+    let detectable = |(k, line): (usize, &LineSearch)| {
         let others = lines.iter().enumerate().filter(|(j, _)| *j != k);
         let others = others.map(|(_, other)| (&other.candidate, line.correlation(other)));
         line.candidate.detectable(line.size_at(errors), 1.0, others)
     };
-    lines.iter().enumerate().map(of).collect()
+    lines.iter().enumerate().map(detectable).collect()
 }

@@ -16,8 +16,8 @@ use crate::evidence::maps::sample::SolvedPressure;
 use crate::evidence::maps::sized::SizedEffects;
 use crate::procedure::rules::MapRules;
 
-/// Standard deviations of its noise above which a pixel is in contact, wherever the simulation has
-/// none: none of a million by chance.
+/// Measured pressure, in standard deviations of its noise, above which a pixel counts as in contact
+/// although the simulation has no contact there: less than one of a million by chance.
 const ABOVE_NOISE: f64 = 5.0;
 
 /// Solution of a row before the sensor: the pressure of a row with a map, or the peak alone.
@@ -29,7 +29,7 @@ enum Simulated {
 /// Key of a solve: cells, and names and sizes of the effects that change the problem.
 type Key = (usize, Vec<(&'static str, u64)>);
 
-/// Rows with cached solves, one per set of effects; effects of the sensor need none of their own.
+/// Rows with cached solves, one per set of effects; effects of the sensor need no further solve.
 pub struct Simulations<'a> {
     pub rows: Vec<&'a Row>,
     pub rules: MapRules,
@@ -45,15 +45,15 @@ pub struct Misfit {
     pub chi2: f64,
     /// chi2 of each row.
     pub by_row: Vec<f64>,
-    /// Its part at the pixels in contact, simulated or measured. Around them is noise alone, on as
-    /// many pixels as the film is large.
+    /// Part of chi2 at the pixels in contact, simulated or measured. The pixels around them contain
+    /// noise alone, and their number depends on the size of the film.
     pub in_contact: f64,
     /// Number of independent values in contact.
     pub count: f64,
     /// Root mean square over pixels in contact [Pa].
     pub rms: f64,
     /// Weighted residuals, row after row.
-    pub rest: Vec<f64>,
+    pub residuals: Vec<f64>,
     /// Norm of the weighted simulated values.
     pub size: f64,
     /// Differences of the maps' moments by row, which are informative even without overlap.
@@ -67,11 +67,14 @@ impl Misfit {
         (self.in_contact / (self.count - 1.0).max(1.0)).max(1.0)
     }
 
-    /// Decrease of the sum of squares from this misfit to another of the same rows, by piece.
-    /// Neighbouring pixels are correlated, so that the scatter is taken over pieces.
-    pub fn falls(&self, other: &Self, pieces: usize) -> Vec<f64> {
-        let size = self.rest.len().div_ceil(pieces).max(1);
-        let pieces = self.rest.chunks(size).zip(other.rest.chunks(size));
+    /// Decrease of the sum of squares from this misfit to another one of the same rows, by piece of
+    /// the residuals. Neighbouring pixels are correlated, so that the scatter is taken over pieces.
+    pub fn decreases(&self, other: &Self, pieces: usize) -> Vec<f64> {
+        let size = self.residuals.len().div_ceil(pieces).max(1);
+        let pieces = self
+            .residuals
+            .chunks(size)
+            .zip(other.residuals.chunks(size));
         pieces
             .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a * a - b * b).sum())
             .collect()
@@ -82,11 +85,11 @@ impl<'a> Simulations<'a> {
     /// Solves each row on two meshes; their difference is the discretisation error of every later
     /// comparison.
     ///
-    /// Errors fall at least as the first power of the cell near the rim. With n cells on the coarse
-    /// mesh and m on the fine one, the error of the fine solution is `|difference| / (m / n - 1)`.
-    /// The largest difference within a cell counts, since the two may agree at a pixel by chance
-    /// where a rim lies between two nodes. Both have the film's position of the fine one without
-    /// effects.
+    /// Errors decrease at least as the first power of the cell near the rim. With n cells on the
+    /// coarse mesh and m on the fine one, the error of the fine solution is
+    /// `|difference| / (m / n - 1)`. The largest difference within a cell counts, since the two
+    /// solutions may agree at a pixel by chance where a rim lies between two nodes. Both are
+    /// evaluated in the film's position that fits the fine solution without effects.
     pub fn new(rows: Vec<&'a Row>, rules: &MapRules) -> Result<Self, Error> {
         let mut simulations = Simulations {
             rows,
@@ -127,7 +130,7 @@ impl<'a> Simulations<'a> {
         self.misfit(active, self.rules.searching_cells)
     }
 
-    /// The same on the finer meshes from which sizes are reported.
+    /// Simulates every row with the effects, on the finer meshes from which sizes are reported.
     pub fn reporting(&self, active: &SizedEffects) -> Result<Misfit, Error> {
         self.misfit(active, self.rules.reporting_cells)
     }
@@ -138,7 +141,7 @@ impl<'a> Simulations<'a> {
         let mut out = Misfit::default();
         let mut values = 0.0;
         for (k, row) in self.rows.iter().enumerate() {
-            let from = out.rest.len();
+            let from = out.residuals.len();
             values += match (&row.map, &registered[k], peaks[k]) {
                 (Some(film), Some(simulated), _) => {
                     compare(film, simulated, &self.weights[k], &self.rules, &mut out)
@@ -146,8 +149,8 @@ impl<'a> Simulations<'a> {
                 (_, _, Some(peak)) => compare_peak(row, peak, &mut out),
                 _ => unreachable!("a row has a map or a peak"),
             };
-            let own: f64 = out.rest[from..].iter().map(|r| r * r).sum();
-            out.by_row.push(own);
+            let chi2: f64 = out.residuals[from..].iter().map(|r| r * r).sum();
+            out.by_row.push(chi2);
         }
         out.chi2 = out.by_row.iter().sum();
         out.rms = (out.rms / f64::max(values, 1.0)).sqrt();
@@ -186,6 +189,7 @@ impl<'a> Simulations<'a> {
             .collect())
     }
 
+    /// Solutions of the rows with the effects, from the cache if possible.
     fn simulated(&self, active: &SizedEffects, cells: usize) -> Result<Arc<Vec<Simulated>>, Error> {
         let sizes = active
             .iter()
@@ -206,6 +210,7 @@ impl<'a> Simulations<'a> {
     }
 }
 
+/// Solves one row with the effects.
 fn simulate(row: &Row, active: &SizedEffects, cells: usize) -> Result<Simulated, Error> {
     let mut problem = row.problem.clone();
     for (effect, size) in active {
@@ -257,8 +262,8 @@ fn register(
 
 /// Pixels that count as one independent value, at most a 64th of the map.
 fn patch(map: &Map, rules: &MapRules) -> f64 {
-    let most = (map.nx * map.ny) as f64 / 64.0;
-    rules.independent_pixels.powi(2).min(most).max(1.0)
+    let max_pixels = (map.nx * map.ny) as f64 / 64.0;
+    rules.independent_pixels.powi(2).min(max_pixels).max(1.0)
 }
 
 /// Weight of each pixel [1/Pa].
@@ -273,10 +278,10 @@ fn sensed_peak(row: &Row, p_max: f64, active: &SizedEffects) -> f64 {
     p_max * all.map(|(e, size)| e.peak_factor(*size)).product::<f64>()
 }
 
-/// Adds the weighted residual of a peak and its square [Pa2]; returns its count.
+/// Adds a peak's weighted residual and its square [Pa2] to a misfit; returns the number of values.
 fn compare_peak(row: &Row, simulated: f64, out: &mut Misfit) -> f64 {
     let r = row.p_max - simulated;
-    out.rest.push(r / row.p_max_sd);
+    out.residuals.push(r / row.p_max_sd);
     out.size += (simulated / row.p_max_sd).powi(2);
     out.in_contact += (r / row.p_max_sd).powi(2);
     out.count += 1.0;
@@ -284,8 +289,8 @@ fn compare_peak(row: &Row, simulated: f64, out: &mut Misfit) -> f64 {
     1.0
 }
 
-/// Adds a map's weighted residuals, the film's position in standard deviations, independent values
-/// and squares [Pa2]; returns its count.
+/// Adds a map's weighted residuals, the film's position in standard deviations, the number of
+/// independent values and the squares [Pa2] to a misfit; returns the number of pixels in contact.
 fn compare(
     measured: &Map,
     simulated: &Registered,
@@ -294,32 +299,34 @@ fn compare(
     out: &mut Misfit,
 ) -> f64 {
     let map = &simulated.map;
-    let (own, like) = (Moments::of_map(measured), Moments::of_map(map));
-    let off =
-        |a: usize| (own.middle[a] - like.middle[a] + simulated.position.shift[a]) / own.spread[a];
+    let (of_measured, of_simulated) = (Moments::of_map(measured), Moments::of_map(map));
+    let offset = |axis: usize| {
+        let shift = simulated.position.shift[axis];
+        (of_measured.middle[axis] - of_simulated.middle[axis] + shift) / of_measured.spread[axis]
+    };
     out.moments.extend([
-        (own.sum / like.sum).ln(),
-        off(0),
-        off(1),
-        (own.spread[0] / like.spread[0]).ln(),
-        (own.spread[1] / like.spread[1]).ln(),
+        (of_measured.sum / of_simulated.sum).ln(),
+        offset(0),
+        offset(1),
+        (of_measured.spread[0] / of_simulated.spread[0]).ln(),
+        (of_measured.spread[1] / of_simulated.spread[1]).ln(),
     ]);
     let as_one = patch(measured, rules);
-    let mut touched = 0.0;
+    let mut in_contact = 0.0;
     let pairs = measured.pressure.iter().zip(&map.pressure);
     for ((m, s), weight) in pairs.zip(weights) {
-        out.rest.push((m - s) * weight);
+        out.residuals.push((m - s) * weight);
         out.size += (s * weight).powi(2);
         if *s > 0.0 || m * weight * as_one.sqrt() > ABOVE_NOISE {
-            touched += 1.0;
+            in_contact += 1.0;
             out.rms += (m - s).powi(2);
             out.in_contact += ((m - s) * weight).powi(2);
         }
     }
     // The prior's part of the sum of squares.
-    out.rest.extend(simulated.z);
-    out.count += touched / as_one;
-    touched
+    out.residuals.extend(simulated.z);
+    out.count += in_contact / as_one;
+    in_contact
 }
 
 #[cfg(test)]

@@ -6,25 +6,29 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ContactRules {
-    /// Robust deviations of the side balance from the median above which a run differs. Chosen.
+    /// Deviation of a run's lateral residual from the median over runs, in robust standard
+    /// deviations, above which the run differs. Chosen.
     pub differs: f64,
-    /// Robust deviations of all runs together at a place, relative to the track. Chosen.
+    /// Deviation of the mean square over all runs at a place from the track's median, in robust
+    /// standard deviations, above which the runs differ. Chosen.
     pub together: f64,
-    /// The same at which its interval ends. Chosen.
+    /// Deviation of a run, in robust standard deviations, below which the interval of a place ends.
+    /// Chosen.
     pub ends: f64,
-    /// Largest share of a track during contacts: above it the model is wrong. Chosen.
+    /// Largest share of a track at which runs differ: above it the model is wrong. Chosen.
     pub most: f64,
-    /// p-value of a selected effect. Chosen: it must also be confirmed on held-out runs.
+    /// Largest p-value of selected contacts. Chosen: it must also be confirmed on held-out runs.
     pub alpha: f64,
-    /// p-value of the differences of runs at a place above which they are attributed to chance
+    /// p-value of the differences between runs at a place above which they are attributed to chance
     /// pushes of single runs. Chosen.
     pub met_by_chance: f64,
-    /// Range of a wall contact's lever, relative to the distance of a runner: a force further out
-    /// is the runner's own. Chosen.
+    /// Largest ratio of a wall contact's lever to the distance of the runner on that side: a force
+    /// further out is a force of the runner. Chosen.
     pub inside: f64,
-    /// Gain of contacts, which have three numbers each, over that of any single effect. Chosen.
+    /// Ratio of the gain of contacts, which have three numbers each, to the gain of any single
+    /// effect, above which contacts are selected. Chosen.
     pub over: f64,
-    /// Clipping of a row of the side balance in comparisons of contacts, in standard deviations.
+    /// Clipping of a row of the lateral balance in comparisons of contacts, in standard deviations.
     /// Other pushes remain in the residuals of both models: seventy deviations would multiply any
     /// other difference. Chosen.
     pub most_of_a_row: f64,

@@ -6,12 +6,15 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LawRules {
-    /// Increase of the log-likelihood per number of a formula, and of a fully fitted law over the
-    /// effect that it replaces. Derived: Schwarz's half of the logarithm of some thousands of rows.
+    /// Penalty on the log-likelihood per parameter of a formula, and smallest increase of the
+    /// log-likelihood by a fully fitted law that replaces an effect. Derived: half the logarithm of
+    /// some thousands of rows (Schwarz's criterion).
     pub number: f64,
-    /// Standard errors over runs within which a simpler formula is as good as a better one. Chosen.
+    /// Difference of gains, in its standard errors over runs, within which a simpler formula is as
+    /// good as a better one. Chosen.
     pub as_good: f64,
-    /// The same within which another column belongs to a law's class. Derived: two, as for rivals.
+    /// Difference of gains, in its standard errors over runs, within which another column belongs
+    /// to a law's class. Derived: two, as for rivals.
     pub alike: f64,
     /// Number of smooth laws, the best first, for which formulas are tried. Chosen.
     pub tried: usize,

@@ -8,9 +8,10 @@ use crate::procedure::rivals::RivalRule;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MapRules {
-    /// Drop of chi2 below which nothing is selected. Chosen: a chance of e^-15 per effect.
+    /// Smallest decrease of chi2 by a selected effect. Chosen: a probability of e^-15 per effect
+    /// under noise.
     pub least_drop: f64,
-    /// Share of chi2 by which a selected effect must lower it. Chosen.
+    /// Smallest relative decrease of chi2 by a selected effect. Chosen.
     pub least_share: f64,
     /// Rivals: t is the root of their excess of chi2, in units of the best fit's mean square.
     pub rivals: RivalRule,
@@ -25,16 +26,16 @@ pub struct MapRules {
     pub reporting_cells: usize,
     /// Pixels in each direction that count as one independent value. Chosen.
     pub independent_pixels: f64,
-    /// Share of a pixel by which its place is uncertain given that of the film. Chosen: without it 5
-    /// of 11 intervals of blind cases did not contain the hidden size.
+    /// Standard deviation of a pixel's place given the film's place, in pixels. Chosen: without it
+    /// 5 of 11 intervals of blind cases did not contain the hidden size.
     pub pixel_place: f64,
     /// Standard deviation of a film's shift against the runner in each direction, if not stated
     /// \[m\]. Chosen: a film is laid to a mark by hand.
     pub film_shift_m: f64,
-    /// The same of its rotation \[rad\]. Derived: each end of a film 0.14 m long is off by the
-    /// shift.
+    /// Standard deviation of a film's rotation, if not stated \[rad\]. Derived: each end of a film
+    /// 0.14 m long is off by the shift.
     pub film_rotation_rad: f64,
-    /// Relative error of the peak by the solves. Chosen.
+    /// Error of the solves, relative to the peak pressure. Chosen.
     pub solves: f64,
 }
 

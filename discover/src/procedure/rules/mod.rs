@@ -37,20 +37,20 @@ pub struct Rules {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SearchRules {
-    /// Most effects that are named; twice as many screens are made, since several amplitudes or
-    /// places of one effect belong to one effect. Chosen: a fifth effect is usually explained by
-    /// errors of the others.
+    /// Largest number of effects that are named; twice as many screens are made, since several
+    /// amplitudes or places of one effect belong to one effect. Chosen: a fifth effect is usually
+    /// explained by errors of the others.
     pub most_effects: usize,
-    /// |t| given all others below which a selected effect has become superfluous, in experiments.
-    /// Chosen.
+    /// |t| given all other effects below which a selected effect has become superfluous, in
+    /// experiments. Chosen.
     pub superfluous_t: f64,
-    /// Standard errors by which the misfit on held-out data must fall for a step, and for the whole
-    /// model, to be named. Chosen: it is a second test of significant effects.
+    /// Decrease of the misfit on held-out data, in its standard errors, that a step and the whole
+    /// model must exceed to be named. Chosen: it is a second test of significant effects.
     pub beyond_scatter: f64,
-    /// Standard errors of the decrease in the weighted channels for the others to count only if
-    /// they rise above their scatter, and of the gain of a law that replaces a named effect.
-    /// Chosen: of 34 steps that were refused without it four pass, three of them correctly; at half
-    /// the same four, at twice one that is incorrect.
+    /// Decrease with weighted channels, in its standard errors, above which the unweighted decrease
+    /// may be within its scatter of 0; and gain of a law that replaces a named effect, in its
+    /// standard errors. Chosen: of 34 steps that were refused without it four pass, three of them
+    /// correctly; at half the same four, at twice one that is incorrect.
     pub clear: f64,
     /// Share of a channel's mean square that may repeat from run to run in an adequate model.
     /// Chosen: a twentieth of the root mean square.
@@ -98,18 +98,21 @@ pub struct RunRules {
     /// Chosen with the three below for a total false positive rate of about 0.02: missing effects
     /// are usually far more significant.
     pub alpha: f64,
-    /// The same between the sessions, and between the runs of a session, tested for friction and
-    /// for grip; and of a bin whose place is reported although no effect is named. Chosen.
+    /// Largest p-value of a selected effect between sessions or between the runs of a session,
+    /// tested for friction and for grip; and of a bin whose place is reported although no effect is
+    /// named. Chosen.
     pub alpha_levels: f64,
-    /// The same for a column outside the catalogue, and for unexplained sessions. Chosen.
+    /// Largest p-value of a selected column outside the catalogue, and of unexplained differences
+    /// between sessions. Chosen.
     pub alpha_column: f64,
-    /// The same in the track channel. Chosen.
+    /// Largest p-value of a selected effect in the track channel. Chosen.
     pub alpha_track: f64,
-    /// Share of these p-values that remains after the first selected effect. Chosen.
+    /// Factor on these p-values after the first selected effect. Chosen.
     pub alpha_again: f64,
-    /// Smallest share of a judged column that remains after a refit of the base. Chosen.
+    /// Smallest share of a candidate's information that remains after a refit of the base, for it
+    /// to be tested. Chosen.
     pub least_left: f64,
-    /// The same if installation errors are refitted, too. Chosen.
+    /// The smallest remaining share if installation errors are refitted, too. Chosen.
     pub least_left_installed: f64,
     /// Smallest share of a column's products that is not noise. Chosen.
     pub least_signal: f64,
@@ -134,8 +137,8 @@ pub struct RunRules {
     pub level_rivals: RivalRule,
     /// Rivals of a selected effect in the track channel.
     pub track_rivals: RivalRule,
-    /// Scatter of the track channel's runs, over that of sensor noise, up to which it is used.
-    /// Chosen.
+    /// Largest ratio of the scatter of the track channel's runs to the scatter by sensor noise with
+    /// which the channel is used. Chosen.
     pub track_agrees: f64,
     /// Standard deviation of the surveyed slope if none is stated \[rad\]. Chosen: 0.002 of a
     /// levelling over 5 m to 1 cm, and 0.0035 of a mean driven line a decimetre beside the surveyed
@@ -159,9 +162,10 @@ pub struct RunRules {
     pub track_bin_m: f64,
     /// Shortest piece of a run in simulations of noise \[s\]. Chosen: longer ones cost more.
     pub noise_piece_s: f64,
-    /// Share of an explainable direction that is not collinear with others. Chosen.
+    /// Smallest eigenvalue of an explainable direction, whose candidates have unit norm: below it
+    /// the candidates are collinear. Chosen.
     pub explains_alone: f64,
-    /// Standard errors over runs of an explainable direction. Chosen.
+    /// Smallest |t| over runs of the scores of an explainable direction. Chosen.
     pub explains_beyond: f64,
     /// Signal processing.
     pub recordings: RecordingRules,
@@ -171,18 +175,19 @@ pub struct RunRules {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RecordingRules {
-    /// Corner of the low pass of every signal \[Hz\]. Chosen: a driver steers below 5 Hz.
+    /// Cutoff frequency of the low pass of every signal \[Hz\]. Chosen: a driver steers below 5 Hz.
     pub signal_cutoff_hz: f64,
-    /// Retained samples per second \[1/s\]. Derived: three times the corner.
+    /// Retained samples per second \[1/s\]. Derived: three times the cutoff.
     pub signal_rate_hz: f64,
-    /// Corner of the low pass of the balances \[Hz\]. Chosen.
+    /// Cutoff frequency of the low pass of the balances \[Hz\]. Chosen.
     pub row_cutoff_hz: f64,
-    /// Rows per second \[1/s\]. Derived: two and a half times the corner.
+    /// Rows per second \[1/s\]. Derived: two and a half times the cutoff.
     pub row_rate_hz: f64,
-    /// Range of the noise of differences over the stated one without doubt. Chosen.
+    /// Range of the ratio of the noise estimated from differences to the stated noise in which the
+    /// stated noise is not doubted. Chosen.
     pub noise_as_stated: [f64; 2],
-    /// Power of an axis above the motion, over that of the quietest axis of its instrument, above
-    /// which it is taken for motion. Chosen.
+    /// Ratio of the power of an axis at frequencies above the motion to the power of the quietest
+    /// axis of its instrument, above which the power is taken for motion. Chosen.
     pub quietest_axis: f64,
 }
 
@@ -253,13 +258,14 @@ impl Default for RunRules {
 pub struct ExperimentRules {
     /// Largest p-value of a selected effect, by permutation and by simulated tables alike. Chosen.
     pub alpha: f64,
-    /// Smallest share of a judged column that remains after a refit of the base. Chosen.
+    /// Smallest share of a candidate's column that remains after a refit of the base, for it to be
+    /// tested. Chosen.
     pub least_left: f64,
     /// Share of the largest |t| above which a candidate is fitted in full. Chosen.
     pub near_largest: f64,
     /// Rivals of a selected effect, and t that a named effect must keep given a column.
     pub rivals: RivalRule,
-    /// Addition to the normal quantile of intervals, over the degrees of freedom. Derived:
+    /// Addition to the normal quantile of intervals, divided by the degrees of freedom. Derived:
     /// Student's t to first order.
     pub interval_few: f64,
     /// Mean square in units of the noise above which the residual is not clean. Chosen.

@@ -72,7 +72,7 @@ impl Candidate<Amplitude> {
         }
     }
 
-    /// The same within a window of distance on one track.
+    /// This amplitude within a window of distance on one track.
     pub fn within(&self, track: &str, from: f64, to: f64) -> Self {
         let mut local = self.clone();
         local.act.track = Some(track.to_owned());

@@ -24,7 +24,7 @@ pub struct Candidates {
 }
 
 /// Lists the effects of the catalogue and custom effects that the recorded columns allow.
-pub fn list(data: &Data, own: &Effects, along: bool, options: &Options) -> Candidates {
+pub fn list(data: &Data, model: &Effects, along: bool, options: &Options) -> Candidates {
     let mut out = Candidates {
         regular: Vec::new(),
         local: Vec::new(),
@@ -82,7 +82,7 @@ pub fn list(data: &Data, own: &Effects, along: bool, options: &Options) -> Candi
                     if against_slope(effect, index) {
                         out.track.push(candidate.clone());
                     }
-                    out.regular.extend(shapes(candidate, effect));
+                    out.regular.extend(with_trial_settings(candidate, effect));
                 }
                 Judged::ByPressure => {}
             }
@@ -91,13 +91,16 @@ pub fn list(data: &Data, own: &Effects, along: bool, options: &Options) -> Candi
     if options.looks_for(OUTSIDE_CATALOGUE) && !data.segmented {
         out.levels.extend(covariates(data, along));
     }
-    for effect in &own.active {
+    for effect in &model.active {
         if let Kind::Custom(custom) = &effect.kind
             && effect.values[0] == 0.0
             && options.looks_for(&effect.name)
         {
-            out.regular
-                .push(own_candidate(&effect.name, custom.clone(), &effect.track));
+            out.regular.push(custom_candidate(
+                &effect.name,
+                custom.clone(),
+                &effect.track,
+            ));
         }
     }
     out
@@ -108,16 +111,19 @@ pub fn list(data: &Data, own: &Effects, along: bool, options: &Options) -> Candi
 fn against_slope(effect: &Effect, parameter: usize) -> bool {
     let mut faults = effect.on_sensors.iter();
     faults.any(|fault| {
-        let shows = match fault.of {
+        let is_confused = match fault.of {
             Sensor::Ax => fault.reading != Reading::Scaled,
             sensor => sensor == Sensor::Speed,
         };
-        shows && fault.parameter == parameter
+        is_confused && fault.parameter == parameter
     })
 }
 
-/// The candidate with every value of a setting that is tried.
-fn shapes(candidate: Candidate<Amplitude>, effect: &Effect) -> Vec<Candidate<Amplitude>> {
+/// The candidate with each trial value of its setting; the candidate itself without such a setting.
+fn with_trial_settings(
+    candidate: Candidate<Amplitude>,
+    effect: &Effect,
+) -> Vec<Candidate<Amplitude>> {
     let mut settings = effect.info.parameters.iter().enumerate();
     let Some((place, setting)) = settings.find(|(_, p)| !p.tried.is_empty()) else {
         return vec![candidate];
@@ -130,7 +136,8 @@ fn shapes(candidate: Candidate<Amplitude>, effect: &Effect) -> Vec<Candidate<Amp
     setting.tried.iter().map(with).collect()
 }
 
-fn own_candidate(name: &str, custom: Custom, track: &Option<String>) -> Candidate<Amplitude> {
+/// A custom effect that the model proposes with a value of 0, as a candidate.
+fn custom_candidate(name: &str, custom: Custom, track: &Option<String>) -> Candidate<Amplitude> {
     Candidate {
         effect: name.to_owned(),
         key: "value".to_owned(),

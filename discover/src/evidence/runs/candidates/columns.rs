@@ -34,7 +34,7 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>>
     columns.extend(carried.map(|name| (name.clone(), Some(name))));
     let mut out = Vec::new();
     for (name, carrier) in columns {
-        let Some((centre, scale)) = spread(data, mass, &name) else {
+        let Some((centre, scale)) = mean_and_sd(data, mass, &name) else {
             continue;
         };
         let x = Expression::quoted(&name);
@@ -82,7 +82,7 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>>
 pub fn covariates(data: &Data, along: bool) -> Vec<Candidate<Amplitude>> {
     let mut out = Vec::new();
     for name in further_columns(&data.frames, false) {
-        let Some((centre, scale)) = spread(data, 1.0, &name) else {
+        let Some((centre, scale)) = mean_and_sd(data, 1.0, &name) else {
             continue;
         };
         let mut of_session = BTreeMap::new();
@@ -111,7 +111,9 @@ pub fn covariates(data: &Data, along: bool) -> Vec<Candidate<Amplitude>> {
     out
 }
 
-fn spread(data: &Data, mass: f64, name: &str) -> Option<(f64, f64)> {
+/// Mean and standard deviation of a column over the training samples; `None` if it is not recorded
+/// or constant. The load is approximated by mass times vertical acceleration.
+fn mean_and_sd(data: &Data, mass: f64, name: &str) -> Option<(f64, f64)> {
     let mut all: Vec<f64> = Vec::new();
     for frame in data.training() {
         let column: &[f64] = match name {

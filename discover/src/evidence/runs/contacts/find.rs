@@ -8,8 +8,8 @@
 //! |Z| > 8 (1.4826 median |Z|)        8: ContactRules::differs
 //! ```
 //!
-//! So do runs of which none is significant alone but whose mean square together exceeds that of
-//! other places.
+//! A place is also found if no run is significant alone but the mean square over the runs exceeds
+//! that of other places.
 
 use kufe_sled::scatter;
 use rayon::prelude::*;
@@ -20,16 +20,17 @@ use crate::procedure::rules::ContactRules;
 
 /// Length of a cell \[m\].
 const CELL_M: f64 = 2.0;
-/// Cells of a sum.
+/// Number of cells of a sum.
 const SUM: usize = 5;
-/// Clipping of a single run's deviation, so that one run does not make a place. Chosen.
-const MOST_OF_A_RUN: f64 = 6.0;
+/// Clipping of a single run's deviation, in units of the scatter, so that one run alone is not
+/// significant. Chosen.
+const MAX_DEVIATION: f64 = 6.0;
 /// Random shifts of all runs for the null distribution.
 const TRIALS: u64 = 3999;
-/// Fewest runs of a track with a median: the median of three is one run's.
-const FEWEST_RUNS: usize = 4;
-/// Most cells of a track: a distance above 100 km is a mistake.
-const MOST_CELLS: usize = 50_000;
+/// Smallest number of runs of a track: the median of three runs is the value of one of them.
+const MIN_RUNS: usize = 4;
+/// Largest number of cells of a track: a distance above 100 km is a mistake.
+const MAX_CELLS: usize = 50_000;
 
 /// An interval of a track \[m\] on which some runs differ.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,7 +79,7 @@ fn on_track(
     let cells = ((high - low) / CELL_M).ceil();
     // Also excludes NaN.
     let cells = cells as usize;
-    if runs.len() < FEWEST_RUNS || !(SUM + 1..=MOST_CELLS).contains(&cells) {
+    if runs.len() < MIN_RUNS || !(SUM + 1..=MAX_CELLS).contains(&cells) {
         return Vec::new();
     }
     let mut rows: Vec<Vec<f64>> = runs
@@ -120,8 +121,8 @@ fn on_track(
         }
     }
     let squares = squares(&sums, unit);
-    let roots = together(&squares);
-    for (start, end) in exceeding(&above_middle(&roots), rules.together) {
+    let roots = joint_differences(&squares);
+    for (start, end) in exceeding(&deviations_from_median(&roots), rules.together) {
         differs[start + 1..(end + SUM - 2).min(cells)].fill(true);
     }
     let all = || sums.iter().flatten().filter(|z| z.is_finite());
@@ -130,7 +131,7 @@ fn on_track(
         return Vec::new();
     }
     let seed = seed.filter(|_| differs.contains(&true));
-    let chance = seed.map_or(Vec::new(), |seed| by_chance(&squares, seed));
+    let chance = seed.map_or(Vec::new(), |seed| null_distribution(&squares, seed));
     let count = roots.len();
     let mut found = Vec::new();
     let mut start = 0;
@@ -158,20 +159,20 @@ fn on_track(
 /// Squares of sums in units of their scatter, clipped at six deviations.
 fn squares(sums: &[Vec<f64>], unit: f64) -> Vec<Vec<f64>> {
     let square = |z: &f64| match z.is_finite() {
-        true => (z / unit).abs().min(MOST_OF_A_RUN).powi(2),
+        true => (z / unit).abs().min(MAX_DEVIATION).powi(2),
         false => f64::NAN,
     };
     let of_run = |row: &Vec<f64>| row.iter().map(square).collect();
     sums.iter().map(of_run).collect()
 }
 
-/// Difference of runs at each sum, without the run that differs most, which may be an outlier: with
-/// q the mean of the squares of the others, `q^(1/3)`, which is nearly normal; NaN where few runs
-/// have samples.
+/// Difference of runs at each sum: `q^(1/3)`, with q the mean square over the runs without the
+/// largest square, which may be an outlier. The cube root is nearly normal. NaN where few runs have
+/// samples.
 ///
 /// Source: E. B. Wilson and M. M. Hilferty, The distribution of chi-square, Proc. Natl. Acad. Sci.
 /// 17 (1931) 684.
-fn together(squares: &[Vec<f64>]) -> Vec<f64> {
+fn joint_differences(squares: &[Vec<f64>]) -> Vec<f64> {
     let unmoved = vec![0; squares.len()];
     let root = |w: usize| mean_of_others(squares, &unmoved, w).cbrt();
     (0..squares[0].len()).map(root).collect()
@@ -193,8 +194,8 @@ fn mean_of_others(squares: &[Vec<f64>], shifts: &[usize], w: usize) -> f64 {
     }
 }
 
-/// Robust deviations above the median.
-fn above_middle(roots: &[f64]) -> Vec<f64> {
+/// Deviations from the median, in units of a robust standard deviation.
+fn deviations_from_median(roots: &[f64]) -> Vec<f64> {
     let mut sorted: Vec<f64> = roots.iter().copied().filter(|u| u.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
     let middle = sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN);
@@ -203,9 +204,9 @@ fn above_middle(roots: &[f64]) -> Vec<f64> {
     away.iter().map(|away| away / deviation).collect()
 }
 
-/// Null distribution of the largest value of [`together`], sorted: every run is shifted cyclically
-/// along the track on its own.
-fn by_chance(squares: &[Vec<f64>], seed: u64) -> Vec<f64> {
+/// Null distribution of the largest value of [`joint_differences`], sorted: every run is shifted
+/// cyclically along the track on its own.
+fn null_distribution(squares: &[Vec<f64>], seed: u64) -> Vec<f64> {
     let count = squares[0].len();
     let largest = |trial: u64| {
         let mut rng = stream(seed, 0x5717F7, trial);
@@ -218,13 +219,13 @@ fn by_chance(squares: &[Vec<f64>], seed: u64) -> Vec<f64> {
     largest
 }
 
-/// Intervals where the values exceed `least`, extended as far as they exceed 70 % of it.
-fn exceeding(away: &[f64], least: f64) -> Vec<(usize, usize)> {
+/// Intervals where the values exceed `threshold`, extended as far as they exceed 70 % of it.
+fn exceeding(away: &[f64], threshold: f64) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     let mut start = 0;
-    for group in away.chunk_by(|a, b| (*a > 0.7 * least) == (*b > 0.7 * least)) {
+    for group in away.chunk_by(|a, b| (*a > 0.7 * threshold) == (*b > 0.7 * threshold)) {
         let end = start + group.len();
-        if group.iter().any(|away| *away > least) {
+        if group.iter().any(|away| *away > threshold) {
             found.push((start, end));
         }
         start = end;
@@ -269,17 +270,17 @@ mod tests {
     #[test]
     fn places_are_found_by_all_runs_together_and_noise_has_none() {
         let rules = ContactRules::default();
-        let roots = |sums: &[Vec<f64>]| together(&squares(sums, 1.0));
+        let roots = |sums: &[Vec<f64>]| joint_differences(&squares(sums, 1.0));
         let chance = |draw: u64, pushed: std::ops::Range<usize>| {
             let sums = sums(draw, pushed);
             let most = roots(&sums).into_iter().fold(f64::NEG_INFINITY, f64::max);
-            let by_chance = by_chance(&squares(&sums, 1.0), 1);
+            let by_chance = null_distribution(&squares(&sums, 1.0), 1);
             by_chance.iter().filter(|u| **u >= most).count() as f64 / by_chance.len() as f64
         };
         let by_chance = (0..40).filter(|draw| chance(*draw, 0..0) < 0.05);
         assert!(by_chance.count() <= 5, "the stated rate of false positives");
         let hit = (0..200).filter(|draw| {
-            let away = above_middle(&roots(&sums(*draw, 100..105)));
+            let away = deviations_from_median(&roots(&sums(*draw, 100..105)));
             let there = exceeding(&away, rules.together);
             there.iter().any(|(from, to)| *from >= 99 && *to <= 106)
         });

@@ -12,14 +12,15 @@ use crate::evidence::runs::screen::levels::group;
 
 /// Lateral and yaw balance.
 const BALANCES: [usize; 2] = [1, 2];
-/// Standard deviations above which a sample is excluded. Chosen: noise alone: one of 16,000.
-const MOST: f64 = 4.0;
+/// Deviation above which a sample is excluded, in standard deviations. Chosen: noise alone exceeds
+/// it in one of 16,000 samples.
+const MAX_DEVIATION: f64 = 4.0;
 /// Step of the factor in central differences.
 const CHANGE: f64 = 0.01;
 
-/// Subtracts from the residuals of each run what a change of grip per session explains. With j the
-/// derivative of the residual with respect to a factor on all side forces, by least squares over
-/// the samples of the session within four standard deviations,
+/// Subtracts from the residuals of each run the part that a change of grip per session explains.
+/// With j the derivative of the residual with respect to a factor on all side forces, and products
+/// summed over the samples of the session within four standard deviations, the result is
 ///
 /// ```text
 /// residual - j (j . residual) / (j . j)
@@ -42,7 +43,7 @@ pub fn subtract_grip(model: &ResidualModel, frames: &[Frame], residual: &mut [Ch
             for (c, sd) in BALANCES.into_iter().zip(scatters) {
                 for i in frames[run].samples() {
                     let y = residual[run][c][i];
-                    if y.abs() <= MOST * sd {
+                    if y.abs() <= MAX_DEVIATION * sd {
                         let j = column(run, c, i);
                         (jj, jy) = (jj + (j / sd).powi(2), jy + j * y / (sd * sd));
                     }

@@ -6,7 +6,7 @@ use kufe_sled::effects::{Active, Effect};
 use kufe_sled::{HARDEST, WallContact};
 use rayon::prelude::*;
 
-use crate::evidence::runs::contacts::FEWEST_HITS;
+use crate::evidence::runs::contacts::MIN_HITS;
 use crate::evidence::runs::contacts::find::stretches;
 use crate::evidence::runs::contacts::model::at_place;
 use crate::evidence::runs::contacts::own::set_own_of;
@@ -41,8 +41,9 @@ pub fn hit(
         p_values.push(s.p_value);
     }
     let mut frames = runs.to_vec();
-    // First round: either side, one place per spot. Then each place with its side; then the
-    // remaining ones, without places that a single run hits.
+    // First round: contacts on either side, one place per group of overlapping contacts. Second
+    // round: each place with contacts on its side alone. Third round: without places that a single
+    // run hits.
     for round in 0..3 {
         let both = frames.par_iter_mut().zip(side_n);
         both.for_each(|(frame, side_n)| set_own_of(frame, side_n, &places));
@@ -52,7 +53,7 @@ pub fn hit(
             let own = frames.iter().flat_map(|f| &f.contacts);
             let of_place = own.filter(|own| own.place == k).map(|own| own.contact);
             let spots = spots(of_place.collect());
-            let spots = spots.iter().filter(|s| s.len() >= FEWEST_HITS);
+            let spots = spots.iter().filter(|s| s.len() >= MIN_HITS);
             let mut found: Vec<Active> = Vec::new();
             for contacts in spots.take(if round == 0 { usize::MAX } else { 1 }) {
                 let place = at_spot(&stretch, contacts);
@@ -65,11 +66,11 @@ pub fn hit(
         }
     }
     let tracks: BTreeSet<&str> = runs.iter().map(|f| f.track.as_str()).collect();
-    let least = p_values.into_iter().reduce(f64::min)?;
+    let smallest = p_values.into_iter().reduce(f64::min)?;
     Some(HitPlaces {
         places,
         frames,
-        p_value: (least * tracks.len() as f64).min(1.0),
+        p_value: (smallest * tracks.len() as f64).min(1.0),
     })
 }
 
@@ -84,13 +85,15 @@ fn at_spot(stretch: &Active, contacts: &[WallContact]) -> Active {
     place
 }
 
+/// Whether two places are on different sides or do not overlap.
 fn are_apart(place: &Active, other: &Active) -> bool {
     place.values[0] * other.values[0] < 0.0
         || place.values[2] < other.values[1]
         || other.values[2] < place.values[1]
 }
 
-/// Groups contacts by side and overlap, largest first. One far weaker than two others is noise.
+/// Groups contacts by side and overlap, largest group first. A contact far weaker than two others
+/// is taken for noise.
 fn spots(mut contacts: Vec<WallContact>) -> Vec<Vec<WallContact>> {
     let mut sizes: Vec<f64> = contacts.iter().map(|c| c.force_n.abs()).collect();
     sizes.sort_by(|a, b| b.total_cmp(a));
@@ -103,6 +106,7 @@ fn spots(mut contacts: Vec<WallContact>) -> Vec<Vec<WallContact>> {
     spots
 }
 
+/// Groups contacts of one side by overlap.
 fn spots_aside(mut contacts: Vec<WallContact>) -> Vec<Vec<WallContact>> {
     let overlap = |a: &WallContact, b: &WallContact| {
         a.s_m <= b.s_m + b.length_m && b.s_m <= a.s_m + a.length_m

@@ -1,4 +1,5 @@
-//! Estimates of contacts by the balances that did not set them: lever, friction and significance.
+//! Lever, friction and significance of contacts, from the balances that the contacts were not
+//! estimated from.
 
 use kufe_sled::WallContact;
 use kufe_sled::effects::Active;
@@ -12,22 +13,23 @@ use crate::null::random::{below, stream};
 
 /// Standard errors above which a contact is strong: its selection bias is then a thirtieth.
 const STRONG: f64 = 10.0;
-/// Fewest strong contacts that are used alone.
-const FEWEST_STRONG: usize = 4;
-/// Reference places along the track.
-const ELSEWHERE: usize = 60;
+/// Smallest number of strong contacts that are used alone.
+const MIN_STRONG: usize = 4;
+/// Number of reference places along the track.
+const REFERENCES: usize = 60;
 /// Share of the reference places trimmed at either end, where runs may have contacts.
 const TRIMMED: f64 = 0.2;
 
-/// Half-wave amplitudes in the lateral residual and another one, minus the median over runs.
+/// Half-wave amplitudes x in the lateral residual and y in another one, minus the median over runs.
 type Amplitudes = [f64; 2];
 
-/// Sums of squares and products of half-wave amplitudes over runs, with those of noise.
+/// Sums of the squares x^2 and products x y of half-wave amplitudes, and their expectation under
+/// noise.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Excess {
-    /// By run: squares and products at the places.
+    /// Sums over places, by run.
     runs: Vec<[f64; 2]>,
-    /// The sums at reference places, all runs together.
+    /// Sums at reference places, over all runs.
     noise: [f64; 2],
 }
 
@@ -47,25 +49,25 @@ pub fn excess(
         let Some(wave) = mean_wave(frames, k) else {
             continue;
         };
-        let turned = match balance {
+        let sign = match balance {
             0 => -place.values[0].signum(),
             _ => 1.0,
         };
-        let met = |f: &Frame| {
+        let is_unpushed = |f: &Frame| {
             !f.pushed
                 .iter()
                 .any(|[from, to]| wave.s_m < *to && *from < wave.s_m + wave.length_m)
         };
         let there: Vec<usize> = (0..frames.len())
-            .filter(|i| place.acts_on(&frames[*i].track) && met(&frames[*i]))
+            .filter(|i| place.acts_on(&frames[*i].track) && is_unpushed(&frames[*i]))
             .collect();
-        let at = |by_m: f64| -> Option<Vec<Amplitudes>> {
+        let shifted = |by_m: f64| -> Option<Vec<Amplitudes>> {
             let of_run = |i: &usize| amplitudes(&frames[*i], &residual[*i], balance, &wave, by_m);
             let all: Option<Vec<Amplitudes>> = there.iter().map(of_run).collect();
             let all = all.map(subtract_median)?;
-            Some(all.into_iter().map(|[x, y]| [x, turned * y]).collect())
+            Some(all.into_iter().map(|[x, y]| [x, sign * y]).collect())
         };
-        let Some(here) = at(0.0) else { continue };
+        let Some(here) = shifted(0.0) else { continue };
         for (i, [x, y]) in there.iter().zip(here) {
             let run = &mut excess.runs[*i];
             (run[0], run[1]) = (run[0] + x * x, run[1] + x * y);
@@ -77,11 +79,11 @@ pub fn excess(
         let (from, to) = ends.fold((f64::NEG_INFINITY, f64::INFINITY), |a, b| {
             (a.0.max(b.0), a.1.min(b.1))
         });
-        let step = (to - from - wave.length_m) / ELSEWHERE as f64;
-        let elsewhere = (0..ELSEWHERE).map(|d| from + step * d as f64 - wave.s_m);
+        let step = (to - from - wave.length_m) / REFERENCES as f64;
+        let elsewhere = (0..REFERENCES).map(|d| from + step * d as f64 - wave.s_m);
         let elsewhere: Vec<[f64; 2]> = elsewhere
             .filter(|by_m| by_m.abs() > wave.length_m)
-            .filter_map(at)
+            .filter_map(shifted)
             .map(|all| {
                 all.iter()
                     .fold([0.0; 2], |a, [x, y]| [a[0] + x * x, a[1] + x * y])
@@ -94,7 +96,7 @@ pub fn excess(
     excess
 }
 
-/// The mean half wave of the hits of a place.
+/// The mean half wave of the hits of place `k`; `None` without hits.
 fn mean_wave(frames: &[Frame], k: usize) -> Option<WallContact> {
     let own = frames.iter().flat_map(|f| &f.contacts);
     let hits: Vec<WallContact> = own
@@ -111,7 +113,7 @@ fn mean_wave(frames: &[Frame], k: usize) -> Option<WallContact> {
     })
 }
 
-/// `None` if the run has no sample there.
+/// Amplitudes of a half wave that is shifted by `by_m`; `None` if the run has no sample there.
 fn amplitudes(
     frame: &Frame,
     residual: &ChannelRows,
@@ -146,37 +148,39 @@ fn subtract_median(mut all: Vec<Amplitudes>) -> Vec<Amplitudes> {
     all
 }
 
+/// Trimmed mean.
 fn trimmed(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
-    let out = (TRIMMED * values.len() as f64) as usize;
-    let middle_values = &values[out..values.len() - out];
+    let cut = (TRIMMED * values.len() as f64) as usize;
+    let middle_values = &values[cut..values.len() - cut];
     middle_values.iter().sum::<f64>() / middle_values.len().max(1) as f64
 }
 
 /// Ratio of another residual to the lateral one at contacts.
 ///
-/// The median of all runs and the same sums at reference places are subtracted, so that neither
-/// noise that both share nor the selection of hits biases it:
+/// With x the half-wave amplitudes in the lateral residual and y those in the other one, the median
+/// of all runs and the sums at reference places are subtracted, so that neither noise that both
+/// residuals share nor the selection of hits biases the ratio:
 ///
 /// ```text
 /// (sum x y - reference) / (sum x^2 - reference)        over the runs of each place's track
 /// ```
 ///
-/// The interval is that of the jackknife over runs.
+/// The interval is a jackknife interval over runs.
 pub fn ratio(excess: &Excess, interval: f64) -> Interval {
     let n = excess.runs.len() as f64;
     let total = excess
         .runs
         .iter()
         .fold([0.0; 2], |a, r| [a[0] + r[0], a[1] + r[1]]);
-    let of = |sums: [f64; 2], share: f64| {
+    let ratio = |sums: [f64; 2], share: f64| {
         let [xx, xy] = [0, 1].map(|k| sums[k] - share * excess.noise[k]);
         xy / xx.max(1e-300)
     };
-    let value = of(total, 1.0);
+    let value = ratio(total, 1.0);
     let without = excess.runs.iter().map(|run| {
         let residual = [total[0] - run[0], total[1] - run[1]];
-        (of(residual, (n - 1.0) / n) - value).powi(2)
+        (ratio(residual, (n - 1.0) / n) - value).powi(2)
     });
     let half = interval * ((n - 1.0) / n * without.sum::<f64>()).sqrt();
     Interval {
@@ -189,7 +193,7 @@ pub fn ratio(excess: &Excess, interval: f64) -> Interval {
 /// The ratio by strong contacts alone, each with its own half wave; `None` if they are few.
 ///
 /// ```text
-/// sum F w y / sum F^2 w^2        its interval from the scatter of contacts
+/// sum F w y / sum F^2 w^2        with an interval from the scatter of contacts
 /// ```
 pub fn ratio_of_strong(
     frames: &[Frame],
@@ -221,7 +225,7 @@ pub fn ratio_of_strong(
         .iter()
         .fold([0.0; 2], |a, [xx, xy]| [a[0] + xx, a[1] + xy]);
     let n = contacts.len() as f64;
-    (contacts.len() >= FEWEST_STRONG && xx > 0.0).then(|| {
+    (contacts.len() >= MIN_STRONG && xx > 0.0).then(|| {
         let value = xy / xx;
         let away = contacts.iter().map(|[xx, xy]| (xy - value * xx).powi(2));
         let half = interval * (away.sum::<f64>() * n / (n - 1.0)).sqrt() / xx;
@@ -273,21 +277,21 @@ pub fn shared_with_side(frames: &[Frame], residual: &[ChannelRows], balance: usi
 
 /// The yaw residual without the noise that it shares with the lateral one.
 pub fn subtract_side_noise(residual: &[ChannelRows], shared_m: f64) -> Vec<Vec<f64>> {
-    let apart = |l: &ChannelRows| {
+    let without_noise = |l: &ChannelRows| {
         let both = l[2].iter().zip(&l[1]);
         both.map(|(y, x)| y - shared_m * x).collect()
     };
-    residual.iter().map(apart).collect()
+    residual.iter().map(without_noise).collect()
 }
 
 /// p-value of the yaw residual ([`subtract_side_noise`]) at the contacts, with one lever for all,
-/// against the same half waves moved elsewhere in the same run where it has no contact. With the
-/// half wave w of a contact, F its force and y the residual, of
+/// against the same half waves moved to other places of the run without contacts. With w the half
+/// wave of a contact, F its force and y the residual, the statistic is
 ///
 /// ```text
 /// (sum F w y)^2 / sum F^2 w^2
 /// ```
-pub fn seen_by_yaw(frames: &[Frame], yaw: &[Vec<f64>], trials: u64, seed: u64) -> f64 {
+pub fn yaw_p_value(frames: &[Frame], yaw: &[Vec<f64>], trials: u64, seed: u64) -> f64 {
     let products = |frame: &Frame, yaw: &[f64], by_m: f64, k: usize| {
         let c = frame.contacts[k].contact;
         let from = c.s_m + by_m;

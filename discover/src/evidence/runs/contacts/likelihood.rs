@@ -7,11 +7,11 @@ use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::model::residual_model::ChannelRows;
 use crate::evidence::runs::recordings::frame::Frame;
 
-/// Share of runs with another push at a place, and its size relative to a hit. Chosen: limits the
-/// influence of a single run.
-const ELSE: (f64, f64) = (0.05, 10.0);
+/// Probability of another push at a place, and the ratio of its standard deviation to a hit's
+/// force. Chosen: limits the influence of a single run.
+const OTHER_PUSH: (f64, f64) = (0.05, 10.0);
 
-/// Twice the log likelihood ratio of the lateral residual of a run with and without contacts.
+/// Twice the log-likelihood ratio of the lateral residual of a run with and without contacts.
 ///
 /// A place states its half wave w up to a shift, and ([`hits_of`]) a share pi of hits and their
 /// force F. With r the rows of the lateral residual in units of their standard deviation sd \[N\],
@@ -24,7 +24,7 @@ const ELSE: (f64, f64) = (0.05, 10.0);
 /// sum over places of 2 ln ((1 - q) (1 - pi + pi L(F, F / 2)) + q L(0, 10 F)) - 2 ln (1 - q + q L(0, 10 F))
 /// ```
 ///
-/// with a share q of runs with another push; `share` of the rows are independent
+/// with q the probability of another push; `share` is the fraction of independent rows
 /// ([`correlated_rows`]). Source: the predictive density of a normal amplitude in normal noise.
 /// Under noise alone the sum exceeds 2 ln(1 / p) with a probability of at most p (Markov's
 /// inequality).
@@ -46,9 +46,9 @@ pub fn log_likelihood_ratio(
     there.map(of_place).sum()
 }
 
-/// Number of lateral rows per independent one, at least 1: the mean square of half-wave amplitudes
-/// along the runs over that of white noise. `rows` are those of the training runs in units of their
-/// standard deviation.
+/// Number of lateral rows per independent one, at least 1: the ratio of the mean square of
+/// half-wave amplitudes along the runs to that of white noise. `rows` are the training runs' rows
+/// in units of their standard deviation.
 ///
 /// Slow noise persists over a whole half wave. The median of the squares is used: few half waves
 /// are at a wall.
@@ -88,7 +88,7 @@ fn place_log_ratio(
     sd_n: f64,
     share: f64,
 ) -> f64 {
-    let (other, harder) = ELSE;
+    let (other, harder) = OTHER_PUSH;
     // Logarithms: the likelihood of a hard push overflows.
     let [mut by_hit, mut by_other] = [Vec::new(), Vec::new()];
     for wave in waves {

@@ -13,5 +13,6 @@ mod pushes;
 pub(crate) mod report;
 pub(crate) mod selection;
 
-/// Fewest runs that hit a place: a contact of a single run is not a property of the track.
-const FEWEST_HITS: usize = 2;
+/// Smallest number of runs that hit a place: a contact of a single run is not a property of the
+/// track.
+const MIN_HITS: usize = 2;

@@ -55,7 +55,8 @@ pub fn own_contacts(frame: &Frame, side_n: &[f64], places: &[Active]) -> Vec<Own
     .collect()
 }
 
-/// Sets the contacts of a run at these places; a far harder push is marked as the run's own.
+/// Sets the contacts of a run at these places; a far harder push is marked as a push of this run
+/// alone.
 pub fn set_own_of(frame: &mut Frame, side_n: &[f64], places: &[Active]) {
     for (_, push) in pushes_of(frame, side_n, places) {
         let c = &push.contact;
@@ -107,11 +108,11 @@ fn pushed(frame: &Frame, s: f64) -> bool {
 }
 
 /// The run without the excluded places.
-fn without(frame: &Frame, out: impl Fn(f64) -> bool) -> Frame {
+fn without(frame: &Frame, is_excluded: impl Fn(f64) -> bool) -> Frame {
     let mut reduced = frame.clone();
-    for (part, s) in reduced.taking_part.iter_mut().zip(&frame.s) {
-        *part &= !out(*s);
+    for (part, s) in reduced.is_used.iter_mut().zip(&frame.s) {
+        *part &= !is_excluded(*s);
     }
-    reduced.centres = reduced.sieve.clear_centres(&reduced.taking_part);
+    reduced.centres = reduced.row_kernel.clear_centres(&reduced.is_used);
     reduced
 }

@@ -4,7 +4,7 @@ use kufe_sled::effects::Effect;
 use rayon::prelude::*;
 
 use crate::evidence::runs::campaign::Campaign;
-use crate::evidence::runs::contacts::FEWEST_HITS;
+use crate::evidence::runs::contacts::MIN_HITS;
 use crate::evidence::runs::contacts::find::{Stretch, stretches};
 use crate::evidence::runs::contacts::model::{at_place, wall};
 use crate::evidence::runs::contacts::own::{own_contacts, residuals_without, without_contacts};
@@ -19,8 +19,8 @@ struct Push {
 }
 
 impl Campaign<'_> {
-    /// Marks pushes that no other run shares, and without selectable contacts those of up to half
-    /// of the runs of a track.
+    /// Marks pushes that no other run shares; if contacts cannot be selected, also pushes that up
+    /// to half of the runs of a track share.
     ///
     /// Training samples there are excluded; the names of the runs with the places are returned.
     /// Pushes of held-out runs, detected together with these, do not count in any comparison.
@@ -95,7 +95,7 @@ impl Campaign<'_> {
             let on = |f: &&Frame| f.track == stretch.track;
             let runs = frames[..learned].iter().filter(on).count();
             let most = if is_selectable {
-                FEWEST_HITS - 1
+                MIN_HITS - 1
             } else {
                 runs / 2
             };

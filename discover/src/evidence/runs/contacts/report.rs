@@ -7,8 +7,8 @@ use crate::finding::{
     ContactPlace, DriverContacts, Fitted, Picture, Plot, RunContact, Scatter, Series, Step,
 };
 
-/// Fewest contacts of a picture.
-const FEWEST: usize = 3;
+/// Smallest number of contacts of a picture.
+const MIN_CONTACTS: usize = 3;
 
 impl Campaign<'_> {
     /// Lever and friction of the step that selected contacts.
@@ -60,7 +60,7 @@ impl Campaign<'_> {
                 .flat_map(|p| &p.contacts)
                 .collect();
             own.sort_by(|a, b| (a.from_m + a.to_m).total_cmp(&(b.from_m + b.to_m)));
-            (own.len() >= FEWEST).then(|| Picture {
+            (own.len() >= MIN_CONTACTS).then(|| Picture {
                 title: format!("wall-contact by run on track {track}"),
                 caption: "The force of every contact, estimated from the side balance of its own run. Bars are standard errors where they exceed the dot.".to_owned(),
                 plot: Plot::Scatter(Scatter {
@@ -130,7 +130,7 @@ fn contact_places(contacts: &Contacts, frames: &[&Frame]) -> Vec<ContactPlace> {
     contacts.places.iter().enumerate().map(place).collect()
 }
 
-/// Mean and standard deviation over the runs that hit; 0 without any.
+/// Mean and standard deviation of the force over the runs that hit; 0 if no run hit.
 fn mean_and_spread(own: &[&RunContact]) -> [f64; 2] {
     let n = own.len() as f64;
     if own.is_empty() {

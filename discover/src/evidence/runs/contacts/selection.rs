@@ -1,16 +1,17 @@
-//! Selection of wall contacts: found by lateral differences of runs, tested by their yaw residuals.
+//! Selection of wall contacts: found from lateral differences between runs, tested by their yaw
+//! residuals.
 
 use kufe_sled::effects::{Active, Kind, Level};
 
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, RunFit, gap_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::contacts::FEWEST_HITS;
+use crate::evidence::runs::contacts::MIN_HITS;
 use crate::evidence::runs::contacts::found::FoundContacts;
 use crate::evidence::runs::contacts::grip::subtract_grip;
 use crate::evidence::runs::contacts::hit::hit;
 use crate::evidence::runs::contacts::levers::{
-    excess, ratio, ratio_of_strong, seen_by_yaw, shared_with_side, subtract_side_noise,
+    excess, ratio, ratio_of_strong, shared_with_side, subtract_side_noise, yaw_p_value,
 };
 use crate::evidence::runs::contacts::model::{Contacts, wall};
 use crate::evidence::runs::contacts::own::{
@@ -35,8 +36,8 @@ impl Campaign<'_> {
         }
         let effect = wall().filter(|e| self.options.looks_for(e.info.name))?;
         let whole = self.whole();
-        let as_it_is = residuals_without(model, whole);
-        let mut residual = as_it_is.clone();
+        let unchanged = residuals_without(model, whole);
+        let mut residual = unchanged.clone();
         subtract_grip(model, whole, &mut residual);
         let side: Vec<Vec<f64>> = residual.iter().map(|l| l[1].clone()).collect();
         let rules = &self.options.rules.runs;
@@ -46,7 +47,7 @@ impl Campaign<'_> {
         // residual, as in the held-out runs. A place without hits then has neither a force nor an
         // interval and is dropped.
         loop {
-            for (frame, residual) in frames.iter_mut().zip(&as_it_is) {
+            for (frame, residual) in frames.iter_mut().zip(&unchanged) {
                 set_own_of(frame, &residual[1], &places);
             }
             let hits = |k: usize| {
@@ -54,7 +55,7 @@ impl Campaign<'_> {
                 own.filter(|own| own.place == k).count()
             };
             let hit: Vec<Active> = (0..places.len())
-                .filter(|k| hits(*k) >= FEWEST_HITS)
+                .filter(|k| hits(*k) >= MIN_HITS)
                 .map(|k| places[k].clone())
                 .collect();
             if hit.is_empty() {
@@ -77,7 +78,7 @@ impl Campaign<'_> {
         let inside = rules.contacts.inside;
         let inside = -inside * sled.l_r_m..inside * sled.l_f_m;
         let yaw = subtract_side_noise(&residual, shared_m);
-        let by_yaw = seen_by_yaw(&frames, &yaw, TRIALS, self.options.seed);
+        let by_yaw = yaw_p_value(&frames, &yaw, TRIALS, self.options.seed);
         let p_value = combined_p_value(hit.p_value, by_yaw);
         if !inside.contains(&lever_m.value)
             || hit.p_value > rules.contacts.met_by_chance
@@ -91,7 +92,7 @@ impl Campaign<'_> {
         }
         for (k, place) in places.iter_mut().enumerate() {
             let track = place.track.clone().unwrap_or_default();
-            stated(place, k, &frames, &track, [friction.value, lever_m.value]);
+            set_parameters(place, k, &frames, &track, [friction.value, lever_m.value]);
         }
         let contacts = Contacts {
             step: None,
@@ -168,8 +169,8 @@ impl Campaign<'_> {
         self.whole = found.frames;
         self.training = self.whole.iter().map(without_contacts).collect();
         let base = self.fitted(&fit.residual_model, fit.owners.clone())?;
-        // The first base was biased by the contacts; places are found again with an unbiased one,
-        // unless so many runs differ that a whole track is excluded.
+        // The first base was biased by the contacts; places are searched for again with an unbiased
+        // one, unless so many runs differ that a whole track is excluded.
         let again = self.find_contacts(&base.residual_model);
         let again = again.filter(|again| again.gain > 0.5 * found.gain);
         let mut contacts = found.contacts;
@@ -204,7 +205,8 @@ impl Campaign<'_> {
         })
     }
 
-    /// Takes over the contacts of the given model; every run has its own.
+    /// Adopts the places of contacts of the given model, and estimates the contacts of every run
+    /// there.
     pub fn given_contacts(&mut self, contacts: Contacts) {
         set_own(&mut self.training, &self.given, &contacts.places);
         self.whole.clone_from(&self.training);
@@ -214,25 +216,26 @@ impl Campaign<'_> {
     }
 }
 
-/// Parameters of a place: mean and standard deviation of the force over all runs of its track, the
-/// median interval of the hits.
-fn stated(
+/// Sets the parameters of a place: mean and standard deviation of the force over all runs of its
+/// track (0 without a hit), and the mean interval of the hits.
+fn set_parameters(
     place: &mut Active,
     k: usize,
     frames: &[Frame],
     track: &str,
     [friction, lever]: [f64; 2],
 ) {
-    let own: Vec<_> = frames
+    let hits: Vec<_> = frames
         .iter()
         .flat_map(|f| f.contacts.iter().filter(|own| own.place == k))
         .map(|own| own.contact)
         .collect();
     let runs = frames.iter().filter(|f| f.track == track).count().max(1) as f64;
-    let hit = own.len().max(1) as f64;
-    let mean = |of: &dyn Fn(&kufe_sled::WallContact) -> f64| own.iter().map(of).sum::<f64>() / hit;
-    let force = mean(&|c| c.force_n) * hit / runs;
-    let squares = mean(&|c| c.force_n.powi(2)) * hit / runs;
+    let count = hits.len().max(1) as f64;
+    let mean =
+        |of: &dyn Fn(&kufe_sled::WallContact) -> f64| hits.iter().map(of).sum::<f64>() / count;
+    let force = mean(&|c| c.force_n) * count / runs;
+    let squares = mean(&|c| c.force_n.powi(2)) * count / runs;
     let (from, to) = (mean(&|c| c.s_m), mean(&|c| c.s_m + c.length_m));
     let within = (from - place.values[1]).max(place.values[2] - to).max(0.0);
     let spread = (squares - force * force).max(0.0).sqrt().max(1.0);

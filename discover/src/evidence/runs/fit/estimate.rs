@@ -126,17 +126,17 @@ const MIN_SESSIONS: usize = 5;
 
 /// Estimates of all parameters of a fit.
 ///
-/// With C the sum of the products of the columns and the precision P of the prior, the covariance is
-/// the cluster-robust (sandwich) one over R sessions, or over R runs if there are fewer than five
-/// sessions:
+/// With C the sum of the products of the columns and the precision P of the prior, the covariance
+/// is the cluster-robust (sandwich) one over R sessions, or over R runs if there are fewer than
+/// five sessions:
 ///
 /// ```text
 /// inv(C) ((R - 1)/R sum_i s_i s_i' + P) inv(C),   s_i = inv(1 - C_i inv(C)) u_i
 /// ```
 ///
-/// u_i is the score of cluster i, and s_i its score at the fit without it (the jackknife: R. M. Bell
-/// and D. F. McCaffrey, Survey Methodology 28 (2002) 169). Intervals are those of Student's t with
-/// R - 1 degrees of freedom.
+/// u_i is the score of cluster i, and s_i its score at the fit without it (the jackknife: R. M.
+/// Bell and D. F. McCaffrey, Survey Methodology 28 (2002) 169). Intervals are those of Student's t
+/// with R - 1 degrees of freedom.
 pub fn estimate(fitting: &Fitting, model: &ResidualModel, whitener: &Whitener) -> FinalEstimates {
     let Fitting { frames, free, .. } = fitting;
     let FitProducts { by_run, prior } = fitting.products(model, whitener);

@@ -94,8 +94,8 @@ impl Fitting<'_> {
     /// Fits all parameters of a model together by Gauss-Newton.
     ///
     /// With S the covariance of the residuals given the discrepancy u, E the covariance expected of
-    /// noise ([`row_noise`](crate::evidence::runs::fit::row_noise)), a the installation errors and b
-    /// the base multipliers with their stated values b0, it minimises
+    /// noise ([`row_noise`](crate::evidence::runs::fit::row_noise)), a the installation errors and
+    /// b the base multipliers with their stated values b0, it minimises
     ///
     /// ```text
     /// n (ln det S - ln det E) / 2 + |a|^2 / 2 + |u|^2 / 2 + |b - b0|^2 / (2 sd^2)
@@ -263,8 +263,8 @@ const MAX_FACTOR: f64 = 2.0;
 
 /// The model after a step of length `length`; multipliers and amplitudes remain within bounds.
 ///
-/// `step` contains base multipliers, amplitudes in their units, installation errors and coefficients
-/// of the discrepancy.
+/// `step` contains base multipliers, amplitudes in their units, installation errors and
+/// coefficients of the discrepancy.
 pub fn stepped(
     residual_model: &ResidualModel,
     free_base: &[usize],

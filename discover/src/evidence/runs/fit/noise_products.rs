@@ -2,8 +2,8 @@
 //!
 //! With columns x + e, where e is due to the noise of the inputs, products of columns and residuals
 //! contain E[e e']. Slopes are attenuated, and an effect in one channel leaks into others. Pairs of
-//! simulated runs of opposite noise measure E[e e'] at the fitted model. With it subtracted, the normal
-//! equations are unbiased to second order in the noise.
+//! simulated runs of opposite noise measure E[e e'] at the fitted model. With it subtracted, the
+//! normal equations are unbiased to second order in the noise.
 //!
 //! ```text
 //! D_i = (X_i(+e)'X_i(+e) + X_i(-e)'X_i(-e))/2 - X_i(0)'X_i(0)        C_i = X_i'X_i - D_i

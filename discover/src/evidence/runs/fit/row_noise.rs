@@ -10,9 +10,9 @@
 //! ```
 //!
 //! Halving masses, forces and inertias halves both the residual and its expected size. With the
-//! derivatives J of the residuals by a reading and its derivative, and the variance of their noise in
-//! a row, V is the sum over readings of the mean of `J J'` times the variance over some samples of
-//! each run: the noise of sensors is independent. b is estimated from the mean squares of the
+//! derivatives J of the residuals by a reading and its derivative, and the variance of their noise
+//! in a row, V is the sum over readings of the mean of `J J'` times the variance over some samples
+//! of each run: the noise of sensors is independent. b is estimated from the mean squares of the
 //! residuals in excess of V.
 //!
 //! Source: R. J. Carroll, D. Ruppert, L. A. Stefanski, C. M. Crainiceanu, Measurement Error in
@@ -120,8 +120,8 @@ fn expected_of(model: &ResidualModel, frame: &Frame) -> Matrix3<f64> {
     expected
 }
 
-/// Model error of each balance as a variance of its acceleration, at least 0:
-/// `(mean square - noise variance) / (dr/da)^2`.
+/// Model error of each balance as a variance of its acceleration, at least 0: `(mean square - noise
+/// variance) / (dr/da)^2`.
 ///
 /// `rows` are the residuals given the discrepancy.
 pub fn model_error(

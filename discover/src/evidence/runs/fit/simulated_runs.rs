@@ -3,9 +3,9 @@
 //! The measured motion is taken as the truth, with accelerations changed so that the model's
 //! residuals vanish. Noise of each sensor at the recorded rate is added; it is smoothed and
 //! differentiated as the data were. The part of the residual that noise does not explain is added
-//! as a copy of itself, shifted along the run and with a random sign. Simulated runs come in antithetic pairs
-//! (opposite noise), so that odd terms cancel in a pair's mean and the bias of products of noisy
-//! signals remains.
+//! as a copy of itself, shifted along the run and with a random sign. Simulated runs come in
+//! antithetic pairs (opposite noise), so that odd terms cancel in a pair's mean and the bias of
+//! products of noisy signals remains.
 
 use std::sync::Arc;
 

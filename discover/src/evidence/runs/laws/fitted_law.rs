@@ -44,7 +44,7 @@ impl LawFitter<'_> {
         let formula = self.campaign.simplest(self.terms, self.channels, law)?;
         let sums = self.terms.sums(std::slice::from_ref(&formula.term), &[1.0]);
         let sums = sums.into_iter().next()?;
-        let part = sums.of(&[0], 0..sums.m.len());
+        let part = sums.over(&[0], 0..sums.m.len());
         let size = part.s[0] / part.m[(0, 0)];
         let candidate = self.effect(&formula, size)?;
         Some(FittedLaw {

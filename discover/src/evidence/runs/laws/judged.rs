@@ -4,15 +4,15 @@ use kufe_sled::effects::Channel;
 
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::laws::formulas::shape::Shape;
-use crate::evidence::runs::laws::formulas::shapes::bumps;
+use crate::evidence::runs::laws::formulas::shapes::splines;
 use crate::evidence::runs::laws::smooth::{Group, test};
 use crate::evidence::runs::laws::sums::total;
 use crate::evidence::runs::laws::term::{COLUMNS, Term};
 use crate::evidence::runs::laws::terms::Terms;
 use crate::evidence::runs::screen::residual_screen::ScreenOptions;
 
-/// B-splines of a smooth law of a column: the data resolve no finer structure.
-const BUMPS: usize = 7;
+/// Number of B-splines of a smooth law of a column: the data resolve no finer structure.
+const SPLINES: usize = 7;
 /// Weight of the penalty on second differences, in units of the mean information.
 const SMOOTHING: f64 = 0.02;
 
@@ -61,7 +61,7 @@ impl Campaign<'_> {
             .collect();
         for (channel, kind) in channels.iter().enumerate() {
             for (column, sorted) in &varying {
-                law(channel, vec![*column], bumps(*column, sorted, BUMPS));
+                law(channel, vec![*column], splines(*column, sorted, SPLINES));
             }
             if !matches!(kind, Channel::Grip | Channel::Friction) {
                 continue;

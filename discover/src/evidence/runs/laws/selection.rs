@@ -18,7 +18,7 @@ use crate::procedure::evidence::{Randomised, Selection};
 
 /// Result of comparing laws with a selected effect.
 pub enum Law {
-    /// It is selected instead.
+    /// The law is selected instead of the effect.
     Instead(Box<Selection<Amplitude>>),
     /// The name of a law that explains more, but not by enough to replace the effect.
     Alternative(String),
@@ -32,8 +32,8 @@ impl Campaign<'_> {
         selection: Option<&Selection<Amplitude>>,
         options: &ScreenOptions,
     ) -> Option<Law> {
-        let no_model = selection.is_some_and(|c| c.candidate.act.carrier.is_some());
-        if no_model || self.least_p() > options.alpha_column {
+        let is_outside_model = selection.is_some_and(|c| c.candidate.act.carrier.is_some());
+        if is_outside_model || self.least_p() > options.alpha_column {
             return None;
         }
         let rules = &self.rules().laws;
@@ -56,8 +56,8 @@ impl Campaign<'_> {
         let shown = laws.max_by(|a, b| penalised_gain(a).total_cmp(&penalised_gain(b)))?;
         if let Some(selection) = selection {
             let none = DMatrix::zeros(1, 1);
-            let [own, named] = [0, 1].map(|k| shown.sums.cross_validated_gains(&[k], &none));
-            let [more, error] = difference(&own, &named);
+            let [of_law, named] = [0, 1].map(|k| shown.sums.cross_validated_gains(&[k], &none));
+            let [more, error] = difference(&of_law, &named);
             if !self.is_replaced(selection, total(&named), [more, error]) {
                 let is_alternative =
                     !selection.candidate.is_column() && more > rules.as_good * error;
@@ -87,21 +87,22 @@ impl Campaign<'_> {
     /// p-value of a formula's score, the first column, with only sessions independent.
     fn law_by_sessions(&self, sums: &LawSums) -> Option<f64> {
         let first = |rows: &DMatrix<f64>| rows.rows(0, 1).into_owned();
-        let own = UnitScores {
+        let scores = UnitScores {
             u: first(&sums.u),
             information: DMatrix::from_fn(1, sums.m.len(), |_, run| sums.m[run][(0, 0)]),
             shared: vec![sums.shared[0]],
             common: first(&sums.common),
         };
         let sessions = session_numbers(self.training.iter().map(|frame| frame.session.as_str()));
-        let of_sessions = own.by_sessions(&sessions)?;
+        let of_sessions = scores.by_sessions(&sessions)?;
         let null = of_sessions.by_wild_bootstrap(self.options.flips, self.options.seed);
         of_sessions.t().first().map(|t| null.p_value(*t))
     }
 
-    /// Whether a law with this gain and its scatter replaces a selected effect. An effect of the
-    /// catalogue is replaced if the law explains more in addition to it, and by a material share of
-    /// what the effect has `explained`; a column's own form is replaced by an equivalent formula.
+    /// Whether a law replaces a selected effect. `more` is the difference of their gains, `error`
+    /// its standard error and `explained` the effect's gain. An effect of the catalogue is replaced
+    /// if the law explains clearly more, by a material share of `explained`; the form of a column
+    /// outside it is replaced by an equivalent formula.
     fn is_replaced(
         &self,
         selection: &Selection<Amplitude>,
@@ -109,11 +110,11 @@ impl Campaign<'_> {
         [more, error]: [f64; 2],
     ) -> bool {
         let (rules, search) = (&self.rules().laws, &self.options.rules.search);
-        let (errors, least) = match selection.candidate.is_column() {
+        let (errors, min_gain) = match selection.candidate.is_column() {
             true => (-rules.as_good, f64::NEG_INFINITY),
             false => (search.clear, search.material * explained),
         };
-        more > errors * error && more > least
+        more > errors * error && more > min_gain
     }
 
     /// A remark if a smooth curve explains more than the formula.
@@ -129,27 +130,27 @@ impl Campaign<'_> {
 }
 
 impl LawFitter<'_> {
-    /// The smooth laws whose formulas are tried, largest gain first: the significant ones, that of
-    /// a selected column, and those that explain more than it or than all significant ones.
+    /// The smooth laws whose formulas are tried, largest gain first: the significant laws, the law
+    /// of a selected column, and the laws that explain more than it or than all significant ones.
     fn best<'l>(
         &self,
         smooth: &'l [SmoothLaw],
         selection: Option<&Selection<Amplitude>>,
     ) -> Vec<&'l SmoothLaw> {
         let column = selection.filter(|c| c.candidate.is_column());
-        let of_claim = |law: &SmoothLaw| {
+        let is_selected = |law: &SmoothLaw| {
             column.is_some_and(|c| c.candidate.effect == name(&law.columns, &self.terms.names))
         };
-        let selected = smooth.iter().filter(|law| of_claim(law));
+        let selected = smooth.iter().filter(|law| is_selected(law));
         let enough = selected
             .map(|law| total(&law.gains))
             .fold(f64::INFINITY, f64::min)
             .max(0.0);
-        // If one is significant, those that explain more are tried, too.
-        let standing = smooth.iter().filter(|law| law.significant);
-        let most = standing.map(|law| total(&law.gains)).reduce(f64::max);
-        let rivals = |law: &SmoothLaw| most.is_some_and(|m| total(&law.gains) > m);
-        let requested = |law: &SmoothLaw| of_claim(law) || total(&law.gains) > enough;
+        // If one law is significant, laws that explain more are tried, too.
+        let significant = smooth.iter().filter(|law| law.significant);
+        let largest = significant.map(|law| total(&law.gains)).reduce(f64::max);
+        let rivals = |law: &SmoothLaw| largest.is_some_and(|m| total(&law.gains) > m);
+        let requested = |law: &SmoothLaw| is_selected(law) || total(&law.gains) > enough;
         let mut best: Vec<&SmoothLaw> = smooth
             .iter()
             .filter(|law| law.significant || rivals(law) || requested(law))
@@ -168,12 +169,12 @@ impl LawFitter<'_> {
         best
     }
 
-    /// The law's name, then those of laws that the data cannot distinguish from it.
+    /// The law's name, then the names of laws that the data cannot distinguish from it.
     fn class(&self, law: &FittedLaw, smooth: &[SmoothLaw]) -> Vec<String> {
         let own = &law.candidate.effect;
         let alike = self.campaign.rules().laws.alike;
         let alike = |[more, error]: [f64; 2]| more <= alike * error;
-        // If none is significant by itself, as with unknown noise, those of equal gain count.
+        // If no law is significant by itself, as with unknown noise, all laws of equal gain count.
         let any = !smooth.iter().any(|other| other.significant);
         let single = smooth
             .iter()
@@ -220,6 +221,6 @@ fn error_of(sums: &LawSums, size: f64) -> f64 {
         .map(|i| (sums.u[(0, i)] - size * sums.m[i][(0, 0)]).powi(2))
         .sum();
     let shared = sums.common.row(0).norm_squared();
-    let information = sums.of(&[0], 0..sums.m.len()).m[(0, 0)];
+    let information = sums.over(&[0], 0..sums.m.len()).m[(0, 0)];
     (scatter * n / (n - 1.0).max(1.0) + shared).sqrt() / information
 }

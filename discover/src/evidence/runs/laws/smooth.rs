@@ -68,12 +68,12 @@ impl GroupTests {
     }
 }
 
-/// Tests all groups at once; those without information have z = 0.
+/// Tests all groups at once; groups without information have z = 0.
 pub fn test(sums: &LawSums, groups: &[Group], flips: usize, seed: u64) -> GroupTests {
     let runs = sums.m.len();
     let inverses: Vec<DMatrix<f64>> = groups
         .iter()
-        .map(|group| sums.of(&group.terms, 0..runs).inverse(&group.penalty))
+        .map(|group| sums.over(&group.terms, 0..runs).inverse(&group.penalty))
         .collect();
     let all = |sums: &DVector<f64>| -> Vec<f64> {
         let each = groups.iter().zip(&inverses);

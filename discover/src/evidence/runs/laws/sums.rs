@@ -1,7 +1,7 @@
 //! Scores and information of groups of columns after a refit of the base, by run.
 //!
-//! As [`Scores`](crate::regression::Scores), with all products of the columns among themselves:
-//! with B = (J'J + P)^-1 J'C, c' = C - J B, r' the residual after a refit and a the random effects,
+//! As [`Scores`](crate::regression::Scores), with all products of the columns with each other. With
+//! B = (J'J + P)^-1 J'C, c' = C - J B, r' the residual after a refit and a the random effects,
 //!
 //! ```text
 //! u_i = c'_i' r'_i   M_i = c'_i' c'_i      S = sum u_i + B'P a     M = sum M_i + B'P B
@@ -57,13 +57,14 @@ impl LawSums {
             let jc = rows.columns(p, q);
             let (b, of_residual) = (b.select_rows(&acting), of_residual.select_rows(&acting));
             let residual_scores = rows.column(n - 1) - &jj * &of_residual;
-            let own = gram.view((p, n - 1), (q, 1)).column(0)
+            let scores = gram.view((p, n - 1), (q, 1)).column(0)
                 - jc.tr_mul(&of_residual)
                 - b.tr_mul(&residual_scores);
-            u.set_column(i, &own);
+            u.set_column(i, &scores);
             let half = jc.tr_mul(&b);
-            let all = gram.view((p, p), (q, q)) - &half - half.transpose() + b.tr_mul(&(&jj * &b));
-            m.push(all);
+            let information =
+                gram.view((p, p), (q, q)) - &half - half.transpose() + b.tr_mul(&(&jj * &b));
+            m.push(information);
         }
         let fitted = &prior.at + &of_residual;
         Self {
@@ -76,7 +77,7 @@ impl LawSums {
         }
     }
 
-    /// The first columns alone.
+    /// Keeps the first `count` columns.
     pub fn truncate(&mut self, count: usize) {
         self.u = self.u.rows(0, count).into_owned();
         self.shared = self.shared.rows(0, count).into_owned();
@@ -113,10 +114,10 @@ impl LawSums {
     }
 
     /// S and M of some columns over these runs, with a share of the random effects' contribution in
-    /// proportion to the runs.
-    pub fn of(&self, columns: &[usize], runs: impl Iterator<Item = usize>) -> Part {
+    /// proportion to the number of runs.
+    pub fn over(&self, columns: &[usize], runs: impl Iterator<Item = usize>) -> NormalEquations {
         let k = columns.len();
-        let mut part = Part {
+        let mut part = NormalEquations {
             s: DVector::zeros(k),
             m: DMatrix::zeros(k, k),
         };
@@ -140,25 +141,25 @@ impl LawSums {
         let mut gains = vec![0.0; runs];
         for fold in 0..folds {
             let size = self
-                .of(columns, (0..runs).filter(|i| i % folds != fold))
+                .over(columns, (0..runs).filter(|i| i % folds != fold))
                 .size(penalty);
             for i in (fold..runs).step_by(folds) {
-                let out = self.of(columns, std::iter::once(i));
-                gains[i] = 2.0 * size.dot(&out.s) - size.dot(&(&out.m * &size));
+                let left_out = self.over(columns, std::iter::once(i));
+                gains[i] = 2.0 * size.dot(&left_out.s) - size.dot(&(&left_out.m * &size));
             }
         }
         gains
     }
 }
 
-/// S and M of some columns.
-pub struct Part {
+/// Normal equations of some columns: scores S and information M.
+pub struct NormalEquations {
     pub s: DVector<f64>,
     pub m: DMatrix<f64>,
 }
 
-impl Part {
-    /// Penalised least-squares sizes, with the penalty in units of the information's mean diagonal.
+impl NormalEquations {
+    /// Penalised least-squares sizes; the penalty is in units of the mean diagonal of M.
     pub fn size(&self, penalty: &DMatrix<f64>) -> DVector<f64> {
         self.inverse(penalty) * &self.s
     }
@@ -170,6 +171,7 @@ impl Part {
     }
 }
 
+/// Sum of the gains of all runs.
 pub fn total(gains: &[f64]) -> f64 {
     gains.iter().sum()
 }
@@ -210,7 +212,7 @@ mod tests {
         let known = Scores::new(&grams, &prior);
         let sums = LawSums::new(&products, levels, &prior);
         for c in 0..q {
-            let part = sums.of(&[c], 0..5);
+            let part = sums.over(&[c], 0..5);
             assert!((part.s[0] - known.sum(c)).abs() < 1e-9);
             assert!((part.m[(0, 0)] - known.total_information(c)).abs() < 1e-9);
         }

@@ -18,7 +18,7 @@ struct OfRun<'a> {
     own: TermsOnRun,
     /// Simulations with noise of either sign, and without noise.
     simulations: [(Frame, TermsOnRun); 3],
-    /// Rows of the run over those of the piece.
+    /// Ratio of the run's number of rows to the piece's.
     share: f64,
 }
 

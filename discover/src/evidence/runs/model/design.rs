@@ -74,7 +74,8 @@ impl Design<'_> {
         OWN_LEVELS + self.before_discrepancy()
     }
 
-    /// Prior of the fitted parameters: flat for base and amplitudes, standard normal for the others.
+    /// Prior of the fitted parameters: flat for base and amplitudes, standard normal for the
+    /// others.
     pub fn prior(&self) -> Prior {
         let ResidualModel {
             installation,

@@ -3,8 +3,8 @@
 //!
 //! Each error a is in units of its standard deviation, which `[tolerances]` states. With N the
 //! columns of the errors and J the columns of the base parameters b, the fit is penalised least
-//! squares, which is equivalent to generalised least squares without the errors a and with
-//! rows of covariance V (best linear unbiased prediction):
+//! squares, which is equivalent to generalised least squares without the errors a and with rows of
+//! covariance V (best linear unbiased prediction):
 //!
 //! ```text
 //! min |r - J b - N a|^2 + |a|^2        V = 1 + N N'
@@ -12,8 +12,8 @@
 //!
 //! With a surveyed track slope, the difference of the speed's derivative and the accelerometer
 //! determines the accelerometer's tilt and bias without any friction. With its information matrix K
-//! of the sizes a, and its scores k at sizes of 0, the prior of a in the fit to the forces is normal
-//! with covariance `S = inv(1 + K)` and mean `S k`. The fitted parameters are then whitened
+//! of the sizes a, and its scores k at sizes of 0, the prior of a in the fit to the forces is
+//! normal with covariance `S = inv(1 + K)` and mean `S k`. The fitted parameters are then whitened
 //! coordinates u, independent with unit variance: `a = S k + root(S) u`.
 //!
 //! Source: G. K. Robinson, That BLUP is a good thing: the estimation of random effects, Statistical

@@ -335,8 +335,8 @@ impl<'a> ModelOnRun<'a> {
     ///
     /// With P the peak force and r the ratio of the force to P, a form error changes the force of
     /// an axle by `f P` times a hat function of r: piecewise linear, 1 at its knot and 0 at the
-    /// other knots and at r = 0. The last form error multiplies all lateral forces by
-    /// `1 + f ln(N / 2000 N)`, with N the axle's load.
+    /// other knots and at r = 0. The last form error multiplies all lateral forces by `1 + f ln(N /
+    /// 2000 N)`, with N the axle's load.
     pub fn residuals_with_form_errors(
         &self,
         at: &Instant,

@@ -6,7 +6,7 @@ use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::finding::{BIN_SHOWN, BINS_SHOWN, Bin};
+use crate::finding::{Bin, MAX_BIN_P_VALUE, MAX_BINS};
 use crate::null::sign_flips::{MaxT, statistics};
 
 /// A column of a run.
@@ -58,12 +58,12 @@ pub fn significant_bins(
             vec![None]
         };
         for track in tracks {
-            let mine = |f: &Frame| track.as_ref().is_none_or(|t| *t == f.track);
+            let is_on_track = |f: &Frame| track.as_ref().is_none_or(|t| *t == f.track);
             let values: Vec<Vec<f64>> = frames.iter().map(|f| f.rows(of(f))).collect();
             let mut all: Vec<f64> = frames
                 .iter()
                 .zip(&values)
-                .filter(|(f, _)| mine(f))
+                .filter(|(f, _)| is_on_track(f))
                 .flat_map(|(_, x)| x.iter().copied())
                 .collect();
             all.sort_by(f64::total_cmp);
@@ -77,12 +77,12 @@ pub fn significant_bins(
                     let channel = whitener.channel(k);
                     let mut u = vec![0.0; frames.len()];
                     let mut sums = vec![(0.0, 0.0); frames.len()];
-                    for (i, _) in frames.iter().enumerate().filter(|(_, f)| mine(f)) {
+                    for (i, _) in frames.iter().enumerate().filter(|(_, f)| is_on_track(f)) {
                         let x = &values[i];
-                        let per = white[i].len() / whitener.count();
-                        for j in 0..per {
+                        let rows_per_channel = white[i].len() / whitener.count();
+                        for j in 0..rows_per_channel {
                             if x[j] >= pair[0] && x[j] < pair[1] {
-                                u[i] += white[i][k * per + j];
+                                u[i] += white[i][k * rows_per_channel + j];
                                 sums[i].0 += rows[i][channel][j];
                                 sums[i].1 += 1.0;
                             }
@@ -121,7 +121,7 @@ pub fn significant_bins(
                 .map(|s| s.0 / s.1)
                 .collect();
             let n = means.len() as f64;
-            if p_value > BIN_SHOWN || n < 2.0 {
+            if p_value > MAX_BIN_P_VALUE || n < 2.0 {
                 return None;
             }
             let mean = means.iter().sum::<f64>() / n;
@@ -143,8 +143,5 @@ pub fn significant_bins(
         })
         .collect();
     out.sort_by(|a, b| b.0.total_cmp(&a.0));
-    out.into_iter()
-        .map(|(_, bin)| bin)
-        .take(BINS_SHOWN)
-        .collect()
+    out.into_iter().map(|(_, bin)| bin).take(MAX_BINS).collect()
 }

@@ -18,8 +18,8 @@ use crate::regression::scores::studentised;
 /// Share of the explainable misfit that is closed.
 ///
 /// f is the part of the initial residual that the candidates' columns explain, with coefficients
-/// fitted to the training runs ([`explained`]). On other runs, whose noise is independent of f,
-/// `f . r_before` measures the explainable part and `f . r_after` the part of it that remains. The
+/// fitted to the training runs ([`explained`]). On other runs, whose noise is independent of f, `f
+/// . r_before` measures the explainable part and `f . r_after` the part of it that remains. The
 /// bias of noisy inputs in both is determined from simulated runs and subtracted. The interval is a
 /// bootstrap interval over runs; it is -1 to 1 if the explainable part is too small.
 ///
@@ -156,8 +156,8 @@ fn explained(grams: &[DMatrix<f64>], prior: &Prior, rules: &RunRules) -> DVector
     for (k, value) in eigen.eigenvalues.iter().enumerate() {
         let along = eigen.eigenvectors.column(k);
         let of_runs = scores.iter().map(|u| along.dot(u));
-        let has_significant_bins = studentised(of_runs.clone()).abs() >= rules.explains_beyond;
-        if *value < rules.explains_alone || !has_significant_bins {
+        let is_significant = studentised(of_runs.clone()).abs() >= rules.explains_beyond;
+        if *value < rules.explains_alone || !is_significant {
             continue;
         }
         let size = of_runs.sum::<f64>() / value;

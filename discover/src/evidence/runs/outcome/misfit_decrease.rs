@@ -9,9 +9,9 @@
 //! by = sum_k (r_from^2 - (r_to g_from / g_to)^2) + a_from^2 - a_to^2        repeats = sum r_from . m
 //! ```
 //!
-//! g is the expected standard deviation of a residual's noise. Contacts of a run are estimated from its
-//! lateral residual, which is therefore compared without them; the evidence of the contacts in it
-//! ([`log_likelihood_ratio`]) is added instead.
+//! g is the expected standard deviation of a residual's noise. Contacts of a run are estimated from
+//! its lateral residual, which is therefore compared without them; the evidence of the contacts in
+//! it ([`log_likelihood_ratio`]) is added instead.
 //!
 //! Rows of the track channel are rates of the speed between the halves of its bins: the speed's
 //! derivative is noisy, and a change of time would redistribute that noise.
@@ -167,8 +167,8 @@ impl Campaign<'_> {
             }
             let pieces = (few.row_count() as f64 / PIECE_ROWS as f64).ceil() as usize;
             let decreases = decreases(&rows, &after_rows, &shares, pieces.max(1));
-            // The residual that a contact was estimated from is no evidence of it: contacts of other
-            // runs predict it.
+            // The residual that a contact was estimated from is no evidence of it: contacts of
+            // other runs predict it.
             let observed = |model: &ResidualModel, alike: f64| {
                 let contacts = model.contacts.as_ref().filter(|_| by_contacts)?;
                 let mut own = residuals_without(model, std::slice::from_ref(frame));
@@ -209,7 +209,7 @@ impl Campaign<'_> {
         Some(Decrease {
             by: decrease.by + observed,
             error: decrease.error.hypot(EVIDENCE_UNDER_NOISE),
-            weighed: Some([observed, EVIDENCE_UNDER_NOISE]),
+            weighted: Some([observed, EVIDENCE_UNDER_NOISE]),
             contact_evidence: Some([observed, EVIDENCE_UNDER_NOISE]),
             ..decrease
         })

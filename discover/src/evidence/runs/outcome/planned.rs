@@ -1,8 +1,8 @@
 //! Experimental design: simulated runs that would discriminate between the members of a class.
 //!
-//! A class is a set of effects that the data so far cannot distinguish. Every plan is simulated with
-//! each member at its fitted size, without noise, and evaluated with the model of every other member
-//! (each model fitted to the data so far). With r the difference of the two models' whitened
+//! A class is a set of effects that the data so far cannot distinguish. Every plan is simulated
+//! with each member at its fitted size, without noise, and evaluated with the model of every other
+//! member (each model fitted to the data so far). With r the difference of the two models' whitened
 //! residuals, U the columns of the unknown parameters in units of their standard deviations, and n
 //! equal runs in one session, the expected log-likelihood ratio is
 //!
@@ -17,8 +17,8 @@
 //! sessions, and the other model's parameters (base, installation, size), scaled by a root of their
 //! posterior covariance. With training runs of a single session the standard deviation between
 //! sessions is taken as 0: the levels then count as known, and the ratio is an upper bound. The
-//! value of a plan is the smallest ratio of any two members that some plan discriminates. A member's
-//! expected t is the square root of twice the ratio.
+//! value of a plan is the smallest ratio of any two members that some plan discriminates. A
+//! member's expected t is the square root of twice the ratio.
 
 use kufe_sled::Noise;
 use nalgebra::{DMatrix, DVector};
@@ -274,8 +274,8 @@ impl Campaign<'_> {
     }
 }
 
-/// Expected log-likelihood ratio of [`RUNS`] equal runs in one session, with the residual r of a run
-/// and the columns U of unknown parameters.
+/// Expected log-likelihood ratio of [`RUNS`] equal runs in one session, with the residual r of a
+/// run and the columns U of unknown parameters.
 fn expected_log_likelihood_ratio(r: &DVector<f64>, unknown: &DMatrix<f64>) -> f64 {
     let n = RUNS as f64;
     let count = unknown.ncols();

@@ -98,8 +98,8 @@ impl Campaign<'_> {
         let all = &self.data.runs;
         let shapes: Vec<_> = tracks.iter().map(|t| (t, TrackShape::new(t))).collect();
         let on_track = |i: &usize| tracks.iter().any(|t| t.name == all[*i].entry.track);
-        // Training runs are replayed with the estimates without their session; with a single session
-        // there are no such estimates.
+        // Training runs are replayed with the estimates without their session; with a single
+        // session there are no such estimates.
         let sessions = members(self.training.iter().map(|frame| frame.session.as_str()));
         let fitted = |i: &usize| self.data.segmented || self.data.locked.training.contains(i);
         let possible = || {

@@ -31,9 +31,9 @@ pub struct Frame {
     /// Time between samples of the recording [s].
     pub recorded_dt: f64,
     /// Low pass from retained samples to rows.
-    pub sieve: Kernel,
-    /// Whether each retained sample is used; those next to a gap are interpolated and unused.
-    pub taking_part: Vec<bool>,
+    pub row_kernel: Kernel,
+    /// Whether each retained sample is used; samples next to a gap are interpolated and unused.
+    pub is_used: Vec<bool>,
     /// Retained samples at which rows are centred.
     pub centres: Vec<usize>,
     /// Time [s].
@@ -44,7 +44,7 @@ pub struct Frame {
     pub acceleration: [Vec<f64>; 3],
     /// Rates about x, y, z [rad/s].
     pub rate: [Vec<f64>; 3],
-    /// Their derivatives [rad/s2].
+    /// Derivatives of the rates [rad/s2].
     pub rate_slope: [Vec<f64>; 3],
     /// Speed [m/s].
     pub v: Vec<f64>,
@@ -52,15 +52,15 @@ pub struct Frame {
     pub v_slope: Vec<f64>,
     /// Slip angle at the sensor [rad].
     pub slip: Vec<f64>,
-    /// Its rate [rad/s].
+    /// Derivative of the slip angle [rad/s].
     pub slip_rate: Vec<f64>,
-    /// Steering [rad].
+    /// Steering angle [rad].
     pub steer: Vec<f64>,
-    /// Its rate [rad/s].
+    /// Derivative of the steering angle [rad/s].
     pub steer_rate: Vec<f64>,
-    /// Roll-split [rad].
+    /// Roll-split angle [rad].
     pub roll_split: Vec<f64>,
-    /// SurveyedTrack slope of the track [rad]; empty without a survey.
+    /// Surveyed slope of the track [rad]; empty without a survey.
     pub slope: Vec<f64>,
     /// The survey, slope [rad] over distance [m].
     pub survey: Vec<(f64, f64)>,
@@ -68,7 +68,7 @@ pub struct Frame {
     pub s_of_speed: bool,
     /// The run's own contacts with walls, if places of contacts are known.
     pub contacts: Vec<OwnContact>,
-    /// Intervals in which this run alone was pushed \[m\].
+    /// Intervals of distance in which this run alone was pushed \[m\].
     pub pushed: Vec<[f64; 2]>,
     /// Standard deviations of the residuals by place; `None`: equal.
     pub scales: Option<Arc<PlaceScales>>,
@@ -136,14 +136,18 @@ impl Frame {
         if x.is_empty() {
             return Vec::new();
         }
-        self.sieve.smooth_at(x, &self.centres)
+        self.row_kernel.smooth_at(x, &self.centres)
     }
 
-    /// The same with rows next to gaps omitted.
+    /// A signal at retained samples, low-passed and thinned to rows, without rows next to gaps.
     pub fn rows_without_gaps(&self, x: &[f64]) -> Vec<f64> {
         let left_out = |i: &usize| self.centres.binary_search(i).is_err();
-        let centres: Vec<usize> = self.sieve.centres(self.len()).filter(left_out).collect();
-        self.sieve.smooth_at(x, &centres)
+        let centres: Vec<usize> = self
+            .row_kernel
+            .centres(self.len())
+            .filter(left_out)
+            .collect();
+        self.row_kernel.smooth_at(x, &centres)
     }
 
     /// The relative standard deviation of each balance by row; empty if equal.
@@ -154,7 +158,7 @@ impl Frame {
         }
     }
 
-    /// The same at these places.
+    /// The relative standard deviation of each balance at these places; empty if equal.
     pub fn scales_at(&self, places: &[f64]) -> Vec<[f64; 3]> {
         let scales = self.scales.as_ref();
         scales.map_or_else(Vec::new, |scales| scales.along(&self.track, places))
@@ -162,18 +166,19 @@ impl Frame {
 
     /// The retained samples that are used.
     pub fn samples(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.len()).filter(|i| self.taking_part[*i])
+        (0..self.len()).filter(|i| self.is_used[*i])
     }
 
     pub fn row_count(&self) -> usize {
         self.centres.len()
     }
 
-    /// The same with a row at every sample: sums of squares are independent of the rows' phase.
+    /// The run with a row at every sample: sums of squares then do not depend on the phase of the
+    /// rows.
     pub fn at_every_sample(&self) -> Self {
         let mut dense = self.clone();
-        dense.sieve.stride = 1;
-        dense.centres = dense.sieve.clear_centres(&dense.taking_part);
+        dense.row_kernel.stride = 1;
+        dense.centres = dense.row_kernel.clear_centres(&dense.is_used);
         dense
     }
 
@@ -183,12 +188,12 @@ impl Frame {
             let part = column.get(from..to);
             part.map_or_else(Vec::new, <[f64]>::to_vec)
         });
-        piece.taking_part = self.taking_part[from..to].to_vec();
-        piece.centres = piece.sieve.clear_centres(&piece.taking_part);
+        piece.is_used = self.is_used[from..to].to_vec();
+        piece.centres = piece.row_kernel.clear_centres(&piece.is_used);
         piece
     }
 
-    /// So many of the used samples, evenly spread, without rows.
+    /// The run at `count` of the used samples, evenly spread, without rows.
     pub fn thinned(&self, count: usize) -> Self {
         let used: Vec<usize> = self.samples().collect();
         let every = used.len().div_ceil(count.max(1)).max(1);
@@ -197,12 +202,12 @@ impl Frame {
             true => Vec::new(),
             false => samples.iter().map(|i| column[*i]).collect(),
         });
-        thinned.taking_part = vec![true; samples.len()];
+        thinned.is_used = vec![true; samples.len()];
         thinned.centres.clear();
         thinned
     }
 
-    /// The same with every column of samples changed.
+    /// The run with `of` applied to every column of samples.
     pub fn with_columns(&self, of: impl Fn(&[f64]) -> Vec<f64>) -> Self {
         let mut changed = self.clone();
         for column in changed

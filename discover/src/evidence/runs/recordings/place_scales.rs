@@ -1,16 +1,16 @@
-//! Standard deviation of the residuals by place, relative to that of most places.
+//! Standard deviation of the residuals by place, relative to the median place.
 //!
-//! Brakes, a gate or a rough stretch scatter at the same places in most runs. With q_b the median
-//! over the runs of the mean square of a balance's residuals in the bin b, n_b its rows and q the
-//! median of all q_b, residuals are divided by
+//! Brakes, a gate or a rough stretch cause scatter at the same places in most runs. With q_b the
+//! median over the runs of the mean square of a balance's residuals in the bin b, n_b its rows and
+//! q the median of all q_b, residuals are divided by
 //!
 //! ```text
 //! sqrt((4 + n_b q_b / q) / (4 + n_b))
 //! ```
 //!
 //! the expected scale of normal errors whose variance has a scaled inverse chi-squared distribution
-//! of 4 degrees of freedom, that is, of Student-t errors. The median over the runs leaves the
-//! scale unchanged by what happens in single runs.
+//! of 4 degrees of freedom, that is, of Student-t errors. The median over the runs is insensitive
+//! to events in single runs.
 //!
 //! Source: K. L. Lange, R. J. A. Little, J. M. G. Taylor, Robust statistical modeling using the t
 //! distribution, Journal of the American Statistical Association 84 (1989) 881.
@@ -70,7 +70,7 @@ impl PlaceScales {
         Self { width_m, tracks }
     }
 
-    /// The scales at these places of a track; 1 where no run was.
+    /// The scales at these places of a track; 1 in bins without rows.
     pub fn along(&self, track: &str, places: &[f64]) -> Vec<[f64; BALANCES]> {
         let bins = self.tracks.get(track);
         let at = |s: &f64| {

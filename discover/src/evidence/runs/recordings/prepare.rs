@@ -12,7 +12,7 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::noise::sensors::{
     NoiseFrom, SensorNoise, doubted, estimate, estimate_below, louder, quieter,
 };
-use crate::evidence::runs::recordings::smooth_run::{LEAST_ROWS, frame, signal_kernel};
+use crate::evidence::runs::recordings::smooth_run::{MIN_ROWS, frame, signal_kernel};
 use crate::evidence::runs::recordings::survey::{Surveys, turn_slopes};
 use crate::evidence::runs::recordings::training_samples::TrainingSamples;
 use crate::procedure::lock::{LockRules, Place, Split};
@@ -31,7 +31,7 @@ pub struct Data {
     pub available: Vec<Column>,
     /// Whether one run was cut into segments.
     pub segmented: bool,
-    /// The tracks that runs can be simulated on, as their tables have them.
+    /// The tracks that runs can be simulated on, as in their tables.
     pub tracks: Vec<Track>,
     /// Whether these tables count the slope positive uphill.
     pub uphill: bool,
@@ -127,7 +127,7 @@ pub fn prepare(
         }
         *travelled += frame.s.last().unwrap_or(&0.0) - frame.s.first().unwrap_or(&0.0);
         if !run.gaps.is_none() {
-            gaps.push(taking_part(run, &frame));
+            gaps.push(coverage(run, &frame));
         }
         if segmented {
             frames = cut(&frame);
@@ -163,8 +163,8 @@ pub fn prepare(
     if !gaps.is_empty() {
         remarks.push(gaps_line(&gaps));
     }
-    let locked = locked(&frames, segmented, &rules.lock);
-    let learned = learned(runs, &frames, segmented, &locked);
+    let locked = split(&frames, segmented, &rules.lock);
+    let learned = training_samples(runs, &frames, segmented, &locked);
     let seen = estimate(&learned);
     let as_stated = |stated: &Noise| !doubted(stated, &seen, recordings.noise_as_stated);
     let white = |stated: &Noise, remarks: &mut Vec<String>| {
@@ -219,8 +219,8 @@ pub fn prepare(
 }
 
 /// Used part of a run with gaps.
-fn taking_part(run: &Run, frame: &Frame) -> SampleCoverage {
-    let begins = |i: &usize| *i == 0 || !frame.taking_part[i - 1];
+fn coverage(run: &Run, frame: &Frame) -> SampleCoverage {
+    let begins = |i: &usize| *i == 0 || !frame.is_used[i - 1];
     SampleCoverage {
         run: run.entry.run.clone(),
         gaps: run.gaps.clone(),
@@ -230,7 +230,8 @@ fn taking_part(run: &Run, frame: &Frame) -> SampleCoverage {
     }
 }
 
-fn locked(frames: &[Frame], segmented: bool, lock: &LockRules) -> Split {
+/// Splits the runs, or the segments of one run, into training and held-out ones.
+fn split(frames: &[Frame], segmented: bool, lock: &LockRules) -> Split {
     if segmented {
         return lock.segments(frames.len());
     }
@@ -246,7 +247,7 @@ fn locked(frames: &[Frame], segmented: bool, lock: &LockRules) -> Split {
 }
 
 /// The recorded training samples.
-fn learned<'a>(
+fn training_samples<'a>(
     runs: &'a [Run],
     frames: &[Frame],
     segmented: bool,
@@ -277,7 +278,7 @@ fn cut(frame: &Frame) -> Vec<Frame> {
     let gap = ((n as f64 / (frame.t[n - 1] - frame.t[0]).max(1e-9)).round() as usize).max(1);
     let length = (n / 24).max(10 * gap).min(n);
     let count = (n / length).max(1);
-    let enough = |piece: &Frame| piece.row_count() >= LEAST_ROWS;
+    let enough = |piece: &Frame| piece.row_count() >= MIN_ROWS;
     (0..count)
         .map(|k| {
             let (from, to) = (

@@ -10,7 +10,7 @@ use crate::evidence::runs::recordings::survey::TrackTables;
 use crate::options::Options;
 
 /// Columns that every search needs.
-const INDISPENSABLE: Needs = Needs {
+const REQUIRED: Needs = Needs {
     by: "a search",
     columns: &[
         "ay_mps2",
@@ -24,21 +24,21 @@ const INDISPENSABLE: Needs = Needs {
 
 /// Reads an index and its runs, holds out a part of them and prepares them.
 ///
-/// A column other than the indispensable ones may be missing; effects that need it are then not
+/// A column other than the required ones may be missing; effects that need it are then not
 /// testable.
 ///
 /// # Errors
-/// Those of the sled's readers; [`Error::Duplicate`] if two runs have the same samples;
+/// Errors of the sled's readers; [`Error::Duplicate`] if two runs have the same samples;
 /// [`Error::TooFew`].
 pub fn read(index: &Path, model: &Model, options: &Options) -> Result<Data, Error> {
     let on_gaps = match options.strict {
         true => OnGaps::Refuse,
         false => OnGaps::LeaveOut,
     };
-    let runs = read_runs(index, &INDISPENSABLE, on_gaps)?;
+    let runs = read_runs(index, &REQUIRED, on_gaps)?;
     for Run { entry, .. } in &runs {
         let file = entry.file.display().to_string();
-        refuse_unstated_air(INDISPENSABLE.by, &entry.conditions, &file)?;
+        refuse_unstated_air(REQUIRED.by, &entry.conditions, &file)?;
     }
     refuse_copies(index, &runs)?;
     let folder = index.parent().unwrap_or(Path::new(""));
@@ -48,6 +48,7 @@ pub fn read(index: &Path, model: &Model, options: &Options) -> Result<Data, Erro
     Ok(data)
 }
 
+/// Refuses two runs with the same samples.
 fn refuse_copies(index: &Path, runs: &[Run]) -> Result<(), Error> {
     for (i, run) in runs.iter().enumerate() {
         if let Some(copy) = runs[..i].iter().find(|other| same_samples(other, run)) {

@@ -2,7 +2,7 @@
 //!
 //! Every channel is convolved with the same Gaussian kernel, so that linear relations between
 //! channels are preserved; the derivative is the convolution with the kernel's derivative. The
-//! amplitude at the corner is 1/sqrt(2).
+//! amplitude at the cutoff frequency is 1/sqrt(2).
 
 use crate::regression::gram::dot;
 
@@ -16,9 +16,10 @@ pub struct Kernel {
 }
 
 impl Kernel {
-    /// A kernel for `dt` [s] between samples, corner `cutoff` [Hz], output at about `rate` [Hz].
+    /// A kernel for `dt` [s] between samples, cutoff frequency `cutoff` [Hz], output at about
+    /// `rate` [Hz].
     pub fn new(dt: f64, cutoff: f64, rate: f64) -> Self {
-        // |H(f)| = exp(-2 pi^2 f^2 sigma^2) = 2^-1/2 at the corner.
+        // |H(f)| = exp(-2 pi^2 f^2 sigma^2) = 2^-1/2 at the cutoff.
         let sigma = (0.5_f64.ln().abs() / 4.0).sqrt() / (std::f64::consts::PI * cutoff);
         let half = (4.0 * sigma / dt).ceil().max(1.0) as usize;
         let at = |k: usize| (k as f64 - half as f64) * dt;
@@ -54,7 +55,7 @@ impl Kernel {
         self.convolve(x, self.centres(x.len()), &self.weights)
     }
 
-    /// Its derivative [1/s] there.
+    /// The derivative [1/s] of the smoothed signal at [`Kernel::centres`].
     pub fn slope(&self, x: &[f64]) -> Vec<f64> {
         self.convolve(x, self.centres(x.len()), &self.slopes)
     }
@@ -64,11 +65,11 @@ impl Kernel {
         self.convolve(x, centres.iter().copied(), &self.weights)
     }
 
-    /// Those of [`Kernel::centres`] whose whole window is used.
-    pub fn clear_centres(&self, taking_part: &[bool]) -> Vec<usize> {
+    /// The [`Kernel::centres`] whose whole window is used.
+    pub fn clear_centres(&self, is_used: &[bool]) -> Vec<usize> {
         let half = self.margin();
-        let clear = |i: &usize| taking_part[i - half..=i + half].iter().all(|t| *t);
-        self.centres(taking_part.len()).filter(clear).collect()
+        let clear = |i: &usize| is_used[i - half..=i + half].iter().all(|t| *t);
+        self.centres(is_used.len()).filter(clear).collect()
     }
 
     fn convolve(

@@ -19,8 +19,8 @@ pub fn signal_kernel(dt: f64, rules: &RecordingRules) -> Kernel {
     )
 }
 
-/// Fewest rows of a run: one second.
-pub const LEAST_ROWS: usize = 10;
+/// Smallest number of rows of a run: one second.
+pub const MIN_ROWS: usize = 10;
 /// Largest difference between a recorded distance and the integral of the speed for them to be the
 /// same [m]; below the length of a sled.
 const SAME_PLACE_M: f64 = 1.0;
@@ -29,14 +29,14 @@ const SAME_PLACE_M: f64 = 1.0;
 const DELAY_REACH: usize = 2;
 
 /// Whether each retained sample is used: its window and those of its neighbours contain no gap.
-fn taking_part(kernel: &Kernel, recorded: &[bool]) -> Vec<bool> {
+fn used_samples(kernel: &Kernel, recorded: &[bool]) -> Vec<bool> {
     let clear = kernel.clear_centres(recorded);
     let all: Vec<usize> = kernel.centres(recorded.len()).collect();
-    let own: Vec<bool> = all.iter().map(|i| clear.binary_search(i).is_ok()).collect();
-    (0..own.len())
+    let is_clear: Vec<bool> = all.iter().map(|i| clear.binary_search(i).is_ok()).collect();
+    (0..is_clear.len())
         .map(|k| {
-            let near = k.saturating_sub(DELAY_REACH)..(k + DELAY_REACH + 1).min(own.len());
-            own[near].iter().all(|own| *own)
+            let near = k.saturating_sub(DELAY_REACH)..(k + DELAY_REACH + 1).min(is_clear.len());
+            is_clear[near].iter().all(|clear| *clear)
         })
         .collect()
 }
@@ -57,14 +57,14 @@ pub fn frame(
         recorded[piece.clone()].fill(true);
     }
     let kept_dt = kernel.stride as f64 * run.dt_s;
-    let sieve = Kernel::new(
+    let row_kernel = Kernel::new(
         kept_dt,
         rules.row_cutoff_hz.min(0.2 / kept_dt),
         rules.row_rate_hz,
     );
     // At least a second of rows.
-    let needed =
-        2 * kernel.margin() + (2 * sieve.margin() + LEAST_ROWS * sieve.stride) * kernel.stride;
+    let needed = 2 * kernel.margin()
+        + (2 * row_kernel.margin() + MIN_ROWS * row_kernel.stride) * kernel.stride;
     if n < needed {
         return Err(Error::TooFew {
             what: format!("run {}: samples", run.entry.run),
@@ -111,17 +111,17 @@ pub fn frame(
         true => Vec::new(),
         false => s.iter().map(|s| interpolate(&survey, *s)).collect(),
     };
-    let taking_part = taking_part(kernel, &recorded);
-    let centres = sieve.clear_centres(&taking_part);
-    if centres.len() < LEAST_ROWS {
+    let is_used = used_samples(kernel, &recorded);
+    let centres = row_kernel.clear_centres(&is_used);
+    if centres.len() < MIN_ROWS {
         return Err(Error::TooFew {
             what: format!("run {}: rows without gaps in their windows", run.entry.run),
             found: centres.len(),
-            needed: LEAST_ROWS,
+            needed: MIN_ROWS,
         });
     }
     Ok(Frame {
-        taking_part,
+        is_used,
         centres,
         name: run.entry.run.clone(),
         track: run.entry.track.clone(),
@@ -134,7 +134,7 @@ pub fn frame(
         humidity_pct: run.entry.conditions.humidity_pct,
         distance_before: 0.0,
         recorded_dt: run.dt_s,
-        sieve,
+        row_kernel,
         t: kernel.centres(n).map(|i| i as f64 * run.dt_s).collect(),
         acceleration: [
             smooth("ax_mps2", 0.0),
@@ -275,12 +275,15 @@ mod tests {
         let gone = 1500..1620;
         let (whole, holed) = (framed(&run(0..0)), framed(&run(gone.clone())));
         assert_eq!(whole.len(), holed.len());
-        assert_eq!(whole.row_count(), whole.sieve.centres(whole.len()).count());
-        // Explicitly: a row depends on the sieve's window of retained samples and the two around
-        // it, each on the kernel's window.
+        assert_eq!(
+            whole.row_count(),
+            whole.row_kernel.centres(whole.len()).count()
+        );
+        // Explicitly: a row depends on the row kernel's window of retained samples and the two
+        // around it, each on the kernel's window.
         let rules = Rules::default().runs.recordings;
         let kernel = signal_kernel(0.01, &rules);
-        let reach = kernel.margin() + (DELAY_REACH + whole.sieve.margin()) * kernel.stride;
+        let reach = kernel.margin() + (DELAY_REACH + whole.row_kernel.margin()) * kernel.stride;
         let far = |centre: &usize| {
             let sample = kernel.margin() + centre * kernel.stride;
             sample + reach < gone.start || sample >= gone.end + reach

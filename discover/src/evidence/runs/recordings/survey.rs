@@ -24,7 +24,7 @@ impl TrackTables {
     /// Reads `track_NAME.csv` from the folder of the index, if present.
     ///
     /// # Errors
-    /// Those of the table; [`Error::File`] if s_m does not increase.
+    /// Errors of the table; [`Error::File`] if s_m does not increase.
     pub fn in_folder(folder: &Path, runs: &[Run]) -> Result<TrackTables, Error> {
         let mut tables = TrackTables {
             slopes: Surveys::new(),

@@ -170,7 +170,8 @@ pub fn screen_levels(
     }
 }
 
-/// Smallest p-value by permutation of `sessions` sessions, where only the order and its reverse tie.
+/// Smallest p-value by permutation of `sessions` sessions, where only the order and its reverse
+/// tie.
 pub fn min_p_value(sessions: usize) -> f64 {
     2.0 / (1..=sessions.min(10)).product::<usize>() as f64
 }

@@ -31,8 +31,8 @@ pub struct ScreenOptions {
     pub alpha_local: f64,
     /// Largest p-value of a selected effect outside the catalogue.
     pub alpha_column: f64,
-    /// Smallest share of a column's information that remains after a refit of the base, and smallest
-    /// share that is not noise.
+    /// Smallest share of a column's information that remains after a refit of the base, and
+    /// smallest share that is not noise.
     pub min_shares: [f64; 2],
     /// Excess over the critical value of a size with a power of 90 %, in standard errors.
     pub nine_in_ten: f64,
@@ -86,8 +86,8 @@ pub struct CandidateProducts<'a> {
 }
 
 impl<'a> CandidateProducts<'a> {
-    /// The candidates of a design, with a noise correction from `pairs` pairs of simulations of each
-    /// run.
+    /// The candidates of a design, with a noise correction from `pairs` pairs of simulations of
+    /// each run.
     pub fn new(
         design: &Design<'a>,
         frames: &[Frame],

@@ -42,8 +42,8 @@ impl Campaign<'_> {
             };
             let none = DMatrix::zeros(1, 1);
             // As in the screen, a direction that is mostly noise is excluded.
-            let [signal, all] =
-                [sums, plain].map(|sums| move |k: usize| sums.of(&[k], 0..sums.m.len()).m[(0, 0)]);
+            let [signal, all] = [sums, plain]
+                .map(|sums| move |k: usize| sums.over(&[k], 0..sums.m.len()).m[(0, 0)]);
             let least = self.rules().least_signal;
             list.into_iter()
                 .enumerate()

@@ -61,7 +61,8 @@ impl Shape {
         }
     }
 
-    /// Numbers of the formula in addition to the amplitude: formulas are tried in this order.
+    /// Number of parameters of the formula in addition to the amplitude: formulas are tried in this
+    /// order.
     pub fn numbers(&self) -> usize {
         match self {
             Shape::One => 0,
@@ -106,7 +107,7 @@ fn cubic(t: f64) -> f64 {
     }
 }
 
-/// The unit of an amplitude: that of the channel over those of the columns.
+/// The unit of an amplitude: the channel's unit divided by the columns' units.
 pub fn unit(channel: &str, columns: &[&str]) -> String {
     let (mut above, mut below) = match channel.split_once('/') {
         Some((of, over)) => (vec![of], vec![over]),
@@ -142,7 +143,7 @@ pub fn unit(channel: &str, columns: &[&str]) -> String {
     }
 }
 
-/// The unit of a column as a divisor: for a temperature that of its differences.
+/// The unit of a column as a divisor; for a temperature the unit of its differences.
 pub fn unit_of(name: &str) -> Cow<'static, str> {
     match kufe::plot::unit_of(name) {
         unit if unit == "deg C" => Cow::Borrowed("K"),

@@ -3,7 +3,7 @@
 use crate::evidence::runs::laws::formulas::shape::Shape;
 
 /// B-splines of a column whose values are `sorted`.
-pub fn bumps(column: usize, sorted: &[f64], count: usize) -> Vec<Shape> {
+pub fn splines(column: usize, sorted: &[f64], count: usize) -> Vec<Shape> {
     let [low, high] = [0.01, 0.99].map(|share| quantile(sorted, share));
     let knots = (high - low) / (count - 3) as f64;
     (0..count)
@@ -43,7 +43,7 @@ pub fn formulas(column: usize, sorted: &[f64]) -> Vec<Shape> {
     shapes
 }
 
-/// The same kind of formula with numbers nearby; empty without numbers.
+/// Formulas of the same kind with neighbouring parameters; empty if the formula has none.
 pub fn around(shape: &Shape, span: f64, share: f64) -> Vec<Shape> {
     let moves = [-1.0, -0.5, 0.0, 0.5, 1.0];
     let factors = moves.map(|m: f64| (3.0 * share * m).exp());
@@ -77,7 +77,7 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
         .unwrap_or(0.0)
 }
 
-/// A number with so many significant digits.
+/// A number rounded to `digits` significant digits.
 pub fn rounded(x: f64, digits: i32) -> f64 {
     if x == 0.0 || !x.is_finite() {
         return 0.0;

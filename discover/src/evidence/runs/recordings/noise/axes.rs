@@ -19,7 +19,7 @@ pub fn of_instrument(
     from_hz: f64,
     quietest: f64,
 ) -> Option<Vec<ColumnNoise>> {
-    // A column that is always constant, as a roll split of zeros, is not a sensor's.
+    // A column that is always constant, as a roll split of zeros, is not measured: it has no noise.
     let moves = |name: &str| learned.iter().any(|piece| piece.moves(name));
     if !axes.iter().any(|name| moves(name)) {
         let still = ColumnNoise {
@@ -38,22 +38,23 @@ pub fn of_instrument(
     of_axes(&seen, dt, quietest)
 }
 
-/// Noise of each axis; that of the quietest axis for one that is dominated by motion or constant.
+/// Noise of each axis; an axis that is constant or dominated by motion gets the noise of the
+/// quietest one.
 fn of_axes(seen: &[Option<Periodogram>], dt: f64, quietest: f64) -> Option<Vec<ColumnNoise>> {
     let power = |axis: &Periodogram| axis.lowest();
-    let less = |a: &&Periodogram, b: &&Periodogram| power(a).total_cmp(&power(b));
-    let quiet = seen.iter().flatten().min_by(less)?;
-    let of = |axis: &Periodogram| {
-        let of = |(colour, sd)| ColumnNoise { sd, colour };
-        Colour::of(axis, dt).map(of)
+    let by_power = |a: &&Periodogram, b: &&Periodogram| power(a).total_cmp(&power(b));
+    let quiet = seen.iter().flatten().min_by(by_power)?;
+    let noise = |axis: &Periodogram| {
+        let (colour, sd) = Colour::of(axis, dt)?;
+        Some(ColumnNoise { sd, colour })
     };
-    let of_quiet = of(quiet)?;
-    let own = |axis: &Option<Periodogram>| {
-        let still = |axis: &&Periodogram| power(axis) <= quietest * power(quiet);
-        let own = axis.as_ref().filter(still).and_then(of);
-        own.unwrap_or(of_quiet)
+    let of_quiet = noise(quiet)?;
+    let of_axis = |axis: &Option<Periodogram>| {
+        let is_noise = |axis: &&Periodogram| power(axis) <= quietest * power(quiet);
+        let noise = axis.as_ref().filter(is_noise).and_then(noise);
+        noise.unwrap_or(of_quiet)
     };
-    Some(seen.iter().map(own).collect())
+    Some(seen.iter().map(of_axis).collect())
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Spectral model of a sensor's noise, fitted to the recordings above the frequencies of the
 //! motion.
 //!
-//! Noise is white noise of the recorded rate through a first-order low pass of its own and a
+//! Noise is white noise at the recorded rate that passes the sensor's first-order low pass and the
 //! recorder's second-order one. The motion is represented by a steep power of the frequency:
 //!
 //! ```text
@@ -10,8 +10,9 @@
 //! A = (1 - k)^2/(1 + k^2 - 2 k cos(2 pi f dt)),    k = exp(-2 pi knee dt)    without one
 //! ```
 //!
-//! Minimises the Whittle likelihood `sum_f (ln S + P/S)`, P being the periodogram (P. Whittle, Ark.
-//! Mat. 2 (1953) 423): the corners by a pattern search, the amplitudes by Fisher scoring.
+//! The fit minimises the negative Whittle log-likelihood `sum_f (ln S + P/S)`, with P the
+//! periodogram (P. Whittle, Ark. Mat. 2 (1953) 423): over the corners by a pattern search, over the
+//! amplitudes by Fisher scoring.
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -20,7 +21,8 @@ use rand::Rng;
 use crate::evidence::runs::recordings::noise::periodogram::Periodogram;
 use crate::null::random::normal;
 
-/// A first-order low pass and a second-order one; infinite corners pass everything.
+/// A first-order and a second-order low pass; an infinite corner (cutoff frequency) passes
+/// everything.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Colour {
     /// Corner of the noise's own low pass \[Hz\].
@@ -32,7 +34,7 @@ pub struct Colour {
 /// Initial step of the corners, as a factor.
 const STEP: f64 = 1.3;
 /// Final step.
-const FINEST: f64 = 1.01;
+const MIN_STEP: f64 = 1.01;
 
 impl Colour {
     /// White noise.
@@ -41,7 +43,7 @@ impl Colour {
         corner_hz: f64::INFINITY,
     };
 
-    /// Power at a frequency, relative to the lowest.
+    /// Power at a frequency, relative to the power at frequency 0.
     fn power(self, f: f64, dt: f64) -> f64 {
         match self.corner_hz.is_finite() {
             true => {
@@ -117,7 +119,7 @@ impl Colour {
         let samples = (TIMES / (2.0 * PI * slower * dt)).ceil() as usize + 2;
         let impulse = std::iter::once(1.0).chain(std::iter::repeat_n(0.0, samples));
         self.through(impulse, 0.0, dt)
-            .map(|answer| answer * answer)
+            .map(|response| response * response)
             .sum()
     }
 
@@ -129,19 +131,19 @@ impl Colour {
             let tried = (0..=steps as i32).map(move |k| from * STEP.powi(k));
             tried.chain([f64::INFINITY])
         };
-        // Penalty per parameter of Schwarz's criterion.
-        let price = 0.5 * (seen.pieces * seen.power.len() as f64).ln();
-        let numbers = |colour: &Self, power: Option<i32>| {
+        // Penalty per parameter of the Bayesian information criterion (Schwarz).
+        let penalty = 0.5 * (seen.pieces * seen.power.len() as f64).ln();
+        let parameter_count = |colour: &Self, power: Option<i32>| {
             let corners = [colour.knee_hz, colour.corner_hz];
             let finite = corners.iter().filter(|corner| corner.is_finite());
             finite.count() + 2 * power.iter().count()
         };
         let cost = |colour: Self, power: Option<i32>| {
             let (misfit, level) = colour.fitted(seen, dt, power);
-            let cost = seen.pieces * misfit + price * numbers(&colour, power) as f64;
+            let cost = seen.pieces * misfit + penalty * parameter_count(&colour, power) as f64;
             (cost, colour, level)
         };
-        let less = |a: (f64, Self, f64), b: (f64, Self, f64)| if b.0 < a.0 { b } else { a };
+        let smaller = |a: (f64, Self, f64), b: (f64, Self, f64)| if b.0 < a.0 { b } else { a };
         // A knee below the visible range has the slope of the motion and is not identifiable.
         let lowest = 0.5 * first;
         let knees = corners(lowest, 2.0 * last);
@@ -153,13 +155,15 @@ impl Colour {
         let powers = [None, Some(3), Some(4), Some(6), Some(10), Some(16)];
         let best = powers.into_iter().filter_map(|power| {
             let tried = pairs.iter().map(|colour| cost(*colour, power));
-            let mut best = tried.reduce(less)?;
+            let mut best = tried.reduce(smaller)?;
             // Pattern search with decreasing steps.
             let mut step = STEP;
-            while step > FINEST {
+            while step > MIN_STEP {
                 let neighbours = best.1.neighbours(step).into_iter();
-                let seen = neighbours.filter(|colour| colour.knee_hz >= lowest);
-                let next = seen.map(|colour| cost(colour, power)).fold(best, less);
+                let visible = neighbours.filter(|colour| colour.knee_hz >= lowest);
+                let next = visible
+                    .map(|colour| cost(colour, power))
+                    .fold(best, smaller);
                 if next.0 >= best.0 {
                     step = step.sqrt();
                 }
@@ -167,7 +171,7 @@ impl Colour {
             }
             Some(best)
         });
-        let best = best.reduce(less);
+        let best = best.reduce(smaller);
         let (_, colour, level) = best?;
         let sd = (level * colour.variance(dt) * 0.5 / dt).sqrt();
         (sd.is_finite() && sd > 0.0).then_some((colour, sd))
@@ -175,19 +179,20 @@ impl Colour {
 
     /// One corner changed by a factor.
     fn neighbours(self, step: f64) -> [Self; 4] {
-        let of = |knee: f64, corner: f64| Self {
+        let scaled = |knee: f64, corner: f64| Self {
             knee_hz: knee * self.knee_hz,
             corner_hz: corner * self.corner_hz,
         };
         [
-            of(step, 1.0),
-            of(1.0 / step, 1.0),
-            of(1.0, step),
-            of(1.0, 1.0 / step),
+            scaled(step, 1.0),
+            scaled(1.0 / step, 1.0),
+            scaled(1.0, step),
+            scaled(1.0, 1.0 / step),
         ]
     }
 
-    /// Least misfit of this colour given the exponent of the motion, and the white noise's density.
+    /// Smallest misfit of this colour given the exponent of the motion, and the white noise's
+    /// density.
     fn fitted(self, seen: &Periodogram, dt: f64, power: Option<i32>) -> (f64, f64) {
         const ROUNDS: usize = 8;
         let first = seen.frequency_hz[0];
@@ -210,24 +215,25 @@ impl Colour {
             seen.power[0],
         ];
         for _ in 0..ROUNDS {
-            let (mut own, mut between, mut has) = ([0.0; 2], 0.0, [0.0; 2]);
+            // Normal equations of least squares with weights 1 / S^2.
+            let (mut diagonal, mut off_diagonal, mut right) = ([0.0; 2], 0.0, [0.0; 2]);
             for ((s, p), shape) in spectrum(&amplitude).zip(&seen.power).zip(&shapes) {
                 let weight = 1.0 / (s * s);
-                between += weight * shape[0] * shape[1];
+                off_diagonal += weight * shape[0] * shape[1];
                 for k in 0..2 {
-                    own[k] += weight * shape[k] * shape[k];
-                    has[k] += weight * shape[k] * p;
+                    diagonal[k] += weight * shape[k] * shape[k];
+                    right[k] += weight * shape[k] * p;
                 }
             }
-            let determinant = own[0] * own[1] - between * between;
+            let determinant = diagonal[0] * diagonal[1] - off_diagonal * off_diagonal;
             let both = [
-                (own[1] * has[0] - between * has[1]) / determinant,
-                (own[0] * has[1] - between * has[0]) / determinant,
+                (diagonal[1] * right[0] - off_diagonal * right[1]) / determinant,
+                (diagonal[0] * right[1] - off_diagonal * right[0]) / determinant,
             ];
             amplitude = match both {
                 [noise, motion] if noise > 0.0 && motion > 0.0 => both,
-                [noise, _] if noise <= 0.0 => [0.0, has[1] / own[1]],
-                _ => [has[0] / own[0], 0.0],
+                [noise, _] if noise <= 0.0 => [0.0, right[1] / diagonal[1]],
+                _ => [right[0] / diagonal[0], 0.0],
             };
         }
         let both = spectrum(&amplitude).zip(&seen.power);

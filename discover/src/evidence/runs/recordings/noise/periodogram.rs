@@ -13,10 +13,10 @@ pub struct Periodogram {
 
 /// Length of a piece [s]; frequencies are 0.4 Hz apart.
 const PIECE_S: f64 = 2.5;
-/// Highest frequency, relative to the sampling rate.
-const HIGHEST: f64 = 0.3;
-/// Fewest frequencies for a fit of five numbers.
-const FEWEST: usize = 20;
+/// Ratio of the highest frequency to the sampling rate.
+const MAX_FREQUENCY_RATIO: f64 = 0.3;
+/// Smallest number of frequencies for a fit of five numbers.
+const MIN_FREQUENCIES: usize = 20;
 
 impl Periodogram {
     /// Power at the lowest frequencies.
@@ -24,13 +24,13 @@ impl Periodogram {
         self.power.iter().take(4).sum()
     }
 
-    /// Welch's mean over pieces of all columns that overlap by half, with a Hann window; pieces
-    /// with a gap are omitted.
+    /// Welch's mean over pieces of all columns that overlap by half, with a squared Hann window
+    /// (sin^4); pieces with a gap are omitted. `None` with too few frequencies or without a piece.
     pub fn of(columns: &[&[f64]], dt: f64, from_hz: f64) -> Option<Self> {
         let n = (PIECE_S / dt).round() as usize;
         let lowest = (from_hz * PIECE_S).ceil() as usize;
-        let highest = (HIGHEST * PIECE_S / dt).floor() as usize;
-        if n < 4 || highest < lowest + FEWEST {
+        let highest = (MAX_FREQUENCY_RATIO * PIECE_S / dt).floor() as usize;
+        if n < 4 || highest < lowest + MIN_FREQUENCIES {
             return None;
         }
         // Frequencies above twelve times the lowest are irrelevant for the noise of the motion.
@@ -58,8 +58,8 @@ impl Periodogram {
                     .enumerate()
                     .map(|(i, (x, w))| w * (x - mean - rise * (i as f64 - middle)))
                     .collect();
-                for (k, sums) in power.chunks_mut(TOGETHER).enumerate() {
-                    let squares = magnitudes_squared(&level, lowest + k * TOGETHER);
+                for (k, sums) in power.chunks_mut(LANES).enumerate() {
+                    let squares = magnitudes_squared(&level, lowest + k * LANES);
                     sums.iter_mut()
                         .zip(squares)
                         .for_each(|(sum, square)| *sum += square);
@@ -86,16 +86,16 @@ impl Periodogram {
     }
 }
 
-/// Coefficients computed together, as each recurrence waits for its own last step.
-const TOGETHER: usize = 8;
+/// Number of coefficients computed together: independent recurrences run in parallel on one core.
+const LANES: usize = 8;
 
 /// Squared magnitudes of discrete Fourier coefficients from `first` on (Goertzel's recurrence).
-fn magnitudes_squared(x: &[f64], first: usize) -> [f64; TOGETHER] {
+fn magnitudes_squared(x: &[f64], first: usize) -> [f64; LANES] {
     let angle = |k: usize| 2.0 * PI * (first + k) as f64 / x.len() as f64;
-    let twice: [f64; TOGETHER] = std::array::from_fn(|k| 2.0 * angle(k).cos());
-    let (mut one, mut two) = ([0.0; TOGETHER], [0.0; TOGETHER]);
+    let twice: [f64; LANES] = std::array::from_fn(|k| 2.0 * angle(k).cos());
+    let (mut one, mut two) = ([0.0; LANES], [0.0; LANES]);
     for x in x {
-        for k in 0..TOGETHER {
+        for k in 0..LANES {
             (one[k], two[k]) = (x + twice[k] * one[k] - two[k], one[k]);
         }
     }

@@ -101,8 +101,8 @@ impl SensorNoise {
     }
 
     /// Noise from the recordings' spectra above this frequency; `None` if they are insufficient. An
-    /// axis with more than `quietest` times the power of the quietest one of its instrument is
-    /// dominated by motion and takes that one's noise.
+    /// axis with more than `quietest` times the power of its instrument's quietest axis is
+    /// dominated by motion and gets the noise of the quietest axis.
     pub fn of_spectra(learned: &[TrainingSamples], from_hz: f64, quietest: f64) -> Option<Self> {
         let each: Vec<Option<Vec<ColumnNoise>>> = INSTRUMENTS
             .par_iter()
@@ -120,7 +120,7 @@ impl SensorNoise {
         })
     }
 
-    /// The same with a lower bound.
+    /// This noise with a lower bound of each standard deviation.
     pub fn at_least(self, least: &Noise) -> Self {
         let of = |noise: ColumnNoise, least: f64| ColumnNoise {
             sd: noise.sd.max(least),
@@ -191,6 +191,7 @@ impl SensorNoise {
     }
 }
 
+/// The axis of the largest standard deviation.
 fn loudest(axes: &[ColumnNoise]) -> ColumnNoise {
     let more = |a: ColumnNoise, b: &ColumnNoise| if b.sd > a.sd { *b } else { a };
     axes.iter().fold(axes[0], more)
@@ -216,7 +217,7 @@ const COLUMNS: [&str; SENSORS] = [
     "gamma_rad",
 ];
 
-/// The stated noise, or that of the recordings if smaller.
+/// The stated noise, or the noise of the recordings if it is smaller.
 pub fn quieter(stated: &Noise, seen: &Noise, remarks: &mut Vec<String>) -> Noise {
     let both = each(stated).into_iter().zip(each(seen));
     let smaller: Vec<String> = NAMES
@@ -246,9 +247,9 @@ pub fn louder(a: &Noise, b: &Noise) -> Noise {
     by_sensor(a, b, f64::max)
 }
 
-/// Whether the differences of a sensor that forces are computed from disagree with its stated
-/// noise: the noise is then coloured, filtered or misstated, and uncertain at the frequencies of
-/// the motion.
+/// Whether the stated noise disagrees with the differences of the recordings, for a sensor from
+/// which forces are computed. The noise is then coloured, filtered or misstated, and uncertain at
+/// the frequencies of the motion.
 pub fn doubted(stated: &Noise, seen: &Noise, [low, high]: [f64; 2]) -> bool {
     [
         (stated.rate_radps, seen.rate_radps),
@@ -261,7 +262,7 @@ pub fn doubted(stated: &Noise, seen: &Noise, [low, high]: [f64; 2]) -> bool {
     .any(|(stated, seen)| *seen > 0.0 && !(low..=high).contains(&(seen / stated.max(1e-300))))
 }
 
-/// White noise from third differences, the median over runs: var = mean(d3^2)/20.
+/// White noise from third differences d3, the median over runs: `var = mean(d3^2) / 20`.
 pub fn estimate(learned: &[TrainingSamples]) -> Noise {
     by_third_differences(learned, &|_| 1)
 }

@@ -53,8 +53,8 @@ pub fn of_run(frame: &Frame, rows: &[f64], width: f64) -> Vec<(i64, f64)> {
 /// (e_k+1 - e_k) / (t_k+1 - t_k)
 /// ```
 ///
-/// The mean of the rows themselves is a difference of two single readings of the speed. This rate is
-/// a difference of two means of many readings.
+/// The mean of the rows themselves is a difference of two single readings of the speed. This rate
+/// is a difference of two means of many readings.
 pub fn numbered_rates(frame: &Frame, rows: &[f64], width: f64) -> Vec<(i64, f64)> {
     let t = frame.rows(&frame.t);
     let steps = t.windows(2).zip(rows.windows(2));

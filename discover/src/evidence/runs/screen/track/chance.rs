@@ -11,8 +11,8 @@ pub fn angle(a: &[f64], b: &[f64], w: &[f64]) -> f64 {
 }
 
 /// Two-sided p-value of the maximum |z| over all directions of a candidate that is nonlinear in its
-/// size (look-elsewhere effect): the p-value of one direction, plus the bound for an upcrossing
-/// of `z` in between, `turn / pi * exp(-z^2 / 2)` (R. B. Davies, Biometrika 74 (1987) 33).
+/// size (look-elsewhere effect): the p-value of one direction, plus the bound for an upcrossing of
+/// `z` in between, `turn / pi * exp(-z^2 / 2)` (R. B. Davies, Biometrika 74 (1987) 33).
 pub fn p_value_of_maximum(z: f64, turn: f64) -> f64 {
     two_sided(z) + turn / std::f64::consts::PI * (-0.5 * z * z).exp()
 }
@@ -22,8 +22,8 @@ pub fn two_sided(z: f64) -> f64 {
     Normal::new(0.0, 1.0).map_or(1.0, |law| 2.0 * law.cdf(-z.abs()))
 }
 
-/// Inflation of the variance of a mean over bins by autocorrelation, `(1 + rho) / (1 - rho)` with rho
-/// the lag-1 correlation of neighbouring bins of a track.
+/// Inflation of the variance of a mean over bins by autocorrelation, `(1 + rho) / (1 - rho)` with
+/// rho the lag-1 correlation of neighbouring bins of a track.
 pub fn inflation(bins: &[(String, f64, f64, f64)], values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;

@@ -1,10 +1,10 @@
-//! The track channel: slope errors against the accelerometer's, with the surveyed profile as a
+//! The track channel: errors of the slope and of the accelerometer, with the surveyed profile as a
 //! random effect.
 //!
-//! `dv/dt - g sin(slope) - a_x cos(beta) - a_y sin(beta)` contains no friction. Residuals are
-//! averaged over runs in bins of distance. A bin's mean has the variance of its runs' scatter plus
-//! that of the survey, (g sd)^2, which does not decrease with the number of runs. Neighbouring bins
-//! are correlated; their lag-1 correlation is estimated.
+//! The residual `dv/dt - g sin(slope) - a_x cos(beta) - a_y sin(beta)` contains no friction.
+//! Residuals are averaged over runs in bins of distance. A bin's mean has the variance of its runs'
+//! scatter plus that of the survey, (g sd)^2, which does not decrease with the number of runs.
+//! Neighbouring bins are correlated; their lag-1 correlation is estimated.
 
 use kufe_sled::GRAVITY;
 use nalgebra::{DMatrix, DVector};
@@ -22,8 +22,8 @@ use crate::evidence::runs::screen::track::chance::{
 use crate::procedure::candidate::Candidate;
 use crate::procedure::rules::RunRules;
 
-/// Bins on either side from which the scatter between drivers is taken.
-const NEAR: usize = 3;
+/// Number of bins on either side over which the scatter between drivers is averaged.
+const NEIGHBOURS: usize = 3;
 
 /// Scores of a candidate of the track channel, for one survey deviation.
 #[derive(Clone, Debug)]
@@ -34,6 +34,7 @@ pub struct TrackScore {
     pub p_value: f64,
 }
 
+/// Bin means of the track channel and the candidates that are tested in it.
 #[derive(Clone)]
 pub struct TrackChannel {
     /// Bin means, by bin: track, from [m], mean [m/s2], variance of the mean.
@@ -48,6 +49,7 @@ pub struct TrackChannel {
     tolerances: Vec<f64>,
     /// Inflation of the variance of means over bins by their correlation.
     inflation: f64,
+    /// Root mean square scatter of single runs about the bins' means [m/s2].
     scatter: f64,
     /// Width of a bin [m].
     width: f64,
@@ -59,9 +61,9 @@ fn rows_of(residual_model: &ResidualModel, frames: &[Frame]) -> Vec<Vec<f64>> {
 }
 
 impl TrackChannel {
-    /// Averages residuals; `None` without a survey.
+    /// Averages residuals over bins; `None` without a survey and with fewer than eight bins.
     pub fn new(residual_model: &ResidualModel, frames: &[Frame], rules: &RunRules) -> Option<Self> {
-        let (width, reach) = (rules.track_bin_m, NEAR);
+        let (width, reach) = (rules.track_bin_m, NEIGHBOURS);
         if frames.iter().any(|f| f.slope.len() != f.len()) {
             return None;
         }
@@ -102,10 +104,10 @@ impl TrackChannel {
         })
     }
 
-    /// Adds a candidate, of which installation errors have a standard deviation of `tolerance`. Its
-    /// change per unit is evaluated at its best nonlinear size: a speed that is late by a tenth of
+    /// Adds a candidate, whose standard deviation due to installation errors is `tolerance`. Its
+    /// change per unit is evaluated at its best nonlinear size: a delay of the speed of a tenth of
     /// a second is poorly approximated to first order.
-    pub fn take(
+    pub fn add_candidate(
         &mut self,
         residual_model: &ResidualModel,
         frames: &[Frame],
@@ -116,12 +118,12 @@ impl TrackChannel {
         /// shift remains resolved.
         const RATIO: f64 = 1.4;
         /// Relative accuracy of the best size, far below its error.
-        const FOUND: f64 = 0.01;
+        const ACCURACY: f64 = 0.01;
         let small = 0.01 * candidate.typical;
-        let of = |size: f64| self.change(residual_model, frames, candidate, size);
-        let per_unit = |size: f64| -> Vec<f64> { of(size).iter().map(|x| x / size).collect() };
+        let change = |size: f64| self.change(residual_model, frames, candidate, size);
+        let per_unit = |size: f64| -> Vec<f64> { change(size).iter().map(|x| x / size).collect() };
         let w = self.weights(slope_sd);
-        let residual = |change: &[f64]| -> f64 {
+        let misfit = |change: &[f64]| -> f64 {
             let both = self.bins.iter().zip(change).zip(&w);
             both.map(|((bin, change), w)| w * (bin.2 - change).powi(2))
                 .sum()
@@ -133,27 +135,27 @@ impl TrackChannel {
         });
         let mut sizes = vec![score / information.max(1e-300)];
         let [low, high] = [candidate.low, candidate.high].map(|bound| 0.5 * bound);
-        let farthest = if high > -low { high } else { low };
-        // A linear candidate is the same at any size.
-        let far = per_unit(farthest);
-        let both = far.iter().zip(&direct).zip(&w);
-        let bends: f64 = both.map(|((far, d), w)| w * (far - d).powi(2)).sum();
-        let mut tried = 0.1 * candidate.typical;
-        while tried <= farthest.abs() && bends > FOUND * FOUND * information {
-            sizes.extend([tried, -tried]);
-            tried *= RATIO;
+        let largest = if high > -low { high } else { low };
+        // The change per unit of a linear candidate is the same at any size.
+        let at_largest = per_unit(largest);
+        let both = at_largest.iter().zip(&direct).zip(&w);
+        let nonlinearity: f64 = both.map(|((far, d), w)| w * (far - d).powi(2)).sum();
+        let mut trial = 0.1 * candidate.typical;
+        while trial <= largest.abs() && nonlinearity > ACCURACY * ACCURACY * information {
+            sizes.extend([trial, -trial]);
+            trial *= RATIO;
         }
         sizes.retain(|size| (low..=high).contains(size) && size.abs() > small);
         sizes.sort_by(f64::total_cmp);
-        let changes: Vec<Vec<f64>> = sizes.par_iter().map(|size| of(*size)).collect();
-        let best = (0..sizes.len())
-            .min_by(|a, b| residual(&changes[*a]).total_cmp(&residual(&changes[*b])));
+        let changes: Vec<Vec<f64>> = sizes.par_iter().map(|size| change(*size)).collect();
+        let best =
+            (0..sizes.len()).min_by(|a, b| misfit(&changes[*a]).total_cmp(&misfit(&changes[*b])));
         let exact = best.map(|k| {
-            let about = [sizes[k] / RATIO, sizes[k] * RATIO];
+            let interval = [sizes[k] / RATIO, sizes[k] * RATIO];
             per_unit(minimise(
-                |size| residual(&of(size)),
-                about,
-                FOUND * sizes[k].abs(),
+                |size| misfit(&change(size)),
+                interval,
+                ACCURACY * sizes[k].abs(),
             ))
         });
         let steps = changes.windows(2);
@@ -199,10 +201,11 @@ impl TrackChannel {
 
     /// Information on tilt-like installation errors, for a model with none of them.
     ///
-    /// With d the change of each bin's mean y by one standard deviation of a part, W the inverse
-    /// covariance of the means (their scatter, the survey's error place by place, and once more
-    /// common to all places), the information is `d' W d` and the score `d' W y`, both divided by
-    /// the excess scatter of the means.
+    /// With y the means of the bins, d their change by one standard deviation of an installation
+    /// error and W the inverse covariance of the means, the information is `d' W d` and the score
+    /// `d' W y`, both divided by the excess scatter of the means. The covariance contains the
+    /// scatter of the means, an independent survey error of each place, and an equal one common to
+    /// all places.
     pub fn information(
         &self,
         bare: &ResidualModel,
@@ -212,27 +215,27 @@ impl TrackChannel {
     ) -> Information {
         let count = stated.errors.len();
         let mut directions = DMatrix::zeros(self.bins.len(), count);
-        for part in (0..count).filter(|part| stated.errors[*part].is_tilt()) {
+        for error in (0..count).filter(|error| stated.errors[*error].is_tilt()) {
             let moved = ResidualModel {
-                installation: stated.moved(part, 1.0),
+                installation: stated.moved(error, 1.0),
                 ..bare.clone()
             };
             let change = DVector::from_vec(self.change_to(&moved, frames));
-            directions.set_column(part, &change);
+            directions.set_column(error, &change);
         }
         let w = DVector::from_vec(self.weights(slope_sd));
         let means = DVector::from_iterator(self.bins.len(), self.bins.iter().map(|bin| bin.2));
-        let alike = 1.0 / (1.0 / (GRAVITY * slope_sd).powi(2) + w.sum());
-        // W x, by Sherman and Morrison's formula.
-        let weighed = |x: DVector<f64>| {
-            let common = alike * w.dot(&x);
+        let common_variance = 1.0 / (1.0 / (GRAVITY * slope_sd).powi(2) + w.sum());
+        // W x, by the Sherman-Morrison formula.
+        let weighted = |x: DVector<f64>| {
+            let common = common_variance * w.dot(&x);
             w.component_mul(&x.add_scalar(-common))
         };
         let offset = w.dot(&means) / w.sum();
         let squares = w.dot(&means.map(|m| (m - offset).powi(2)));
         let scatter = (squares / (self.bins.len() as f64 - 1.0)).max(1.0) * self.inflation;
         let columns: Vec<DVector<f64>> = (0..count)
-            .map(|part| weighed(directions.column(part).into_owned()))
+            .map(|error| weighted(directions.column(error).into_owned()))
             .collect();
         let weighed_directions = DMatrix::from_columns(&columns);
         Information {
@@ -241,6 +244,7 @@ impl TrackChannel {
         }
     }
 
+    /// Inverse variance of each bin's mean, including the survey's.
     fn weights(&self, slope_sd: f64) -> Vec<f64> {
         let survey = (GRAVITY * slope_sd).powi(2);
         self.bins
@@ -250,7 +254,7 @@ impl TrackChannel {
     }
 
     /// Scores candidate `c` for a survey deviation [rad].
-    pub fn judge(&self, c: usize, slope_sd: f64) -> TrackScore {
+    pub fn score(&self, c: usize, slope_sd: f64) -> TrackScore {
         let w = self.weights(slope_sd);
         let d = &self.directions[c];
         let information: f64 = d.iter().zip(&w).map(|(d, w)| d * d * w).sum();
@@ -261,12 +265,12 @@ impl TrackChannel {
             .map(|((d, w), b)| d * w * b.2)
             .sum();
         let size = score / information.max(1e-300);
-        let [scatter, by_chance_alone] = self.excess_scatter(d, size, &w);
+        let [scatter, null_scatter] = self.excess_scatter(d, size, &w);
         let error = |scatter: f64| {
-            let own = (scatter / information.max(1e-300)).sqrt();
-            own.hypot(self.tolerances[c])
+            let statistical = (scatter / information.max(1e-300)).sqrt();
+            statistical.hypot(self.tolerances[c])
         };
-        let p = p_value_of_maximum(size / error(by_chance_alone), self.turns[c]);
+        let p = p_value_of_maximum(size / error(null_scatter), self.turns[c]);
         TrackScore {
             size,
             error: error(scatter),
@@ -274,12 +278,12 @@ impl TrackChannel {
         }
     }
 
-    /// Excess variance about a candidate of this size: Birge's ratio squared, at minimise 1, times the
-    /// inflation by correlation, as a profile error along the track correlates with any candidate
-    /// by chance.
+    /// Excess variance about a candidate of this size, and under the null hypothesis: Birge's ratio
+    /// squared, at least 1, times the inflation by correlation, as a profile error along the track
+    /// correlates with any candidate by chance.
     ///
-    /// The second value is the same under the null, where neighbours are less correlated after
-    /// fitting the best of many sizes.
+    /// The fit of the best of many sizes lowers the correlation of neighbours: under the null
+    /// hypothesis the inflation is at least the one before the fit.
     fn excess_scatter(&self, direction: &[f64], size: f64, w: &[f64]) -> [f64; 2] {
         let both = self.bins.iter().zip(direction);
         let residual: Vec<f64> = both.map(|(b, d)| b.2 - d * size).collect();
@@ -288,9 +292,9 @@ impl TrackChannel {
             .zip(w)
             .map(|(residual, w)| w * residual * residual)
             .sum();
-        let alone = (squares / (self.bins.len() as f64 - 1.0)).max(1.0);
-        let inflated = inflation(&self.bins, &residual);
-        [alone * inflated, alone * inflated.max(self.inflation)]
+        let birge = (squares / (self.bins.len() as f64 - 1.0)).max(1.0);
+        let inflation = inflation(&self.bins, &residual);
+        [birge * inflation, birge * inflation.max(self.inflation)]
     }
 
     /// z of candidate `a` given `b`.
@@ -336,7 +340,8 @@ impl TrackChannel {
             .zip(&w)
             .map(|(b, w)| (b.2 - mean).powi(2) * w)
             .sum();
-        // Correlated bins count for fewer: statistic and degrees of freedom are divided alike.
+        // The effective number of correlated bins is smaller: statistic and degrees of freedom are
+        // divided by the inflation.
         let n = self.bins.len() as f64;
         let freedom = ((n - 1.0) / self.inflation).max(2.0);
         let p =

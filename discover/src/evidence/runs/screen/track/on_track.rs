@@ -23,8 +23,8 @@ pub struct SurveyedTrack {
     list: Vec<Candidate<Amplitude>>,
     /// Standard deviation of the surveyed slope \[rad\].
     sd: f64,
-    /// Standard errors within which the channel and the forces agree.
-    within: f64,
+    /// Largest difference of two estimates that agree, in its standard errors.
+    agree_within: f64,
 }
 
 impl SurveyedTrack {
@@ -34,8 +34,8 @@ impl SurveyedTrack {
         let same =
             |c: &Candidate<Amplitude>| c.effect == candidate.effect && c.key == candidate.key;
         self.list.iter().position(same).is_none_or(|c| {
-            let seen = self.channel.judge(c, self.sd);
-            (seen.size - size).abs() < self.within * seen.error.hypot(error)
+            let seen = self.channel.score(c, self.sd);
+            (seen.size - size).abs() < self.agree_within * seen.error.hypot(error)
         })
     }
 }
@@ -72,10 +72,10 @@ impl Campaign<'_> {
     /// it is selected before effects on forces.
     pub fn is_tilted(&self, track: &SurveyedTrack) -> bool {
         let is_significant = |(c, candidate): (usize, &Candidate<Amplitude>)| {
-            let seen = track.channel.judge(c, track.sd);
+            let seen = track.channel.score(c, track.sd);
             let tolerance = self.tolerance(candidate);
-            let slopes = ["rad", "m/s2"].contains(&candidate.unit.as_str());
-            slopes && seen.size.abs() > self.rules().belief * tolerance
+            let is_tilt = ["rad", "m/s2"].contains(&candidate.unit.as_str());
+            is_tilt && seen.size.abs() > self.rules().belief * tolerance
         };
         track.list.iter().enumerate().any(is_significant)
     }
@@ -148,13 +148,13 @@ impl Campaign<'_> {
         }
         for candidate in &list {
             let known = [self.tolerance(candidate), sd];
-            channel.take(residual_model, &self.training, candidate, known);
+            channel.add_candidate(residual_model, &self.training, candidate, known);
         }
         Some(SurveyedTrack {
             channel,
             list,
             sd,
-            within: self.options.rules.search.agree,
+            agree_within: self.options.rules.search.agree,
         })
     }
 
@@ -214,47 +214,48 @@ impl Campaign<'_> {
                 .find(|(known, ..)| known.effect == list[c].effect && known.key == list[c].key)
                 .is_none_or(|(known, size, error)| track.agrees(known, *size, *error))
         };
-        let able: Vec<usize> = (0..list.len()).filter(|c| agrees(*c)).collect();
+        let consistent: Vec<usize> = (0..list.len()).filter(|c| agrees(*c)).collect();
         let z = |c: usize, factor: f64| {
-            let seen = channel.judge(c, sd * factor);
+            let seen = channel.score(c, sd * factor);
             seen.size / seen.error
         };
         let significant = |factor: f64| -> Vec<usize> {
-            let out = |c: &usize| {
-                let seen = channel.judge(*c, sd * factor);
+            let is_significant = |c: &usize| {
+                let seen = channel.score(*c, sd * factor);
                 seen.p_value <= rules.alpha_track && list[*c].admits(seen.size)
             };
-            able.iter().copied().filter(out).collect()
+            consistent.iter().copied().filter(is_significant).collect()
         };
-        let standing = significant(1.0);
+        let candidates = significant(1.0);
         // Evidence of the forces for a size estimated by the channel.
-        let mut of_forces = vec![0.0; list.len()];
-        if standing.len() > 1 {
+        let mut force_gains = vec![0.0; list.len()];
+        if candidates.len() > 1 {
             let without = self.force_misfit(residual_model);
-            for c in standing {
-                let (candidate, size) = (&list[c], channel.judge(c, sd).size);
-                of_forces[c] = self.of_forces(residual_model, without, candidate, size);
+            for c in candidates {
+                let (candidate, size) = (&list[c], channel.score(c, sd).size);
+                force_gains[c] = self.force_gain(residual_model, without, candidate, size);
             }
         }
         let best = |among: Vec<usize>, factor: f64| -> Option<usize> {
-            let both = |c: usize| {
-                let size = channel.judge(c, sd * factor).size;
-                z(c, factor).powi(2) + of_forces[c] - self.prior_penalty(&list[c], size, sd)
+            let posterior = |c: usize| {
+                let size = channel.score(c, sd * factor).size;
+                z(c, factor).powi(2) + force_gains[c] - self.prior_penalty(&list[c], size, sd)
             };
             among
                 .into_iter()
-                .max_by(|a, b| both(*a).total_cmp(&both(*b)))
+                .max_by(|a, b| posterior(*a).total_cmp(&posterior(*b)))
         };
-        let at = |factor: f64| best(significant(factor), factor);
-        let named = at(1.0);
+        let selected = |factor: f64| best(significant(factor), factor);
+        let named = selected(1.0);
         if let Some(named) = named {
-            let seen = channel.judge(named, sd);
-            // A size that the forces contradict is excluded if they do not contradict another one.
+            let seen = channel.score(named, sd);
+            // A rival is excluded if the forces contradict its size but not the named one's.
             let needed = rules.track_rivals.needed_t.powi(2);
-            let spoken = |j: &usize| of_forces[*j] < of_forces[named] - needed;
-            let rivals = able.iter().copied().filter(|j| *j != named && !spoken(j));
+            let contradicted = |j: &usize| force_gains[*j] < force_gains[named] - needed;
+            let rivals = consistent.iter().copied();
+            let rivals = rivals.filter(|j| *j != named && !contradicted(j));
             let others = rivals.map(|j| {
-                let seen = channel.judge(j, sd);
+                let seen = channel.score(j, sd);
                 Rival {
                     correlation: channel.correlation(named, j, sd),
                     t_of_named_beyond: channel.t_given(named, j, sd),
@@ -272,8 +273,8 @@ impl Campaign<'_> {
                 },
                 others.collect(),
             );
-            let beside_line = seen.error.hypot(self.by_line(&list[named]));
-            if at(2.0).is_none() {
+            let error = seen.error.hypot(self.line_sd(&list[named]));
+            if selected(2.0).is_none() {
                 account.depends.push(on_survey(format!(
                     "{} is significant at the stated survey deviation but not at twice it",
                     list[named].effect
@@ -285,7 +286,7 @@ impl Campaign<'_> {
                 class,
                 rivals,
                 p_value: seen.p_value,
-                parameters: self.by_track(&candidate, seen.size, beside_line),
+                parameters: self.track_estimate(&candidate, seen.size, error),
                 ..Selection::new(candidate, seen.size, seen.error, place)
             });
         }
@@ -323,14 +324,14 @@ impl Campaign<'_> {
         );
         let place = (place.as_str(), CHANNEL_NAMES[TRACK]);
         Some(Selection {
-            parameters: self.by_track(&candidate, slope, needed_sd),
+            parameters: self.track_estimate(&candidate, slope, needed_sd),
             p_value: p,
             ..Selection::new(candidate, slope, needed_sd, place)
         })
     }
 
-    /// Misfit of the forces with a model, its base and installation errors refitted: fixed at the
-    /// values found without a candidate these would represent part of it.
+    /// Misfit of the forces with a model, after a refit of base and installation errors: at their
+    /// values without a candidate they would represent part of it.
     fn force_misfit(&self, model: &ResidualModel) -> Option<f64> {
         let fit = self.fitted_anew(model, Vec::new()).ok()?;
         let model = ResidualModel {
@@ -340,9 +341,9 @@ impl Campaign<'_> {
         Some(self.misfit(&model, &fit.whitener) + model.installation.penalty_relative_to_zero())
     }
 
-    /// Gain of a candidate of this size in the forces, relative to the misfit `without` it, in
-    /// units of the noise's variance: negative if they contradict it.
-    fn of_forces(
+    /// Twice the decrease of the forces' misfit by a candidate of this size, relative to the misfit
+    /// `without` it; negative if the forces contradict the candidate, 0 if a fit fails.
+    fn force_gain(
         &self,
         residual_model: &ResidualModel,
         without: Option<f64>,
@@ -367,7 +368,7 @@ impl Campaign<'_> {
 
     /// Standard deviation of a scale or an offset of the speed due to the length of the driven
     /// line, which differs from the surveyed distance.
-    fn by_line(&self, candidate: &Candidate<Amplitude>) -> f64 {
+    fn line_sd(&self, candidate: &Candidate<Amplitude>) -> f64 {
         // The channel's candidates without a unit, or in m/s, are the speed's.
         match candidate.unit.as_str() {
             "" => self.rules().line_share,
@@ -376,8 +377,13 @@ impl Campaign<'_> {
         }
     }
 
-    /// Forces do not depend on a slope: the track channel's estimate is used.
-    fn by_track(&self, candidate: &Candidate<Amplitude>, size: f64, error: f64) -> Vec<Fitted> {
+    /// The track channel's estimate as a parameter: forces do not depend on a slope.
+    fn track_estimate(
+        &self,
+        candidate: &Candidate<Amplitude>,
+        size: f64,
+        error: f64,
+    ) -> Vec<Fitted> {
         let half = self.options.rules.search.interval * error;
         vec![Fitted {
             name: candidate.key.clone(),
