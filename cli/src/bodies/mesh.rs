@@ -1,4 +1,4 @@
-//! `kufe mesh`: the hexahedra of ice and runner for a case.
+//! `kufe mesh`: hexahedral meshes of the ice and the runner of a case.
 
 use std::path::PathBuf;
 
