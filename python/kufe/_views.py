@@ -1,4 +1,4 @@
-"""Pictures and tables of results, by matplotlib, xarray and pandas where they are installed."""
+"""Pictures and tables of results with matplotlib, xarray and pandas, which are optional."""
 
 import html
 
@@ -19,7 +19,7 @@ FIGURES = [
 
 
 def fields(contact):
-    """The fields that a contact has, by name."""
+    """Fields of a contact by name, without absent ones."""
     found = {name: getattr(contact, name) for name in FIELDS}
     return {name: values for name, values in found.items() if values is not None}
 
@@ -67,7 +67,7 @@ def contact_to_xarray(contact):
 
 
 def contact_to_dataframe(contact):
-    """One row a node: place and fields."""
+    """One row per node: coordinates and fields."""
     import pandas
 
     y, x = np.meshgrid(contact.y_m, contact.x_m, indexing="ij")
@@ -93,7 +93,7 @@ def table_to_xarray(table, quantity):
 
 
 def table_to_dataframe(table):
-    """One row a node: axes and quantities."""
+    """One row per node: axes and quantities."""
     import pandas
 
     axes = table_axes(table)
