@@ -32,11 +32,16 @@ pub struct LoggerClock {
 /// estimated.
 ///
 /// A delay is estimated from relations to loggers whose clocks are known: the same column in both,
-/// and the motion of a rigid body: `dv/dt = a_x + g_x` with g_x from the integrated rates, `a_y = r
-/// v
-/// - d(alpha v)/dt + x dr/dt`, and `a_z = g - q v - x dq/dt` with x the position of the
-/// accelerometer. The stated error includes an unknown position (0.2 m divided by the speed) and
-/// unmeasured slip (0.03 s).
+/// and the motion of a rigid body:
+///
+/// ```text
+/// dv/dt = a_x + g_x                           g_x from the integrated rates
+/// a_y = r v - d(alpha v)/dt + x dr/dt         x the position of the accelerometer
+/// a_z = g - q v - x dq/dt
+/// ```
+///
+/// The stated error includes an unknown position (0.2 m divided by the speed) and unmeasured slip
+/// (0.03 s).
 ///
 /// # Errors
 /// [`Error::Clock`] where a logger has its own clock and its delay cannot be estimated.
