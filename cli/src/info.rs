@@ -66,7 +66,7 @@ struct ResultInfo {
 /// Prints the contents of the file.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where the file is missing, of an unknown kind, or broken.
+/// [`Failure::BadInput`] if the file is missing, of an unknown kind, or broken.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let path = &args.file;
     let unreadable = |error: std::io::Error| Failure::unreadable(path, error);

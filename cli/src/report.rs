@@ -32,7 +32,7 @@ struct Written {
 /// Writes the page.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where there is nothing to report on, a file of it is broken, or the page
+/// [`Failure::BadInput`] if there is nothing to report on, a file of it is broken, or the page
 /// cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let ResultPage {

@@ -184,7 +184,7 @@ pub struct Contact {
     roll_error_rad: f64,
     /// Integrated normal force [N].
     fz_n: f64,
-    /// Largest shear stress in the ice under the peak; `None` where it was not requested or does
+    /// Largest shear stress in the ice under the peak; `None` if it was not requested or does
     /// not lie under the surface [Pa].
     max_shear_pa: Option<f64>,
     /// Error of the largest shear stress [Pa].

@@ -9,7 +9,7 @@ use kufe::jobs::{Failure, Watch};
 /// or empty. After an interrupt `folder` is unchanged.
 ///
 /// # Errors
-/// Those of `write`, and [`Failure::BadInput`] where the folder is not empty or cannot be written.
+/// Those of `write`, and [`Failure::BadInput`] if the folder is not empty or cannot be written.
 pub fn write_folder<T>(
     folder: &Path,
     watch: &Watch,

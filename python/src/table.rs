@@ -20,7 +20,7 @@ use crate::work::work;
 #[pyclass(frozen, module = "kufe")]
 pub struct Table {
     table: kufe_lut::Table,
-    /// Where the interpolation is less accurate than the table file requests; `None` where it is
+    /// Where the interpolation is less accurate than the table file requests; `None` if it is
     /// not, and for a table that was read.
     #[pyo3(get)]
     shortfall: Option<String>,

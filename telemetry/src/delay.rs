@@ -44,7 +44,7 @@ pub struct LoggerClock {
 /// (0.03 s).
 ///
 /// # Errors
-/// [`Error::Clock`] where a logger has its own clock and its delay cannot be estimated.
+/// [`Error::Clock`] if a logger has its own clock and its delay cannot be estimated.
 pub(crate) fn align(
     mapping: &Mapping,
     planned: &PlannedRun,
@@ -543,7 +543,7 @@ struct DelayEstimate {
 /// Fits `lhs(t) = a + b rhs(t - ahead)` over a, b and the delay from an initial guess.
 ///
 /// The standard error accounts for the autocorrelation of the residuals (Newey and West 1987,
-/// Bartlett weights over 2 s). `None` where the fit departs from the guess by more than `reach_s`,
+/// Bartlett weights over 2 s). `None` if the fit departs from the guess by more than `reach_s`,
 /// or too few samples overlap.
 fn refine(sides: &Sides, guess_s: f64, rate_hz: f64, reach_s: f64) -> Option<DelayEstimate> {
     let mut delay = guess_s;

@@ -42,7 +42,7 @@ pub struct ManArgs {
 /// Writes kufe.1 and one page per command and subcommand, as kufe-lut-query.1.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where the folder cannot be written.
+/// [`Failure::BadInput`] if the folder cannot be written.
 pub fn man(args: &ManArgs, global: &Global, mut command: Command) -> Result<(), Failure> {
     if let Some(path) = &args.markdown {
         let page = reference(&command);

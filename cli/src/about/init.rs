@@ -30,7 +30,7 @@ struct WrittenFiles<'a> {
 /// Writes the example with its comments, and its schema.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where the file exists or cannot be written.
+/// [`Failure::BadInput`] if the file exists or cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let kind = &*args.kind;
     let file = args.file.clone();

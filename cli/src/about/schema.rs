@@ -90,7 +90,7 @@ fn schema(document: &str) -> String {
 /// Returns the path of the schema.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where the file exists, or one of the two cannot be written.
+/// [`Failure::BadInput`] if the file exists, or one of the two cannot be written.
 pub fn write_with_schema(
     command: &'static str,
     kind: &str,
@@ -119,7 +119,7 @@ pub fn write_with_schema(
 /// Prints or writes a schema.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where the file cannot be written.
+/// [`Failure::BadInput`] if the file cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let text = schema(&args.document);
     let Some(path) = &args.out else {

@@ -23,7 +23,7 @@ pub struct Args {
 /// quality.
 ///
 /// # Errors
-/// Those of `kufe press`, and [`Failure::BadInput`] where no hexahedra fit into the hull.
+/// Those of `kufe press`, and [`Failure::BadInput`] if no hexahedra fit into the hull.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let loaded = LoadedCase::read(&args.case)?;
     let inputs = case_inputs(Some(&args.case), &loaded)?;

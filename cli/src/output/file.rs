@@ -74,7 +74,7 @@ impl OutputFiles {
     /// Writes one of the outputs with a function that takes a writer.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] with its path where it cannot be written.
+    /// [`Failure::BadInput`] with its path if it cannot be written.
     pub fn write<E: Display>(
         &self,
         path: &Path,

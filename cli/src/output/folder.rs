@@ -39,7 +39,7 @@ impl OutputDir {
     /// An interrupt removes the temporary folder and ends the process with code 130.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the folder is not empty and not an earlier output of `command`,
+    /// [`Failure::BadInput`] if the folder is not empty and not an earlier output of `command`,
     /// or cannot be written.
     pub fn begin(
         command: &'static str,
@@ -84,7 +84,7 @@ impl OutputDir {
     /// resume there.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the record cannot be written.
+    /// [`Failure::BadInput`] if the record cannot be written.
     pub fn record(&self) -> Result<(), Failure> {
         let _lock = lock(&self.target);
         let record = self.check(&[])?;

@@ -55,8 +55,8 @@ struct Series<'a> {
 ///
 /// # Errors
 /// [`Failure::BadInput`] for an invalid combination, before anything is solved;
-/// [`Failure::Partial`] where some steps are missing, after an interrupt or without the requested
-/// accuracy; [`Failure::NotConverged`] where no step reaches the accuracy.
+/// [`Failure::Partial`] if some steps are missing, after an interrupt or without the requested
+/// accuracy; [`Failure::NotConverged`] if no step reaches the accuracy.
 pub fn run(
     args: &Args,
     loaded: &LoadedCase,

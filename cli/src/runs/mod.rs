@@ -144,7 +144,7 @@ pub fn viewer_page(viewed: ViewedRuns) -> String {
 /// warning, since the results of the command do not depend on the page.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where the file cannot be written.
+/// [`Failure::BadInput`] if the file cannot be written.
 pub fn write_view(
     output: &OutputDir,
     options: Option<ViewOptions>,

@@ -87,7 +87,7 @@ pub struct Args {
     /// Write Parquet instead of CSV
     #[arg(long)]
     pub parquet: bool,
-    /// Ice temperature [degrees Celsius], where the track states no ice_c
+    /// Ice temperature [degrees Celsius], if the track states no ice_c
     #[arg(long, value_name = "CELSIUS", default_value_t = -8.0, allow_negative_numbers = true)]
     pub ice_c: f64,
     /// Air temperature [degrees Celsius]
@@ -282,7 +282,7 @@ fn sample(
     })
 }
 
-/// The run's row: of the index where one is named by `--run`, else made of the options.
+/// The row of the run: that of the index which `--run` names, otherwise one made from the options.
 fn entry(args: &Args, file: &Path, track: &Track) -> Result<Entry, Failure> {
     let Some(name) = &args.run else {
         let stem = file.file_stem().unwrap_or_default();
@@ -300,7 +300,7 @@ fn entry(args: &Args, file: &Path, track: &Track) -> Result<Entry, Failure> {
     entry_on_track(file, name, track)
 }
 
-/// The differences by column, and the stretches where run and model part.
+/// The differences by column, and the stretches where the run and the model diverge.
 fn summary(done: &Replay) -> Result<String, Failure> {
     let (run, track, from, to) = (&done.run, &done.track, done.from_m.round() + 0.0, done.to_m);
     let (differences, sections) = (&done.differences, &done.sections);

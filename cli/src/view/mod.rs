@@ -50,7 +50,7 @@ struct Listening {
 /// Serves the page until it is interrupted.
 ///
 /// # Errors
-/// [`Failure::BadInput`] for the case and a port that is taken, [`Failure::NotConverged`] where the
+/// [`Failure::BadInput`] for the case and a port that is taken, [`Failure::NotConverged`] if the
 /// first solve stops short.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let base = match &args.case {
