@@ -27,7 +27,7 @@ class NotConvergedError(Error):
     """An iteration stopped short of the requested accuracy."""
 
     best: Contact | list[dict[str, Any]] | None
-    """The best answer with its errors, as the function returns it; None where there is none."""
+    """The best available result, with its errors, or None."""
 
 @final
 class Case:
@@ -50,7 +50,7 @@ class Case:
         """
     @staticmethod
     def read(path: _Path) -> Case:
-        """A case from its file."""
+        """Reads a case file."""
     @staticmethod
     def example() -> Case:
         """
@@ -63,7 +63,7 @@ class Case:
         """The case as TOML."""
     @property
     def name(self) -> str:
-        """Name of the case in messages: its file."""
+        """Name of the case in messages: its file name."""
 
 @final
 class Contact:
@@ -268,7 +268,7 @@ class HullCheck:
 
 @final
 class Table:
-    """Contact figures over normal force and track curvature."""
+    """Lookup table of contact quantities over normal force, track curvature and further axes."""
 
     @staticmethod
     def read(path: _Path) -> Table:
@@ -311,13 +311,13 @@ class Table:
         """Breakpoints of the track's curvature, positive in a valley [1/m]."""
     @property
     def rocker_radius_m(self) -> NDArray[np.float64] | None:
-        """Breakpoints of the rocker radius, where the table has that axis [m]."""
+        """Breakpoints of the rocker radius, if the table has that axis [m]."""
     @property
     def v_mps(self) -> NDArray[np.float64] | None:
-        """Breakpoints of the speed, where the table has that axis [m/s]."""
+        """Breakpoints of the speed, if the table has that axis [m/s]."""
     @property
     def ice_c(self) -> NDArray[np.float64] | None:
-        """Breakpoints of the temperature of the ice, where the table has that axis [C]."""
+        """Breakpoints of the temperature of the ice, if the table has that axis [C]."""
     @property
     def solver_error(self) -> float:
         """
@@ -332,7 +332,7 @@ class Table:
         """
     @property
     def quantities(self) -> list[str]:
-        """Names of the quantities that the table holds."""
+        """Names of the quantities in the table."""
     def to_xarray(self, quantity: _Quantity = "p_max") -> Any:
         """
         One quantity at the nodes as an `xarray.DataArray` over the table's axes; needs xarray.
@@ -490,13 +490,13 @@ class Discovery:
         """
     @property
     def sentence(self) -> str:
-        """The outcome in a sentence."""
+        """The outcome as a sentence."""
     @property
     def report(self) -> dict[str, Any]:
         """Content of `report.json`."""
     @property
     def next_model(self) -> str | None:
-        """The model with the effects that were found, as TOML; None where `quick`."""
+        """The model with the added effects, as TOML; None for a `quick` search."""
     @property
     def next_case(self) -> str | None:
         """
@@ -504,7 +504,7 @@ class Discovery:
         """
     @property
     def html(self) -> str:
-        """The report as a page."""
+        """The report as an HTML page."""
 
 def press(
     case: Case | Hull | _Path,
@@ -679,4 +679,4 @@ def discover(
     quick: bool = False,
     progress: _Progress = None,
 ) -> Discovery:
-    """Find the effect that a model does not have and name it."""
+    """Find an effect that is missing in a model, and name it."""

@@ -58,7 +58,7 @@ impl Case {
         }
     }
 
-    /// A case from its file.
+    /// Reads a case file.
     #[staticmethod]
     fn read(path: PathBuf) -> PyResult<Case> {
         let loaded = LoadedCase::read(&path).map_err(raised)?;

@@ -13,7 +13,7 @@ use crate::work::work;
 #[pyclass(frozen, module = "kufe")]
 pub struct Discovery {
     report: Report,
-    /// The model with the effects that were found, as TOML; None where `quick`.
+    /// The model with the added effects, as TOML; None for a `quick` search.
     #[pyo3(get)]
     next_model: Option<String>,
     /// The next case, as its file's text, where a campaign has pressures and other data; else None.
@@ -84,7 +84,7 @@ impl Discovery {
         to_python(py, &self.report.verdict)?.extract()
     }
 
-    /// The outcome in a sentence.
+    /// The outcome as a sentence.
     #[getter]
     fn sentence(&self) -> &str {
         &self.report.sentence
@@ -96,7 +96,7 @@ impl Discovery {
         to_python(py, &self.report)
     }
 
-    /// The report as a page.
+    /// The report as an HTML page.
     #[getter]
     fn html(&self) -> String {
         kufe::report::discovery_page(&self.report, None)

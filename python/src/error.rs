@@ -20,7 +20,7 @@ create_exception!(
     kufe,
     NotConvergedError,
     Error,
-    "An iteration stopped short of the requested accuracy; `best` is the best answer, as the function would return it, or None."
+    "An iteration stopped short of the requested accuracy; `best` is the best available result, with its errors, or None."
 );
 
 /// Converts a failure into an exception.

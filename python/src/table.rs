@@ -15,8 +15,8 @@ use crate::contact::view;
 use crate::error::{InputError, bad_input, raised};
 use crate::work::work;
 
-/// Contact figures over normal force and track curvature, of a sliding runner also over speed and
-/// temperature of the ice.
+/// Lookup table of contact quantities over normal force and track curvature, of a sliding runner
+/// also over speed and temperature of the ice.
 #[pyclass(frozen, module = "kufe")]
 pub struct Table {
     table: kufe_lut::Table,
@@ -179,7 +179,7 @@ impl Table {
         view(slf.py(), "table_to_dataframe", (slf,))
     }
 
-    /// Names of the quantities that the table holds.
+    /// Names of the quantities in the table.
     #[getter]
     fn quantities(&self) -> Vec<&'static str> {
         let quantities = self.table.quantities().iter();

@@ -401,7 +401,7 @@ fn search(sides: &[Sides], rate_hz: f64, within: Option<f64>) -> Result<f64, Str
     }
 }
 
-/// Both sides sampled at uniform times of their own clocks; NaN in gaps.
+/// Both sides, each sampled at uniform times of its clock; NaN in gaps.
 struct Sampled {
     lhs: Vec<Vec<f64>>,
     rhs: Vec<f64>,
@@ -605,7 +605,7 @@ fn newton_step(sides: &Sides, delay: f64, rate_hz: f64) -> Option<DelayEstimate>
     })
 }
 
-/// Both sides at the times that they share; `None` where these are too few.
+/// Both sides at their common times; `None` if these are too few.
 fn matched(sides: &Sides, delay: f64, rate_hz: f64) -> Option<Matched> {
     let ahead = sides.ahead(delay);
     let [lhs, rhs] = sides.spans();

@@ -346,7 +346,7 @@ fn resampled(
 /// Rotates the vectors of a sensor box into the sled's axes: `R_z(yaw) R_y(pitch) R_x(roll) v`.
 ///
 /// # Errors
-/// What was found instead of three axes at common times, and what was expected.
+/// What was found and what was expected, if a vector does not have three axes at common times.
 fn rotate(
     mut series: Vec<&mut Series>,
     [roll, pitch, yaw]: [f64; 3],
