@@ -1,4 +1,4 @@
-//! `kufe info FILE`: a hull, a lookup table, a pressure map or a result in figures.
+//! `kufe info FILE`: the main figures of a hull, a lookup table, a pressure map or a result.
 
 use std::collections::BTreeMap;
 use std::io::BufReader;
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use exr::meta::attribute::AttributeValue;
 use kufe::jobs::{Failure, table::read_table};
-use kufe::report::{LONGEST_TREE, read_json};
+use kufe::report::{MAX_TREE_BYTES, read_json};
 use kufe::results::{Data, Datum, DocumentKind, TableInfo};
 use kufe_files::open_regular;
 use kufe_lut::{Table, read_fmu};
@@ -25,7 +25,7 @@ pub struct Args {
     pub file: PathBuf,
 }
 
-/// A hull, its coordinates taken as metres.
+/// A hull, with coordinates in metres.
 #[derive(Serialize)]
 struct HullInfo {
     kind: &'static str,
@@ -34,7 +34,7 @@ struct HullInfo {
     length_m: f64,
     width_m: f64,
     height_m: f64,
-    /// Of a closed hull.
+    /// Volume of a closed hull.
     #[serde(skip_serializing_if = "Option::is_none")]
     volume_m3: Option<f64>,
     open_edges: usize,
@@ -66,7 +66,7 @@ struct ResultInfo {
 /// Prints the contents of the file.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where the file is missing, of an unknown kind, or broken.
+/// [`Failure::BadInput`] if the file is missing, of an unknown kind, or broken.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let path = &args.file;
     let unreadable = |error: std::io::Error| Failure::unreadable(path, error);
@@ -74,14 +74,14 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         let info = TableInfo::new(table, platforms).map_err(of_file(path))?;
         Ok::<_, Failure>(Datum::of(&info))
     };
-    let found = path.metadata().map_err(unreadable)?;
-    if found.is_dir() {
+    let metadata = path.metadata().map_err(unreadable)?;
+    if metadata.is_dir() {
         let reason = "is a folder: expected a file; kufe report shows folders";
         return Err(Failure::in_file(path, reason));
     }
     let ending = path.extension().unwrap_or_default().to_string_lossy();
     let contents = match ending.to_ascii_lowercase().as_str() {
-        // Exact shapes and unknown triangles: the reader names what converts them.
+        // For CAD and unsupported formats the error of the reader names a conversion.
         "obj" | "glb" | "gltf" | "stl" | "3mf" | "step" | "stp" | "iges" | "igs" | "ply"
         | "off" => Datum::of(&hull(path)?),
         "lut" => table(&read_table(path)?, None)?,
@@ -102,7 +102,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     };
     let mut info = Data::from([
         ("file".to_owned(), Datum::Text(path.display().to_string())),
-        ("size_bytes".to_owned(), Datum::Large(found.len())),
+        ("size_bytes".to_owned(), Datum::Large(metadata.len())),
     ]);
     if let Datum::Group(contents) = contents? {
         info.extend(contents);
@@ -112,7 +112,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     global.answer(&info, || text)
 }
 
-/// Size, holes and warnings of a hull, its coordinates taken as metres.
+/// Size, holes and warnings of a hull, with coordinates in metres.
 fn hull(path: &Path) -> Result<HullInfo, Failure> {
     let (hull, report) = load_hull(path, &HullOptions::default())?;
     let [length_m, width_m, height_m] = report.extent;
@@ -132,7 +132,7 @@ fn hull(path: &Path) -> Result<HullInfo, Failure> {
 
 /// Kind, command, version and figures of a result.
 fn result(path: &Path) -> Result<ResultInfo, Failure> {
-    let document: Datum = read_json(path, LONGEST_TREE)?;
+    let document: Datum = read_json(path, MAX_TREE_BYTES)?;
     let Some(kind) = DocumentKind::of(&document) else {
         let reason = "not a result of kufe: expected result.json or another that a command writes";
         return Err(Failure::in_file(path, reason));
@@ -153,7 +153,7 @@ fn result(path: &Path) -> Result<ResultInfo, Failure> {
 fn map(path: &Path) -> exr::error::Result<MapInfo> {
     let reader = exr::block::read(BufReader::new(open_regular(path)?), false)?;
     let meta = reader.meta_data().clone();
-    // A file that was cut ends within its pixels.
+    // Reading all chunks detects a truncated file.
     for chunk in reader.all_chunks(false)? {
         chunk?;
     }
@@ -162,7 +162,7 @@ fn map(path: &Path) -> exr::error::Result<MapInfo> {
     let own = header.own_attributes.other.iter();
     let attributes = own.chain(&header.shared_attributes.other);
     let attributes = attributes.map(|(name, value)| (name.to_string(), attribute(value)));
-    // In the order of their names.
+    // The map sorts the attributes by name.
     let attributes: BTreeMap<String, Datum> = attributes.collect();
     let channels = header.channels.list.iter();
     Ok(MapInfo {

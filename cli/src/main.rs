@@ -1,4 +1,4 @@
-//! The `kufe` command: `main` -> `run` -> one module a command, with its arguments.
+//! The `kufe` command: `main` -> `run` -> one module per command, with its arguments.
 
 mod about;
 mod bodies;
@@ -69,7 +69,7 @@ enum Command {
     Simulate(simulate::Args),
     /// Find the effect that is missing in a model, name it and add it
     Discover(discover::Args),
-    /// Bring recordings of other programs into kufe's form
+    /// Import, gather, check, align and show recorded runs
     Runs(records::Args),
     /// Print the keys of files and results as JSON schemas
     Schema(schema::Args),
@@ -77,7 +77,7 @@ enum Command {
     Report(report::Args),
     /// Show a contact in the browser and solve it again with sliders
     View(view::Args),
-    /// Print a shell's completion script
+    /// Print a completion script for a shell
     Completions(completions::Args),
     /// Write the manual pages
     Man(completions::ManArgs),
@@ -118,8 +118,8 @@ fn run(cli: Cli) -> Result<(), Failure> {
     }
 }
 
-/// Prints an error of the arguments, or the help, and ends the process. Control characters of the
-/// arguments do not reach the terminal.
+/// Prints an error of the arguments, or the help, and ends the process. Control characters in the
+/// arguments are escaped.
 fn exit(error: clap::Error) -> ! {
     if std::env::args().any(|word| word.contains(char::is_control)) {
         error_text(&error.render().to_string());

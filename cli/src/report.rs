@@ -16,7 +16,7 @@ use crate::text::print_document;
 pub struct Args {
     /// A folder that a command has written, or a lookup table (.lut)
     pub result: PathBuf,
-    /// Where the page goes [default: report.html in the folder, or the table's name with .html]
+    /// The page to write [default: report.html in the folder, or the table's name with .html]
     #[arg(long, short, value_name = "HTML")]
     pub out: Option<PathBuf>,
 }
@@ -32,7 +32,7 @@ struct Written {
 /// Writes the page.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where there is nothing to report on, a file of it is broken, or the page
+/// [`Failure::BadInput`] if there is nothing to report on, a file of it is broken, or the page
 /// cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let ResultPage {
@@ -53,7 +53,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     print_document(&written, global)
 }
 
-/// The inputs: a table, or the files of a folder, without `out` where it is this command's page.
+/// The inputs: a table, or the files of a folder, without `out` if this command wrote it.
 fn read(result: &Path, out: &Path) -> Vec<PathBuf> {
     if !result.is_dir() {
         return vec![result.to_path_buf()];

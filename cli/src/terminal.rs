@@ -42,7 +42,7 @@ impl Global {
     /// Starts the threads: as many as `--threads` or `RAYON_NUM_THREADS` states, else one per core.
     ///
     /// # Errors
-    /// [`Failure::Usage`] where `--threads` is out of range, [`Failure::BadInput`] where the system
+    /// [`Failure::Usage`] if `--threads` is out of range, [`Failure::BadInput`] if the system
     /// does not permit that many.
     pub fn apply(&self) -> Result<(), Failure> {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);

@@ -1,4 +1,4 @@
-//! Documents as text: what a command prints of its result.
+//! Formatting of documents as text for the terminal.
 
 use kufe::jobs::Failure;
 use kufe::plot::{Scale, number4, percent, quantity};
@@ -7,16 +7,16 @@ use serde::Serialize;
 
 use crate::terminal::Global;
 
-/// A document as text: groups as indented `key: value` lines, lists of groups as tables, numbers
-/// with their errors and with the unit of their key, which is omitted from that.
+/// A document as text: groups as indented `key: value` lines, lists of groups as tables. Numbers
+/// have their errors and their unit, which is omitted from the key.
 ///
 /// # Errors
-/// [`Failure::BadInput`] for a document that JSON cannot state.
+/// [`Failure::BadInput`] for a document that cannot be written as JSON.
 pub fn document_text(document: &impl Serialize) -> Result<String, Failure> {
     Ok(text(&Datum::of(document)?, 0))
 }
 
-/// Rows as a table of these columns, as far as the rows have them.
+/// Rows as a table of these columns; columns that no row has are omitted.
 ///
 /// # Errors
 /// As [`document_text`].
@@ -24,7 +24,7 @@ pub fn table_text(rows: &impl Serialize, columns: &[&str]) -> Result<String, Fai
     Ok(table(Datum::of(rows)?.list(), columns, ""))
 }
 
-/// Prints what a command has done, as JSON or as text.
+/// Prints the result of an action, as JSON or as text.
 ///
 /// # Errors
 /// As [`document_text`].
@@ -49,7 +49,7 @@ fn text(datum: &Datum, depth: usize) -> String {
     shown.map(line).collect()
 }
 
-/// Rows as a table of these columns, or of all keys that have what fits on a line.
+/// Rows as a table of these columns, or of all keys whose values fit on a line.
 fn table(rows: &[Datum], columns: &[&str], indent: &str) -> String {
     let rows: Vec<&Data> = rows.iter().filter_map(Datum::group).collect();
     let has = |key: &str| rows.iter().any(|row| row.get(key).is_some());

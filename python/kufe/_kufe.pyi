@@ -18,7 +18,7 @@ _Quantity = Literal[
 _Mode = Literal["smooth", "bilinear"]
 
 class Error(Exception):
-    """What every failure of this package is; the text is the one that the command prints."""
+    """Base class of all failures of this package; the text is that of the command."""
 
 class InputError(Error):
     """A file, or a value in it, is wrong, or a file cannot be written."""
@@ -27,7 +27,7 @@ class NotConvergedError(Error):
     """An iteration stopped short of the requested accuracy."""
 
     best: Contact | list[dict[str, Any]] | None
-    """The best answer with its errors, as the function returns it; None where there is none."""
+    """The best available result, with its errors, or None."""
 
 @final
 class Case:
@@ -50,7 +50,7 @@ class Case:
         """
     @staticmethod
     def read(path: _Path) -> Case:
-        """A case from its file."""
+        """Reads a case file."""
     @staticmethod
     def example() -> Case:
         """
@@ -63,7 +63,7 @@ class Case:
         """The case as TOML."""
     @property
     def name(self) -> str:
-        """What messages call it: its file."""
+        """Name of the case in messages: its file name."""
 
 @final
 class Contact:
@@ -74,10 +74,10 @@ class Contact:
         """Peak pressure [Pa]."""
     @property
     def p_max_error_pa(self) -> float:
-        """Error of the peak pressure, with that of a scan [Pa]."""
+        """Error of the peak pressure, including that of a scan [Pa]."""
     @property
     def p_mean_pa(self) -> float:
-        """Force over contact area [Pa]."""
+        """Mean pressure: ratio of force to contact area [Pa]."""
     @property
     def p_mean_error_pa(self) -> float:
         """Error of the mean pressure [Pa]."""
@@ -123,7 +123,7 @@ class Contact:
     @property
     def max_shear_pa(self) -> float | None:
         """
-        Largest shear stress in the ice under the peak; None where it was not asked for or does not
+        Largest shear stress in the ice under the peak; None where it was not requested or does not
         lie under the surface [Pa].
         """
     @property
@@ -158,7 +158,7 @@ class Contact:
         """Warnings and remarks."""
     @property
     def result(self) -> dict[str, Any]:
-        """What the command writes to `result.json`, the case and the history included."""
+        """Content of `result.json`, including the case and the history."""
     def write(self, folder: _Path, *, mat: bool = False) -> None:
         """
         Writes what `kufe press` writes into `folder`, which must be new or empty; all files or
@@ -175,7 +175,7 @@ class Contact:
         xarray.
         """
     def to_dataframe(self) -> Any:
-        """The fields as a `pandas.DataFrame`, one row a node; needs pandas."""
+        """The fields as a `pandas.DataFrame`, one row per node; needs pandas."""
 
 @final
 class Hull:
@@ -183,7 +183,7 @@ class Hull:
 
     def __new__(cls, vertices_m: ArrayLike, triangles: ArrayLike) -> Hull:
         """
-        A hull of arrays: one row a vertex [m], one row of three vertices a triangle,
+        A hull of arrays: one row per vertex [m], one row of three vertex indices per triangle,
         counter-clockwise seen from outside.
         """
     @staticmethod
@@ -230,26 +230,26 @@ class Hull:
     ) -> Hull:
         """A luge steel on its rounded edge."""
     def write(self, path: _Path) -> None:
-        """Writes the hull as .obj, .glb or .stl, in metres; a file is whole or absent."""
+        """Writes the hull as .obj, .glb or .stl, in metres; a file is written completely or not at all."""
     @property
     def vertices_m(self) -> NDArray[np.float64]:
-        """Vertex positions, one row a vertex [m]."""
+        """Vertex positions, one row per vertex [m]."""
     @property
     def triangles(self) -> NDArray[np.uint32]:
-        """Corners of each triangle, counter-clockwise seen from outside."""
+        """Vertex indices of each triangle, counter-clockwise seen from outside."""
     @property
     def extent_m(self) -> tuple[float, float, float]:
         """Size along x, y and z [m]."""
     @property
     def volume_m3(self) -> float:
-        """Volume inside; of an open hull it means little [m3]."""
+        """Enclosed volume; not meaningful for an open hull [m3]."""
     @property
     def warnings(self) -> list[str]:
         """Warnings about the hull."""
 
 @final
 class HullCheck:
-    """How the file of a scanned hull is to be read, and which loads it resolves."""
+    """Check of a scanned hull: options to read its file, and the loads that it resolves."""
 
     @property
     def result(self) -> dict[str, Any]:
@@ -268,13 +268,13 @@ class HullCheck:
 
 @final
 class Table:
-    """Contact figures over normal force and track curvature."""
+    """Lookup table of contact quantities over normal force, track curvature and further axes."""
 
     @staticmethod
     def read(path: _Path) -> Table:
         """Reads a `.lut` file."""
     def write(self, path: _Path) -> None:
-        """Writes the `.lut` file; it is whole or absent."""
+        """Writes the `.lut` file; it is written completely or not at all."""
     def values(self, quantity: _Quantity = "p_max") -> NDArray[np.float64]:
         """
         Figures at the nodes: an array over force, curvature and, where the table has those axes,
@@ -311,13 +311,13 @@ class Table:
         """Breakpoints of the track's curvature, positive in a valley [1/m]."""
     @property
     def rocker_radius_m(self) -> NDArray[np.float64] | None:
-        """Breakpoints of the rocker radius, where the table has that axis [m]."""
+        """Breakpoints of the rocker radius, if the table has that axis [m]."""
     @property
     def v_mps(self) -> NDArray[np.float64] | None:
-        """Breakpoints of the speed, where the table has that axis [m/s]."""
+        """Breakpoints of the speed, if the table has that axis [m/s]."""
     @property
     def ice_c(self) -> NDArray[np.float64] | None:
-        """Breakpoints of the temperature of the ice, where the table has that axis [C]."""
+        """Breakpoints of the temperature of the ice, if the table has that axis [C]."""
     @property
     def solver_error(self) -> float:
         """
@@ -327,18 +327,18 @@ class Table:
     @property
     def shortfall(self) -> str | None:
         """
-        Where the interpolation is less accurate than the table file asked; None where it is not,
+        Where the interpolation is less accurate than the table file requests; None where it is not,
         and for a table that was read.
         """
     @property
     def quantities(self) -> list[str]:
-        """Names of the quantities that the table holds."""
+        """Names of the quantities in the table."""
     def to_xarray(self, quantity: _Quantity = "p_max") -> Any:
         """
         One quantity at the nodes as an `xarray.DataArray` over the table's axes; needs xarray.
         """
     def to_dataframe(self) -> Any:
-        """Every quantity as a `pandas.DataFrame`, one row a node; needs pandas."""
+        """Every quantity as a `pandas.DataFrame`, one row per node; needs pandas."""
 
 @final
 class Simulation:
@@ -347,12 +347,12 @@ class Simulation:
     @property
     def runs(self) -> list[dict[str, Any]]:
         """
-        One dictionary a run, as in `simulation.json`: `run`, `time_s` [s], `finished`, energies
+        One dictionary per run, as in `simulation.json`: `run`, `time_s` [s], `finished`, energies
         [J].
         """
     @property
     def result(self) -> dict[str, Any]:
-        """What the command writes to `simulation.json`."""
+        """Content of `simulation.json`."""
     @property
     def remarks(self) -> list[str]:
         """Remarks on the runs."""
@@ -366,23 +366,23 @@ class Simulation:
 
 @final
 class Replay:
-    """A measured run that the model drove again, compared with the measurement."""
+    """Replay of a measured run by the model, compared with the measurement."""
 
     @property
     def differences(self) -> list[dict[str, Any]]:
         """
-        How far run and model are apart, one dictionary a column: `rms`, `end`, `largest` in the
+        Differences of run and model, one dictionary per column: `rms`, `end`, `largest` in the
         column's unit, measured minus model.
         """
     @property
     def sections(self) -> list[dict[str, Any]]:
         """
-        Where they part, one dictionary a stretch: `from_m`, `to_m` [m], and `lost_s`, the time that
+        Sections where they differ, one dictionary per section: `from_m`, `to_m` [m], and `lost_s`, the time that
         the run loses there [s].
         """
     @property
     def result(self) -> dict[str, Any]:
-        """What the command writes to `simulation.json`."""
+        """Content of `simulation.json`."""
     @property
     def remarks(self) -> list[str]:
         """Remarks on the run."""
@@ -411,7 +411,7 @@ class Fit:
         """The rear runner's law."""
     @property
     def result(self) -> dict[str, Any]:
-        """What the command writes to `fit.json`."""
+        """Content of `fit.json`."""
     @property
     def model(self) -> str:
         """The model with the fitted laws: TOML that every command accepts."""
@@ -426,15 +426,15 @@ class Validation:
     @property
     def runs(self) -> list[dict[str, Any]]:
         """
-        One dictionary a run, as in `validation.json`: `rmse_n` is the root mean square difference
+        One dictionary per run, as in `validation.json`: `rmse_n` is the root mean square difference
         of the lateral force [N].
         """
     @property
     def tracks(self) -> list[dict[str, Any]]:
-        """The same by track."""
+        """One dictionary per track, with the errors over its runs."""
     @property
     def result(self) -> dict[str, Any]:
-        """What the command writes to `validation.json`."""
+        """Content of `validation.json`."""
     @property
     def remarks(self) -> list[str]:
         """Remarks on the runs."""
@@ -446,11 +446,11 @@ class Validation:
 
 @final
 class Evaluation:
-    """What drivers lose compared with a straight glide."""
+    """Losses of drivers compared with a straight glide."""
 
     @property
     def runs(self) -> list[dict[str, Any]]:
-        """One dictionary a run, as in `evaluation.json`."""
+        """One dictionary per run, as in `evaluation.json`."""
     @property
     def groups(self) -> list[dict[str, Any]]:
         """
@@ -465,10 +465,10 @@ class Evaluation:
         """
     @property
     def result(self) -> dict[str, Any]:
-        """What the command writes to `evaluation.json`."""
+        """Content of `evaluation.json`."""
     @property
     def left_out(self) -> list[str]:
-        """Runs left out, and why."""
+        """Excluded runs, with the reason."""
     @property
     def remarks(self) -> list[str]:
         """Remarks on the runs."""
@@ -480,23 +480,23 @@ class Evaluation:
 
 @final
 class Discovery:
-    """Effects that the model does not have, by data."""
+    """Result of a search for effects that are missing in a model."""
 
     @property
     def verdict(self) -> str:
         """
-        The outcome in one word: named, one-of, law, depends-on, located, not-identifiable,
+        The verdict: named, one-of, law, depends-on, located, not-identifiable,
         inadequate or none.
         """
     @property
     def sentence(self) -> str:
-        """The outcome in a sentence."""
+        """The outcome as a sentence."""
     @property
     def report(self) -> dict[str, Any]:
-        """What the command writes to `report.json`."""
+        """Content of `report.json`."""
     @property
     def next_model(self) -> str | None:
-        """The model with what was found: TOML that every command accepts; None where `quick`."""
+        """The model with the added effects, as TOML; None for a `quick` search."""
     @property
     def next_case(self) -> str | None:
         """
@@ -504,7 +504,7 @@ class Discovery:
         """
     @property
     def html(self) -> str:
-        """The report as a page."""
+        """The report as an HTML page."""
 
 def press(
     case: Case | Hull | _Path,
@@ -528,7 +528,7 @@ def slide(
 def fill_table(
     table: _Path, out: _Path | None = None, *, progress: _Progress = None
 ) -> Table:
-    """Solve the table that a table file asks for and write it; resumes after an interruption."""
+    """Solve the table that a table file specifies and write it; resumes after an interruption."""
 
 def check_hull(
     path: _Path,
@@ -679,4 +679,4 @@ def discover(
     quick: bool = False,
     progress: _Progress = None,
 ) -> Discovery:
-    """Find the effect that a model does not have and name it."""
+    """Find an effect that is missing in a model, and name it."""

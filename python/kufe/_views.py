@@ -1,4 +1,4 @@
-"""Pictures and tables of results, by matplotlib, xarray and pandas where they are installed."""
+"""Pictures and tables of results with matplotlib, xarray and pandas, which are optional."""
 
 import html
 
@@ -19,7 +19,7 @@ FIGURES = [
 
 
 def fields(contact):
-    """The fields that a contact has, by name."""
+    """The available fields of a contact by name."""
     found = {name: getattr(contact, name) for name in FIELDS}
     return {name: values for name, values in found.items() if values is not None}
 
@@ -45,7 +45,7 @@ def plot_contact(contact, ax):
 
 
 def contact_to_html(contact):
-    """Figures with their errors as a table for notebooks."""
+    """Results with their errors as an HTML table for notebooks."""
     rows = ""
     for label, name, unit, scale, shown in FIGURES:
         value = scale * getattr(contact, f"{name}_{unit}")
@@ -56,7 +56,7 @@ def contact_to_html(contact):
 
 
 def contact_to_xarray(contact):
-    """The fields over y and x, figures as attributes."""
+    """The fields over y and x, with the results as attributes."""
     import xarray
 
     data = {name: (("y_m", "x_m"), values, {"units": FIELDS[name]}) for name, values in fields(contact).items()}
@@ -67,7 +67,7 @@ def contact_to_xarray(contact):
 
 
 def contact_to_dataframe(contact):
-    """One row a node: place and fields."""
+    """One row per node: coordinates and fields."""
     import pandas
 
     y, x = np.meshgrid(contact.y_m, contact.x_m, indexing="ij")
@@ -77,7 +77,7 @@ def contact_to_dataframe(contact):
 
 
 def table_axes(table):
-    """Breakpoints by axis, in the order of the values."""
+    """Breakpoints of each axis, in the order of the dimensions of the values."""
     axes = {"fz_n": table.fz_n, "curvature_1pm": table.curvature_1pm}
     found = {name: getattr(table, name) for name in AXES}
     axes.update((name, values) for name, values in found.items() if values is not None)
@@ -93,21 +93,21 @@ def table_to_xarray(table, quantity):
 
 
 def table_to_dataframe(table):
-    """One row a node: axes and quantities."""
+    """One row per node: axes and quantities."""
     import pandas
 
     axes = table_axes(table)
-    places = np.meshgrid(*axes.values(), indexing="ij")
-    columns = {name: place.ravel() for name, place in zip(axes, places)}
+    grids = np.meshgrid(*axes.values(), indexing="ij")
+    columns = {name: grid.ravel() for name, grid in zip(axes, grids)}
     columns.update((quantity, table.values(quantity).ravel()) for quantity in table.quantities)
     return pandas.DataFrame(columns)
 
 
 def table_of_bytes(content, shortfall):
-    """The table that a pickle holds."""
+    """Restores a table from a pickle."""
     return Table._of_bytes(content, shortfall)
 
 
 def contact_of_pickle(result, warnings, arrays):
-    """The contact that a pickle holds."""
+    """Restores a contact from a pickle."""
     return Contact._of_pickle(result, warnings, arrays)

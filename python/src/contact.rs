@@ -20,7 +20,7 @@ use crate::work::work;
 /// One contact problem: runner, ice, track and load.
 #[pyclass(frozen, module = "kufe")]
 pub struct Case {
-    /// The case with what it names.
+    /// The case with its file name and hull.
     pub loaded: LoadedCase,
 }
 
@@ -58,7 +58,7 @@ impl Case {
         }
     }
 
-    /// A case from its file.
+    /// Reads a case file.
     #[staticmethod]
     fn read(path: PathBuf) -> PyResult<Case> {
         let loaded = LoadedCase::read(&path).map_err(raised)?;
@@ -91,7 +91,7 @@ impl Case {
         self.loaded.case.to_toml().map_err(bad_input)
     }
 
-    /// What messages call it: its file.
+    /// Name of the case in messages: its file.
     #[getter]
     fn name(&self) -> &str {
         &self.loaded.name
@@ -152,9 +152,9 @@ fn set(table: &mut toml::Table, key: &str, value: toml::Value) -> PyResult<()> {
 pub struct Contact {
     /// Peak pressure [Pa].
     p_max_pa: f64,
-    /// Error of the peak pressure, with that of a scan [Pa].
+    /// Error of the peak pressure, including that of a scan [Pa].
     p_max_error_pa: f64,
-    /// Force over contact area [Pa].
+    /// Mean pressure: ratio of force to contact area [Pa].
     p_mean_pa: f64,
     /// Error of the mean pressure [Pa].
     p_mean_error_pa: f64,
@@ -184,7 +184,7 @@ pub struct Contact {
     roll_error_rad: f64,
     /// Integrated normal force [N].
     fz_n: f64,
-    /// Largest shear stress in the ice under the peak; `None` where it was not requested or does
+    /// Largest shear stress in the ice under the peak; `None` if it was not requested or does
     /// not lie under the surface [Pa].
     max_shear_pa: Option<f64>,
     /// Error of the largest shear stress [Pa].
@@ -197,19 +197,19 @@ pub struct Contact {
     solved: Py<Solved>,
 }
 
-/// What a contact's arrays and dictionaries are made of.
+/// Data of a contact's arrays and dictionaries.
 #[pyclass(frozen, module = "kufe")]
 struct Solved {
     /// The content of `result.json`.
     result: Value,
     warnings: Vec<String>,
-    /// Those of [`Field`], in its order; no groove of a runner at rest.
+    /// The arrays in the order of [`Field`]; without a groove for a runner at rest.
     arrays: Vec<Vec<f64>>,
-    /// The solution with its meshes; none of a contact from a pickle.
+    /// The solution with its meshes; `None` for a contact from a pickle.
     contact: Option<Arc<SolvedContact>>,
 }
 
-/// Arrays of a contact: the nodes' coordinates, and what is known at the nodes.
+/// Arrays of a contact: coordinates of the nodes, and fields at the nodes.
 #[derive(Clone, Copy)]
 enum Field {
     X,
@@ -222,8 +222,9 @@ enum Field {
 
 impl Solved {
     fn of(contact: SolvedContact) -> PyResult<Solved> {
-        let on = &contact.solution.surface;
-        let arrays = [&on.x, &on.y, &on.pressure, &on.gap, &on.uz].map(Vec::clone);
+        let field = &contact.solution.surface;
+        let fields = [&field.x, &field.y, &field.pressure, &field.gap, &field.uz];
+        let arrays = fields.map(Vec::clone);
         let groove = contact.sliding.iter().map(|slid| slid.groove.depth.clone());
         Ok(Solved {
             result: serde_json::to_value(contact.result()).map_err(bad_input)?,
@@ -329,7 +330,7 @@ fn accuracy_key(accuracy: f64) -> (&'static str, toml::Value) {
     ("accuracy.p_max", accuracy.into())
 }
 
-/// A case: a `Case`, a `Hull` on the ice of the example, or that at a path.
+/// The case of a `Case`, of a `Hull` on the ice of the example, or of the file at a path.
 pub fn loaded_case(case: &Bound<'_, PyAny>) -> PyResult<LoadedCase> {
     if let Ok(case) = case.cast::<Case>() {
         Ok(case.get().loaded.clone())
@@ -461,7 +462,7 @@ impl Contact {
         view(slf.py(), "contact_to_xarray", (slf,))
     }
 
-    /// The fields as a `pandas.DataFrame`, one row a node; needs pandas.
+    /// The fields as a `pandas.DataFrame`, one row per node; needs pandas.
     fn to_dataframe<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         view(slf.py(), "contact_to_dataframe", (slf,))
     }
@@ -470,7 +471,7 @@ impl Contact {
         view(slf.py(), "contact_to_html", (slf,))
     }
 
-    /// What the command writes to `result.json`, the case and the history included.
+    /// Content of `result.json`, including the case and the history.
     #[getter]
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.solved().result)

@@ -9,11 +9,11 @@ use crate::error::InputError;
 use crate::json::to_python;
 use crate::work::work;
 
-/// Effects that the model does not have, by data.
+/// Result of a search for effects that are missing in a model.
 #[pyclass(frozen, module = "kufe")]
 pub struct Discovery {
     report: Report,
-    /// The model with what was found: TOML that every command accepts; None where `quick`.
+    /// The model with the added effects, as TOML; None for a `quick` search.
     #[pyo3(get)]
     next_model: Option<String>,
     /// The next case, as its file's text, where a campaign has pressures and other data; else None.
@@ -77,26 +77,26 @@ pub fn discover(
 
 #[pymethods]
 impl Discovery {
-    /// The outcome in one word: named, one-of, law, depends-on, located, not-identifiable,
+    /// The verdict: named, one-of, law, depends-on, located, not-identifiable,
     /// inadequate or none.
     #[getter]
     fn verdict(&self, py: Python<'_>) -> PyResult<String> {
         to_python(py, &self.report.verdict)?.extract()
     }
 
-    /// The outcome in a sentence.
+    /// The outcome as a sentence.
     #[getter]
     fn sentence(&self) -> &str {
         &self.report.sentence
     }
 
-    /// What the command writes to `report.json`.
+    /// Content of `report.json`.
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.report)
     }
 
-    /// The report as a page.
+    /// The report as an HTML page.
     #[getter]
     fn html(&self) -> String {
         kufe::report::discovery_page(&self.report, None)

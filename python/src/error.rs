@@ -8,7 +8,7 @@ create_exception!(
     kufe,
     Error,
     PyException,
-    "What every failure of this package is; the text is the one that the command prints."
+    "Base class of all failures of this package; the text is that of the command."
 );
 create_exception!(
     kufe,
@@ -20,10 +20,10 @@ create_exception!(
     kufe,
     NotConvergedError,
     Error,
-    "An iteration stopped short of the requested accuracy; `best` is the best answer, as the function would return it, or None."
+    "An iteration stopped short of the requested accuracy; `best` is the best available result, with its errors, or None."
 );
 
-/// The exception that a failure is.
+/// Converts a failure into an exception.
 pub fn raised(failure: Failure) -> PyErr {
     let text = failure.to_string();
     match failure {
@@ -33,15 +33,15 @@ pub fn raised(failure: Failure) -> PyErr {
     }
 }
 
-/// Bad input as reported by a library's error.
+/// Converts an error of a library into an `InputError`.
 pub fn bad_input(error: impl std::fmt::Display) -> PyErr {
     InputError::new_err(error.to_string())
 }
 
-/// The run of this name, among those of a result.
-pub fn named_run<'a, T>(runs: &'a [T], name: &str, of: fn(&T) -> &String) -> PyResult<&'a T> {
-    runs.iter().find(|run| of(run) == name).ok_or_else(|| {
-        let known: Vec<&str> = runs.iter().map(|run| of(run).as_str()).collect();
+/// The run of a result whose name, as `name_of` returns it, is `name`.
+pub fn named_run<'a, T>(runs: &'a [T], name: &str, name_of: fn(&T) -> &String) -> PyResult<&'a T> {
+    runs.iter().find(|run| name_of(run) == name).ok_or_else(|| {
+        let known: Vec<&str> = runs.iter().map(|run| name_of(run).as_str()).collect();
         let known = known.join(", ");
         InputError::new_err(format!("run {name}: the runs are {known}"))
     })

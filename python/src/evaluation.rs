@@ -12,7 +12,7 @@ use crate::error::named_run;
 use crate::json::{Column, arrays, to_python};
 use crate::work::work_with_warnings;
 
-/// What drivers lose compared with a straight glide.
+/// Losses of drivers compared with a straight glide.
 #[pyclass(frozen, module = "kufe")]
 pub struct Evaluation {
     document: EvaluationDocument,
@@ -67,7 +67,7 @@ pub fn evaluate(
 
 #[pymethods]
 impl Evaluation {
-    /// One dictionary a run, as in `evaluation.json`.
+    /// One dictionary per run, as in `evaluation.json`.
     #[getter]
     fn runs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.document.runs)
@@ -87,13 +87,13 @@ impl Evaluation {
         to_python(py, &self.document.drivers)
     }
 
-    /// What the command writes to `evaluation.json`.
+    /// Content of `evaluation.json`.
     #[getter]
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.document)
     }
 
-    /// Excluded runs, and why.
+    /// Excluded runs, with the reason.
     #[getter]
     fn left_out(&self) -> Vec<String> {
         self.document.used.left_out.clone()

@@ -1,15 +1,15 @@
-//! New folders, which receive all files of a job or none.
+//! New output folders: all files of a job are written or none.
 
 use std::path::Path;
 
 use kufe::jobs::field::NewFiles;
 use kufe::jobs::{Failure, Watch};
 
-/// Lets `write` write files into a hidden folder next to `folder` and moves it there. `folder` must
-/// be new or empty; an interrupt leaves it as it is.
+/// Calls `write` with a hidden folder next to `folder`, and moves it to `folder`, which must be new
+/// or empty. After an interrupt `folder` is unchanged.
 ///
 /// # Errors
-/// Those of `write`, and [`Failure::BadInput`] where the folder is not empty or cannot be written.
+/// Those of `write`, and [`Failure::BadInput`] if the folder is not empty or cannot be written.
 pub fn write_folder<T>(
     folder: &Path,
     watch: &Watch,
@@ -17,9 +17,9 @@ pub fn write_folder<T>(
 ) -> Result<T, Failure> {
     let failed = |reason: &dyn std::fmt::Display| Failure::unwritable(folder, reason);
     let whole = std::path::absolute(folder).map_err(|error| failed(&error))?;
-    // A folder that is not empty is refused before the work, and by the system after it.
-    let mut there = std::fs::read_dir(&whole).into_iter().flatten();
-    if there.next().is_some() {
+    // A folder that is not empty is refused here, and by the final rename.
+    let mut entries = std::fs::read_dir(&whole).into_iter().flatten();
+    if entries.next().is_some() {
         return Err(failed(
             &"it is not empty; expected a new or an empty folder",
         ));

@@ -16,9 +16,9 @@ use crate::work::work;
 /// Solves a contact and evaluates a friction law at its peak pressure; returns a dictionary, as
 /// `kufe friction --json` prints it.
 ///
-/// `case` is that of `press`, `v_mps` the speed [m/s], `alpha_rad` the slip angle [rad]; `model` is
-/// the `model.toml` whose friction and effects apply, the published law where absent. `ice_c`,
-/// `air_c` [C], `air_pa` [Pa] and `humidity_pct` are needed by effects on them only.
+/// `case` is as for `press`, `v_mps` the speed [m/s], `alpha_rad` the slip angle [rad]; `model` is
+/// the `model.toml` whose friction and effects apply, or the published law where absent. `ice_c`,
+/// `air_c` [C], `air_pa` [Pa] and `humidity_pct` are needed only by effects that depend on them.
 #[pyfunction]
 #[pyo3(signature = (
     case,
@@ -63,9 +63,9 @@ pub fn friction<'py>(
 }
 
 /// Solves the friction of groove and melt film at every speed [m/s] on ice of every temperature
-/// [C]; returns a list of dictionaries, one a point, temperature by temperature.
+/// [C]; returns a list of dictionaries, one per point, temperature by temperature.
 ///
-/// `case` is that of `press`; the other keys of its `[sliding]` apply at every point. Where a
+/// `case` is as for `press`; the other keys of its `[sliding]` apply at every point. Where a
 /// requested accuracy is not reached, `NotConvergedError.best` is this list.
 #[pyfunction]
 #[pyo3(signature = (case, v_mps, ice_c, *, progress = None))]

@@ -28,7 +28,7 @@ pub struct Hull {
 
 #[pymethods]
 impl Hull {
-    /// A hull of arrays: one row a vertex [m], one row of three vertices a triangle,
+    /// A hull of arrays: one row per vertex [m], one row of three vertex indices per triangle,
     /// counter-clockwise seen from outside.
     #[new]
     fn new(
@@ -55,8 +55,7 @@ impl Hull {
     }
 
     /// The underside of a measured height map: `heights_m` has `len(y_m)` rows of `len(x_m)`, z up;
-    /// NaN where nothing
-    /// was measured.
+    /// NaN where nothing was measured.
     #[staticmethod]
     fn from_heights(
         py: Python<'_>,
@@ -83,9 +82,9 @@ impl Hull {
         })
     }
 
-    /// Reads and checks an OBJ, glTF, STL or 3MF file; `scale` is metres a unit of the file (0.001
-    /// for millimetres),
-    /// `up` and `forward` its axes (`"z"`, `"-x"`; up is y in glTF and z elsewhere where absent).
+    /// Reads and checks an OBJ, glTF, STL or 3MF file; `scale` is the number of metres per unit of
+    /// the file (0.001 for millimetres), `up` and `forward` are its axes (`"z"`, `"-x"`; without
+    /// `up` y for glTF, else z).
     #[staticmethod]
     #[pyo3(signature = (path, *, scale = 1.0, up = None, forward = "x"))]
     fn read(
@@ -178,7 +177,8 @@ impl Hull {
         })
     }
 
-    /// Writes the hull as .obj, .glb or .stl, in metres; a file is whole or absent.
+    /// Writes the hull as .obj, .glb or .stl, in metres; a file is written completely or not at
+    /// all.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let format = HullFormat::of(&path).map_err(bad_input)?;
         let hull = self.hull.clone();
@@ -187,13 +187,13 @@ impl Hull {
         })
     }
 
-    /// Vertex positions, one row a vertex [m].
+    /// Vertex positions, one row per vertex [m].
     #[getter]
     fn vertices_m<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         rows(py, &self.hull.positions)
     }
 
-    /// Corners of each triangle, counter-clockwise seen from outside.
+    /// Vertex indices of each triangle, counter-clockwise seen from outside.
     #[getter]
     fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         rows(py, &self.hull.triangles)
@@ -206,7 +206,7 @@ impl Hull {
         (x, y, z)
     }
 
-    /// Volume inside; of an open hull it means little [m3].
+    /// Enclosed volume; not meaningful for an open hull [m3].
     #[getter]
     fn volume_m3(&self) -> f64 {
         self.report.volume
@@ -232,17 +232,16 @@ impl Hull {
     }
 }
 
-/// How the file of a scanned hull is to be read, and which loads it resolves.
+/// Check of a scanned hull: options to read its file, and the loads that it resolves.
 #[pyclass(frozen, module = "kufe")]
 pub struct HullCheck {
     examined: ExaminedHull,
 }
 
-/// Examines the hull of a scanner: unit, axes, rotation, spacing, noise, and which loads it
-/// resolves.
+/// Checks a scanned hull: unit, axes, rotation, spacing, noise, and the loads that it resolves.
 ///
-/// `fz_n` are normal forces [N]; `p_max` is the relative error of the peak pressure for which the
-/// hull is examined, 0.05 where absent.
+/// `fz_n` are normal forces [N]; `p_max` is the requested relative error of the peak pressure, 0.05
+/// where absent.
 #[pyfunction]
 #[pyo3(signature = (path, fz_n = vec![250.0, 500.0, 1000.0, 2000.0, 4000.0], *, p_max = None, progress = None))]
 pub fn check_hull(
@@ -269,7 +268,7 @@ pub fn check_hull(
 
 #[pymethods]
 impl HullCheck {
-    /// What the command prints with `--json`.
+    /// The output of the command with `--json`.
     #[getter]
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.examined.result)

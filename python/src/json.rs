@@ -1,4 +1,4 @@
-//! Rust values as Python's dictionaries and lists, by way of JSON, and as NumPy arrays.
+//! Conversion of Rust values to Python's dictionaries and lists, through JSON, and to NumPy arrays.
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::error::bad_input;
 
-/// The value as `json.loads` gives it.
+/// The value as returned by `json.loads`.
 pub fn to_python<'py>(py: Python<'py>, value: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
     let text = serde_json::to_string(value).map_err(bad_input)?;
     py.import("json")?.call_method1("loads", (text,))
@@ -23,8 +23,8 @@ pub fn arrays<'py, T>(
     columns: &[Column<T>],
 ) -> PyResult<Bound<'py, PyDict>> {
     let arrays = PyDict::new(py);
-    for (name, of) in columns {
-        arrays.set_item(name, PyArray1::from_iter(py, rows.iter().map(of)))?;
+    for (name, value) in columns {
+        arrays.set_item(name, PyArray1::from_iter(py, rows.iter().map(value)))?;
     }
     Ok(arrays)
 }

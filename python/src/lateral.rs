@@ -1,4 +1,4 @@
-//! Lateral friction: fitted to recorded runs, and compared with them.
+//! Lateral friction: fits to recorded runs, and comparison with runs.
 
 use std::path::PathBuf;
 
@@ -89,7 +89,7 @@ impl Fit {
         to_python(py, &self.document.fit.rear)
     }
 
-    /// What the command writes to `fit.json`.
+    /// Content of `fit.json`.
     #[getter]
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.document)
@@ -169,20 +169,20 @@ pub fn validate(
 
 #[pymethods]
 impl Validation {
-    /// One dictionary a run, as in `validation.json`: `rmse_n` is the root mean square difference
+    /// One dictionary per run, as in `validation.json`: `rmse_n` is the root mean square difference
     /// of the lateral force [N].
     #[getter]
     fn runs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.document.runs)
     }
 
-    /// The same by track.
+    /// One dictionary per track, with the errors over its runs.
     #[getter]
     fn tracks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.document.tracks)
     }
 
-    /// What the command writes to `validation.json`.
+    /// Content of `validation.json`.
     #[getter]
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.document)

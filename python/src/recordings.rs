@@ -11,7 +11,7 @@ use crate::json::to_python;
 use crate::work::work;
 
 /// Imports recordings of other programs: `mapping` is the `mapping.toml`. Writes `runs.csv`, one
-/// file a run and `import.json` into `folder`, which must be new or empty; all files or none.
+/// file per run and `import.json` into `folder`, which must be new or empty; all files or none.
 ///
 /// Returns the content of `import.json` as a dictionary; runs that cannot be imported are under
 /// `excluded`, with the reason. `strict` refuses them instead.

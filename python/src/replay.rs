@@ -1,4 +1,4 @@
-//! Measured runs that the model drives again.
+//! Replays of measured runs.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::json::to_python;
 use crate::simulation::{channels, write};
 use crate::work::work_with_warnings;
 
-/// A measured run that the model drove again, compared with the measurement.
+/// Replay of a measured run by the model, compared with the measurement.
 #[pyclass(frozen, module = "kufe")]
 pub struct Replay {
     driven: Run,
@@ -87,21 +87,21 @@ pub fn replay(
 
 #[pymethods]
 impl Replay {
-    /// How far run and model are apart, one dictionary a column: `rms`, `end`, `largest` in the
+    /// Differences of run and model, one dictionary per column: `rms`, `end`, `largest` in the
     /// column's unit, measured minus model.
     #[getter]
     fn differences<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.document["replay"]["differences"])
     }
 
-    /// Where they part, one dictionary a stretch: `from_m`, `to_m` [m], and `lost_s`, the time that
-    /// the run loses there [s].
+    /// Sections where they differ, one dictionary per section: `from_m`, `to_m` [m], and `lost_s`,
+    /// the time that the run loses there [s].
     #[getter]
     fn sections<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.document["replay"]["sections"])
     }
 
-    /// What the command writes to `simulation.json`.
+    /// Content of `simulation.json`.
     #[getter]
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.document)

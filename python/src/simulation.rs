@@ -33,7 +33,7 @@ pub struct Simulation {
 /// `driver` names one of the sample data (A1, A2, A3, B1, C1), else the driver has the `skill` from
 /// 0 to 1. Each run adds its number to `seed`. Units: `start_speed_mps` [m/s], `rate_hz` of the
 /// output [Hz], `step_s` of the integration and `most_s`, the longest time [s], `ice_c` and `air_c`
-/// [C], `air_pa` [Pa], `humidity_pct` [%], `distance_m` run on this finish before [m].
+/// [C], `air_pa` [Pa], `humidity_pct` [%], `distance_m` run with this surface finish before [m].
 #[pyfunction]
 #[pyo3(signature = (
     model,
@@ -112,14 +112,14 @@ pub fn simulate(
 
 #[pymethods]
 impl Simulation {
-    /// One dictionary a run, as in `simulation.json`: `run`, `time_s` [s], `finished`, energies
+    /// One dictionary per run, as in `simulation.json`: `run`, `time_s` [s], `finished`, energies
     /// [J].
     #[getter]
     fn runs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.document.runs)
     }
 
-    /// What the command writes to `simulation.json`.
+    /// Content of `simulation.json`.
     #[getter]
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.document)

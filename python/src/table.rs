@@ -15,24 +15,25 @@ use crate::contact::view;
 use crate::error::{InputError, bad_input, raised};
 use crate::work::work;
 
-/// Contact figures over normal force and track curvature, of a sliding runner also over speed and
-/// temperature of the ice.
+/// Lookup table of contact quantities over normal force and track curvature, of a sliding runner
+/// also over speed and temperature of the ice.
 #[pyclass(frozen, module = "kufe")]
 pub struct Table {
     table: kufe_lut::Table,
-    /// Where the interpolation is less accurate than the table file requests; `None` where it is
+    /// Where the interpolation is less accurate than the table file requests; `None` if it is
     /// not, and for a table that was read.
     #[pyo3(get)]
     shortfall: Option<String>,
 }
 
-/// Samples that are interpolated between two checks for Ctrl-C: less than a second's.
-const BETWEEN_SIGNALS: usize = 100_000;
+/// Number of samples that are interpolated between two checks for Ctrl-C, which takes less than a
+/// second.
+const SAMPLES_PER_CHECK: usize = 100_000;
 
 /// An interpolated array with its out-of-range flags.
 type Answer<'py> = (Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<bool>>);
 
-/// A function and its arguments, which make the object again.
+/// A function and its arguments that restore the object from a pickle.
 type Pickled<'py> = (Bound<'py, PyAny>, (Bound<'py, PyBytes>, Option<String>));
 
 #[pymethods]
@@ -46,7 +47,7 @@ impl Table {
         })
     }
 
-    /// Writes the `.lut` file; it is whole or absent.
+    /// Writes the `.lut` file; it is written completely or not at all.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         py.detach(|| write(&self.table, &path))
     }
@@ -91,8 +92,8 @@ impl Table {
                 return Err(InputError::new_err(text));
             }
         }
-        let nothing = f64::NAN.into_pyobject(py)?.into_any();
-        let [v_mps, ice_c] = [v_mps, ice_c].map(|given| given.unwrap_or(&nothing));
+        let nan = f64::NAN.into_pyobject(py)?.into_any();
+        let [v_mps, ice_c] = [v_mps, ice_c].map(|given| given.unwrap_or(&nan));
         let inputs = broadcast(py, [fz_n, curvature_1pm, v_mps, ice_c])?;
         let shape = inputs[0].shape().to_vec();
         let [fz, curvature, speed, ice] = &inputs;
@@ -101,8 +102,8 @@ impl Table {
         let interpolator = Interpolator::new(&self.table, quantity, mode, rocker_radius_m);
         let interpolator = interpolator.map_err(bad_input)?;
         let (mut values, mut outside) = (Vec::new(), Vec::new());
-        for from in (0..fz.len()).step_by(BETWEEN_SIGNALS) {
-            let to = fz.len().min(from + BETWEEN_SIGNALS);
+        for from in (0..fz.len()).step_by(SAMPLES_PER_CHECK) {
+            let to = fz.len().min(from + SAMPLES_PER_CHECK);
             py.detach(|| {
                 for n in from..to {
                     let point = Point::sliding(fz[n], curvature[n], speed[n], ice[n]);
@@ -173,12 +174,12 @@ impl Table {
         view(slf.py(), "table_to_xarray", (slf, quantity))
     }
 
-    /// Every quantity as a `pandas.DataFrame`, one row a node; needs pandas.
+    /// Every quantity as a `pandas.DataFrame`, one row per node; needs pandas.
     fn to_dataframe<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         view(slf.py(), "table_to_dataframe", (slf,))
     }
 
-    /// Names of the quantities that the table holds.
+    /// Names of the quantities in the table.
     #[getter]
     fn quantities(&self) -> Vec<&'static str> {
         let quantities = self.table.quantities().iter();
@@ -220,7 +221,7 @@ impl Table {
 }
 
 impl Table {
-    /// The quantity of a name, among those that the table holds.
+    /// The quantity of this name in the table.
     fn named(&self, quantity: &str) -> PyResult<Quantity> {
         let among = self.table.quantities();
         let found = among.iter().find(|q| q.name() == quantity);
@@ -264,7 +265,7 @@ fn write(table: &kufe_lut::Table, path: &std::path::Path) -> PyResult<()> {
     write_whole(path, |writer| writer.write_all(&bytes)).map_err(raised)
 }
 
-/// The breakpoints of an axis, where there is one.
+/// The breakpoints of an axis; `None` without the axis.
 fn axis<'py>(py: Python<'py>, values: Option<&[f64]>) -> Option<Bound<'py, PyArray1<f64>>> {
     values.map(|values| PyArray1::from_slice(py, values))
 }
@@ -274,7 +275,7 @@ fn mode_of(name: &str) -> PyResult<Mode> {
     mode.ok_or_else(|| InputError::new_err(format!("mode {name:?}: expected smooth or bilinear")))
 }
 
-/// Inputs as contiguous arrays of one shape, by NumPy's own rules.
+/// Inputs as contiguous arrays of one shape, by the broadcasting rules of NumPy.
 fn broadcast<'py, const N: usize>(
     py: Python<'py>,
     inputs: [&Bound<'py, PyAny>; N],
@@ -282,7 +283,7 @@ fn broadcast<'py, const N: usize>(
     let numpy = py.import("numpy")?;
     let inputs = PyTuple::new(py, inputs)?;
     let all = numpy.call_method1("broadcast_arrays", inputs)?;
-    // In C order, which a broadcast array's own order need not be.
+    // A broadcast array may not be in C order.
     let order = [("order", "C")].into_py_dict(py)?;
     let mut arrays = Vec::with_capacity(N);
     for index in 0..N {

@@ -1,4 +1,4 @@
-//! Jobs without the interpreter's lock.
+//! Running of jobs without the interpreter's lock (GIL).
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
@@ -9,8 +9,8 @@ use pyo3::prelude::*;
 
 use crate::error::raised;
 
-/// How long an interrupted job may take to end.
-const PATIENCE: Duration = Duration::from_secs(1);
+/// Largest time that an interrupted job is waited for.
+const MAX_WAIT: Duration = Duration::from_secs(1);
 
 /// Runs `job` on a thread of its own, without the interpreter's lock.
 ///
@@ -48,7 +48,7 @@ pub fn work_with_warnings<T: Send + 'static, E: Into<Failure> + Send + 'static>(
     let mut warnings = Vec::new();
     let mut ended: Option<(PyErr, Instant)> = None;
     let mut checked = Instant::now();
-    // The channel closes when the job has ended and dropped its end.
+    // The channel is closed when the job has ended and dropped its sender.
     loop {
         let messages = &mut messages;
         let message = py.detach(move || messages.recv_timeout(Duration::from_millis(100)));
@@ -73,7 +73,7 @@ pub fn work_with_warnings<T: Send + 'static, E: Into<Failure> + Send + 'static>(
             stop.store(true, Ordering::Relaxed);
             ended = Some((error, Instant::now()));
         }
-        let late = |(_, at): &(PyErr, Instant)| at.elapsed() > PATIENCE;
+        let late = |(_, at): &(PyErr, Instant)| at.elapsed() > MAX_WAIT;
         if ended.as_ref().is_some_and(late) {
             break;
         }
@@ -93,15 +93,15 @@ enum Message {
     Warning(String),
 }
 
-/// What a borrowed [`Watch`] offers, for closures that outlive it.
+/// Progress and stop flag of a [`Watch`] for closures that outlive it.
 pub struct Reporter {
     sender: mpsc::Sender<Message>,
-    /// Once true, the job is to stop.
+    /// If true, the job shall stop.
     pub stop: Arc<AtomicBool>,
 }
 
 impl Reporter {
-    /// Reports how far the job is.
+    /// Reports the progress of the job.
     pub fn progress(&self, text: String) {
         send(&self.sender, Message::Progress(text));
     }

@@ -32,14 +32,19 @@ pub struct LoggerClock {
 /// estimated.
 ///
 /// A delay is estimated from relations to loggers whose clocks are known: the same column in both,
-/// and the motion of a rigid body: `dv/dt = a_x + g_x` with g_x from the integrated rates, `a_y = r
-/// v
-/// - d(alpha v)/dt + x dr/dt`, and `a_z = g - q v - x dq/dt` with x the position of the
-/// accelerometer. The stated error includes an unknown position (0.2 m divided by the speed) and
-/// unmeasured slip (0.03 s).
+/// and the motion of a rigid body:
+///
+/// ```text
+/// dv/dt = a_x + g_x                           g_x from the integrated rates
+/// a_y = r v - d(alpha v)/dt + x dr/dt         x the position of the accelerometer
+/// a_z = g - q v - x dq/dt
+/// ```
+///
+/// The stated error includes an unknown position (0.2 m divided by the speed) and unmeasured slip
+/// (0.03 s).
 ///
 /// # Errors
-/// [`Error::Clock`] where a logger has its own clock and its delay cannot be estimated.
+/// [`Error::Clock`] if a logger has its own clock and its delay cannot be estimated.
 pub(crate) fn align(
     mapping: &Mapping,
     planned: &PlannedRun,
@@ -396,7 +401,7 @@ fn search(sides: &[Sides], rate_hz: f64, within: Option<f64>) -> Result<f64, Str
     }
 }
 
-/// Both sides sampled at uniform times of their own clocks; NaN in gaps.
+/// Both sides, each sampled at uniform times of its clock; NaN in gaps.
 struct Sampled {
     lhs: Vec<Vec<f64>>,
     rhs: Vec<f64>,
@@ -538,7 +543,7 @@ struct DelayEstimate {
 /// Fits `lhs(t) = a + b rhs(t - ahead)` over a, b and the delay from an initial guess.
 ///
 /// The standard error accounts for the autocorrelation of the residuals (Newey and West 1987,
-/// Bartlett weights over 2 s). `None` where the fit departs from the guess by more than `reach_s`,
+/// Bartlett weights over 2 s). `None` if the fit departs from the guess by more than `reach_s`,
 /// or too few samples overlap.
 fn refine(sides: &Sides, guess_s: f64, rate_hz: f64, reach_s: f64) -> Option<DelayEstimate> {
     let mut delay = guess_s;
@@ -600,7 +605,7 @@ fn newton_step(sides: &Sides, delay: f64, rate_hz: f64) -> Option<DelayEstimate>
     })
 }
 
-/// Both sides at the times that they share; `None` where these are too few.
+/// Both sides at their common times; `None` if these are too few.
 fn matched(sides: &Sides, delay: f64, rate_hz: f64) -> Option<Matched> {
     let ahead = sides.ahead(delay);
     let [lhs, rhs] = sides.spans();

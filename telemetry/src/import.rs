@@ -68,7 +68,7 @@ impl Importer {
     /// The run spans the time that all loggers recorded.
     ///
     /// # Errors
-    /// Those of the readers; [`Error::Channel`]; [`Error::Clock`] where a clock cannot be related
+    /// Those of the readers; [`Error::Channel`]; [`Error::Clock`] if a clock cannot be related
     /// to the lead, or the loggers do not overlap in time.
     pub fn run(&self, planned: &PlannedRun) -> Result<Imported, Error> {
         let mut remarks = Vec::new();
@@ -346,7 +346,7 @@ fn resampled(
 /// Rotates the vectors of a sensor box into the sled's axes: `R_z(yaw) R_y(pitch) R_x(roll) v`.
 ///
 /// # Errors
-/// What was found instead of three axes at common times, and what was expected.
+/// What was found and what was expected, if a vector does not have three axes at common times.
 fn rotate(
     mut series: Vec<&mut Series>,
     [roll, pitch, yaw]: [f64; 3],
@@ -432,7 +432,7 @@ pub struct Recipe {
 /// `sign * unit(scale * (value - zero))` as one factor and one offset.
 ///
 /// # Errors
-/// [`Error::Channel`] where neither mapping nor file state a unit that converts.
+/// [`Error::Channel`] if neither mapping nor file state a unit that converts.
 pub(crate) fn recipe(
     column: &str,
     source: &ChannelSource,
@@ -483,7 +483,7 @@ const MAX_REPEATED: f64 = 0.1;
 /// file states, or the stated rate. Of several samples at one time the first is used.
 ///
 /// # Errors
-/// [`Error::NoChannel`]; [`Error::File`] where there is no time; [`Error::Channel`] where its unit is
+/// [`Error::NoChannel`]; [`Error::File`] if there is no time; [`Error::Channel`] if its unit is
 /// unknown, it runs backwards or is too coarse.
 pub(crate) fn times(
     log: &Log,
@@ -647,7 +647,7 @@ pub struct ChannelNote {
 /// position along the sled.
 ///
 /// # Errors
-/// [`Error::Key`] where the axes of the accelerometer have different positions.
+/// [`Error::Key`] if the axes of the accelerometer have different positions.
 pub fn model_fragment(mapping: &Mapping, file: &str) -> Result<Option<String>, Error> {
     let place = |column: &str| mapping.channels.get(column)?.place_m;
     let axes = ["ax_mps2", "ay_mps2", "az_mps2"];

@@ -24,7 +24,7 @@ const WINDOW: usize = 1 << 16;
 /// as invalid are NaN.
 ///
 /// # Errors
-/// [`Error::File`] where the file is not MDF 4, a wanted channel cannot be decoded, or the channels
+/// [`Error::File`] if the file is not MDF 4, a wanted channel cannot be decoded, or the channels
 /// have more than [`MOST_NUMBERS`] values.
 pub fn read_mdf4(
     reader: impl Read + Seek + Send + 'static,
@@ -99,7 +99,7 @@ pub fn read_mdf4(
 /// Values of channels of one group; `None` for a channel that is not numeric.
 ///
 /// # Errors
-/// [`Error::File`] where the group cannot be decoded, or has more than [`MOST_NUMBERS`] values.
+/// [`Error::File`] if the group cannot be decoded, or has more than [`MOST_NUMBERS`] values.
 fn values(
     mdf: &Mf4File,
     channels: &[&MdfChannel],

@@ -31,7 +31,7 @@ const MATLAB_73: &[u8] = b"MATLAB 7.3";
 /// files of at most [`LONGEST_MATLAB`] bytes.
 ///
 /// # Errors
-/// Those of the format's reader; [`Error::File`] where the file cannot be read or has more values.
+/// Those of the format's reader; [`Error::File`] if the file cannot be read or has more values.
 pub fn read_log(
     path: &Path,
     options: TextOptions,
@@ -119,7 +119,7 @@ fn numbers_of(shape: &[u64]) -> u64 {
 /// vectors. A vector in a struct is named `struct.field`.
 ///
 /// # Errors
-/// [`Error::File`] where the file is not HDF5, a wanted vector cannot be read, or the vectors have
+/// [`Error::File`] if the file is not HDF5, a wanted vector cannot be read, or the vectors have
 /// more than [`MOST_NUMBERS`] values.
 pub fn read_matlab73(
     mut reader: impl Read + Seek + Send + Sync + 'static,

@@ -55,7 +55,7 @@ pub(crate) struct Signal {
 }
 
 impl Signal {
-    /// Filters a series by a zero-phase low pass; `None` where no stretch is long enough.
+    /// Filters a series by a zero-phase low pass; `None` if no stretch is long enough.
     pub fn of(series: &Series, cutoff_hz: f64) -> Option<Signal> {
         let cut = stretches(&series.time, &series.values)?;
         let long = cut
@@ -227,7 +227,7 @@ const RATES: [&str; 3] = ["roll_rate_radps", "pitch_rate_radps", "yaw_rate_radps
 
 /// Components of the sled's forward axis in a non-rotating frame, integrated from the angular
 /// rates: `dR/dt = R w`. Gravity along the sled is a linear combination of them with constant
-/// coefficients. `None` where the rates do not overlap in time.
+/// coefficients. `None` if the rates do not overlap in time.
 fn forward_axis(rates: [&Series; 3]) -> Option<[Series; 3]> {
     let [roll, pitch, yaw] = rates.map(|rate| Signal::of(rate, f64::INFINITY));
     let rates = [roll?, pitch?, yaw?];

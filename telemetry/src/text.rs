@@ -1,5 +1,5 @@
-//! Recordings as text: columns below any preamble, in the forms of AiM, MoTeC, RaceChrono, Race
-//! Logic and of spreadsheets.
+//! Reads recordings in text files: columns below an optional preamble, as AiM, MoTeC, RaceChrono,
+//! Race Logic and spreadsheets write them.
 
 use std::io::Read;
 use std::iter;
@@ -11,52 +11,52 @@ use crate::error::Error;
 use crate::log::{Channel, Log};
 use crate::unit::{is_unit, name_unit};
 
-/// Rows in which names, units and the separator are searched for.
+/// Number of rows in which the names, the units and the delimiter are searched for.
 const WINDOW: usize = 500;
 
-/// Longest text in which they are searched for [bytes].
-const LONGEST_WINDOW: usize = 1 << 22;
+/// Maximum length of the text in which they are searched for [bytes].
+const MAX_WINDOW_BYTES: usize = 1 << 22;
 
-/// Most columns: a file has a hundred, and rarely a thousand.
-const MOST_COLUMNS: usize = 1 << 16;
+/// Maximum number of columns. Usual files have about a hundred, rarely a thousand.
+const MAX_COLUMNS: usize = 1 << 16;
 
-/// Longest quoted cell [bytes].
-const LONGEST_CELL: usize = 4096;
+/// Maximum length of a quoted cell [bytes].
+const MAX_CELL_BYTES: usize = 4096;
 
-/// Longest row [bytes].
-const LONGEST_ROW: usize = 1 << 23;
+/// Maximum length of a row [bytes].
+const MAX_ROW_BYTES: usize = 1 << 23;
 
-/// What is read at a time [bytes].
+/// Size of the blocks that are read [bytes].
 const BLOCK: usize = 1 << 20;
 
-/// How programs write that there is no value, in small letters.
+/// Words, in lower case, that programs write for a missing value.
 const MISSING: &str = "nan -nan +nan - -- --- n/a na n.a. none null #n/a #nv #div/0! #value! \
     1.#qnan -1.#qnan 1.#ind -1.#ind nan(ind) -nan(ind)";
 
-/// Seconds of a day.
+/// Length of a day [s].
 const DAY: f64 = 86_400.0;
 
-/// The form of a text file, where it cannot be detected.
+/// Properties of a text file; those that are `None` are detected.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TextOptions {
-    /// Between two cells: comma, semicolon, tab.
+    /// The byte between two cells: comma, semicolon, tab or space.
     pub delimiter: Option<u8>,
-    /// Whether decimals follow a comma.
+    /// Whether the decimal separator is a comma.
     pub decimal_comma: Option<bool>,
 }
 
-/// A unit of UTF-16 from its bytes.
-type Unit = fn([u8; 2]) -> u16;
+/// Converts two bytes to a code unit of UTF-16, in one of the byte orders.
+type CodeUnit = fn([u8; 2]) -> u16;
 
-/// The text of a file, a block at a time: UTF-8 with or without its mark, UTF-16 with its mark or
-/// without. Bytes that are no UTF-8 are the Latin letters of ISO 8859-1, which any bytes are.
+/// Decodes a file block by block. The encoding is UTF-8 or UTF-16, with or without a byte order
+/// mark. Bytes that are not valid UTF-8 are decoded as ISO 8859-1, in which every byte is valid.
 struct Text<R> {
     reader: R,
-    /// A unit of UTF-16 from its bytes; none for UTF-8.
-    wide: Option<Unit>,
-    /// Bytes that are not decoded: those of a character that is not read whole.
+    /// Conversion of UTF-16; none for UTF-8.
+    wide: Option<CodeUnit>,
+    /// Bytes not decoded yet, of a character of which not all bytes are read.
     rest: Vec<u8>,
-    /// What is decoded and not yet used.
+    /// Text that is decoded and not used yet.
     text: String,
     ended: bool,
 }
@@ -76,9 +76,10 @@ impl<R: Read> Text<R> {
         })
     }
 
-    /// Reads and decodes a block, or several where much is there already: long rows need few.
+    /// Reads and decodes a block, or as many bytes as the text that is not used yet, so that a long
+    /// row needs few reads.
     fn read_more(&mut self) -> std::io::Result<()> {
-        let wanted = self.text.len().clamp(BLOCK, LONGEST_WINDOW);
+        let wanted = self.text.len().clamp(BLOCK, MAX_WINDOW_BYTES);
         let mut block = self.reader.by_ref().take(wanted as u64);
         let count = block.read_to_end(&mut self.rest)?;
         self.ended = count < wanted;
@@ -90,18 +91,18 @@ impl<R: Read> Text<R> {
         Ok(())
     }
 
-    /// Length of the text up to the end of its last whole line; of all of it where no line ends.
+    /// Length of the text up to its last line end, or of all of it if it has no line end [bytes].
     fn whole_lines(&self) -> usize {
         self.text.rfind('\n').map_or(self.text.len(), |end| end + 1)
     }
 }
 
-/// How the units of UTF-16 are read, if it is that, and the length of the mark before the text.
-fn encoding(start: &[u8]) -> (Option<Unit>, usize) {
+/// The conversion of UTF-16, if the text is UTF-16, and the length of the byte order mark.
+fn encoding(start: &[u8]) -> (Option<CodeUnit>, usize) {
     match start {
         [0xff, 0xfe, ..] => (Some(u16::from_le_bytes), 2),
         [0xfe, 0xff, ..] => (Some(u16::from_be_bytes), 2),
-        // Latin letters in UTF-16 have every other byte 0.
+        // In Latin letters in UTF-16 every other byte is 0.
         [1..=255, 0, 1..=255, 0, ..] => (Some(u16::from_le_bytes), 0),
         [0, 1..=255, 0, 1..=255, ..] => (Some(u16::from_be_bytes), 0),
         [0xef, 0xbb, 0xbf, ..] => (None, 3),
@@ -109,14 +110,14 @@ fn encoding(start: &[u8]) -> (Option<Unit>, usize) {
     }
 }
 
-/// Adds the characters of UTF-8 to `text`; how many bytes they are. Further bytes may follow unless
-/// the text `ended`.
+/// Decodes UTF-8 and appends it to `text`. Returns how many bytes were decoded. Unless `ended`,
+/// further bytes may follow.
 fn decode_narrow(bytes: &[u8], ended: bool, text: &mut String) -> usize {
     let mut decoded = 0;
     for chunk in bytes.utf8_chunks() {
         text.push_str(chunk.valid());
         decoded += chunk.valid().len();
-        // The rest of a character may follow.
+        // The remaining bytes of a character may follow.
         if !ended && decoded + chunk.invalid().len() == bytes.len() {
             break;
         }
@@ -127,9 +128,9 @@ fn decode_narrow(bytes: &[u8], ended: bool, text: &mut String) -> usize {
 }
 
 /// As [`decode_narrow`], for UTF-16.
-fn decode_wide(bytes: &[u8], unit: Unit, ended: bool, text: &mut String) -> usize {
+fn decode_wide(bytes: &[u8], unit: CodeUnit, ended: bool, text: &mut String) -> usize {
     let mut pairs = bytes.as_chunks().0;
-    // The other half of a pair of surrogates may follow.
+    // The other half of a surrogate pair may follow.
     if let [before @ .., last] = pairs
         && !ended
         && (0xd800..0xdc00).contains(&unit(*last))
@@ -141,17 +142,17 @@ fn decode_wide(bytes: &[u8], unit: Unit, ended: bool, text: &mut String) -> usiz
     2 * pairs.len()
 }
 
-/// A number in a cell.
+/// The number in a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Number {
-    /// NaN where the cell says that there is none.
+    /// The value; NaN for a missing value.
     value: f64,
-    /// Whether it is a time of the day, or a date with one [s].
+    /// Whether the value is a time of day, or a date and a time [s].
     is_clock: bool,
 }
 
 impl Number {
-    /// The number of a cell; none where it holds other text.
+    /// The number in a cell; none if it contains other text.
     fn of(cell: &str, decimal_comma: bool) -> Option<Number> {
         let plain = |value| {
             let is_clock = false;
@@ -159,7 +160,7 @@ impl Number {
         };
         let cell = cell.trim();
         if let Ok(value) = cell.parse::<f64>() {
-            // `inf` marks a missing value; a number too large for its type is none.
+            // The word `inf` marks a missing value; digits that overflow are not a number.
             if value.is_infinite() && cell.contains(|c: char| c.is_ascii_digit()) {
                 return None;
             }
@@ -172,7 +173,7 @@ impl Number {
         }
         let comma = cell.rfind(',').filter(|place| place + 1 < cell.len());
         let number = match (comma, cell.rfind('.')) {
-            // The last of both marks the decimals, the other one thousands.
+            // The later of the two is the decimal separator, the other one separates thousands.
             (Some(comma), Some(point)) if comma < point => cell.replace(',', ""),
             (Some(_), Some(_)) if decimal_comma => cell.replace('.', "").replacen(',', ".", 1),
             (Some(_), None) if decimal_comma => cell.replacen(',', ".", 1),
@@ -189,11 +190,11 @@ impl Number {
     }
 }
 
-/// Seconds of `h:m:s` or `m:s`, after a date or without one, with `AM`, `PM` or a time zone after
-/// it.
+/// Converts `h:m:s` or `m:s` to seconds. A date may precede it; `AM`, `PM` or a time zone may
+/// follow.
 ///
-/// Dates are those with the year first, and `d.m.y`. Of `d/m/y` and `m/d/y`, which cannot be
-/// distinguished, only the time counts.
+/// Dates are read if the year is first or in the form `d.m.y`. The forms `d/m/y` and `m/d/y` cannot
+/// be distinguished; such dates are ignored.
 fn clock(cell: &str) -> Option<f64> {
     let (date, time) = match cell.split_once(['T', ' ']) {
         Some((date, time)) if !date.contains(':') => (Some(date), time),
@@ -231,14 +232,14 @@ fn clock(cell: &str) -> Option<f64> {
         };
         seconds = seconds * 60.0 + value;
     }
-    // With a date, hours and minutes are enough.
+    // With a date, AM or PM, two numbers are hours and minutes.
     if (date.is_some() || afternoon.is_some()) && parts.len() == 2 {
         seconds *= 60.0;
     }
     Some(seconds + date.map_or(Some(0.0), days)? * DAY)
 }
 
-/// Days of a date since 1970.
+/// Number of days from 1970-01-01 to a date; 0 for a date of which the form is ambiguous.
 fn days(date: &str) -> Option<f64> {
     let parts: Vec<&str> = date.split(['-', '.', '/']).collect();
     let [first, second, third] = parts[..] else {
@@ -256,16 +257,16 @@ fn days(date: &str) -> Option<f64> {
     Some(f64::from(date.to_epoch_days()))
 }
 
-/// Rows of a text, split into cells.
+/// Iterator over the rows of a text, split into cells.
 struct Rows<'a> {
     text: &'a str,
     at: usize,
     line: u64,
-    /// Any number of blanks where it is one.
+    /// A space means any number of spaces and tabs.
     delimiter: u8,
 }
 
-/// A row's place [bytes], its line counted from 1, and its cells without quotes and blanks.
+/// A row: its offset [bytes], its line number from 1, and its cells without quotes and blanks.
 #[derive(Clone)]
 struct Row<'a> {
     at: usize,
@@ -276,7 +277,7 @@ struct Row<'a> {
 impl<'a> Iterator for Rows<'a> {
     type Item = Row<'a>;
 
-    /// The next row that has something in it.
+    /// The next row that is not empty.
     fn next(&mut self) -> Option<Row<'a>> {
         let bytes = self.text.as_bytes();
         while self.at < bytes.len() {
@@ -322,11 +323,11 @@ impl<'a> Iterator for Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// The place after the quote that closes a cell, if a delimiter or the row's end follows it.
+    /// The offset after the closing quote of a cell, if a delimiter or the end of the row follows.
     fn closing_quote(&self, from: usize) -> Option<usize> {
         let bytes = self.text.as_bytes();
         let mut at = from;
-        while at < bytes.len().min(from + LONGEST_CELL) {
+        while at < bytes.len().min(from + MAX_CELL_BYTES) {
             if bytes[at] == b'"' {
                 if bytes.get(at + 1) != Some(&b'"') {
                     let next = bytes[at + 1..].iter().find(|b| **b != b' ');
@@ -345,22 +346,24 @@ impl Rows<'_> {
 struct Layout {
     delimiter: u8,
     decimal_comma: bool,
-    /// The columns' names and units.
+    /// Names and units of the columns.
     channels: Vec<Channel>,
-    /// Labels that distinguish columns of one name.
+    /// Sources of the columns, which distinguish columns of equal name.
     sources: Vec<String>,
-    /// Rows of names and units, which some programs repeat.
+    /// The rows of names and units, which some programs repeat.
     head: Vec<Vec<String>>,
-    /// Place of the first row of numbers [bytes], and its line counted from 1.
+    /// Offset of the first row of numbers [bytes].
     start: usize,
+    /// Line number of the first row of numbers, from 1.
     first_row: u64,
-    /// How many rows of the window are numbers.
+    /// Number of rows of numbers in the searched text.
     score: usize,
-    /// Whether it is a file of Race Logic, with times as `hhmmss.ss` and minutes of longitude west.
+    /// Whether the file is of Race Logic: times are `hhmmss.ss`, latitude and longitude are in
+    /// minutes, longitude positive to the west.
     vbox: bool,
 }
 
-/// Numbers and words among the cells of a row.
+/// Counts the numbers and the words among the cells of a row.
 fn contents(cells: &[&str]) -> (usize, usize) {
     let (mut numbers, mut words) = (0, 0);
     for cell in cells {
@@ -372,24 +375,24 @@ fn contents(cells: &[&str]) -> (usize, usize) {
     (numbers, words)
 }
 
-/// Finds names, units and the first row of numbers, with the separator that gives the most rows of
-/// numbers.
+/// Finds the names, the units and the first row of numbers, with the delimiter that gives the most
+/// rows of numbers.
 ///
-/// Names are the row of words above the numbers; where one of the rows between them has units,
-/// those above that. A name may be followed by its unit in brackets, or end in it.
+/// The names are the row of words above the numbers. If a row of units is above the numbers, the
+/// names are the row above it. A name may be followed by its unit in brackets, or end in it.
 ///
 /// # Errors
-/// [`Error::File`] where there are no such rows.
+/// [`Error::File`] if there are no such rows.
 fn layout_of(text: &str, options: TextOptions, file: &str) -> Result<Layout, Error> {
     if let Some(layout) = sections(text) {
         return Ok(layout);
     }
-    let tried = match options.delimiter {
+    let delimiters = match options.delimiter {
         Some(delimiter) => vec![delimiter],
         None => vec![b';', b'\t', b',', b' '],
     };
-    // Of equally many rows of numbers the first separator.
-    let layouts = tried.into_iter().rev();
+    // If the number of rows is equal, the first delimiter is chosen: `max_by_key` returns the last.
+    let layouts = delimiters.into_iter().rev();
     let layouts = layouts.filter_map(|delimiter| with_delimiter(text, delimiter));
     let best = layouts.max_by_key(|layout| layout.score);
     let mut layout = best.ok_or_else(|| {
@@ -402,6 +405,7 @@ fn layout_of(text: &str, options: TextOptions, file: &str) -> Result<Layout, Err
     Ok(layout)
 }
 
+/// The layout with a given delimiter, if there is one.
 fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout> {
     let rows = Rows {
         text,
@@ -410,20 +414,21 @@ fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout> {
         delimiter,
     };
     let rows: Vec<Row> = rows.take(WINDOW).collect();
-    let of: Vec<(usize, usize)> = rows.iter().map(|row| contents(&row.cells)).collect();
+    // Numbers and words of each row.
+    let counts: Vec<(usize, usize)> = rows.iter().map(|row| contents(&row.cells)).collect();
     let width = |i: usize| rows[i].cells.len();
-    let is_data = |i: usize| (2..=MOST_COLUMNS).contains(&width(i)) && of[i].0 > of[i].1;
-    let is_head = |i: usize| of[i].1 > of[i].0 && width(i) >= 2;
-    // Some write a delimiter after the last number, and none after the last name, or the other way
-    // round.
+    let is_data = |i: usize| (2..=MAX_COLUMNS).contains(&width(i)) && counts[i].0 > counts[i].1;
+    let is_head = |i: usize| counts[i].1 > counts[i].0 && width(i) >= 2;
+    // Some programs write a delimiter after the last number but not after the last name, or the
+    // other way round.
     let fits = |data: usize, head: usize| {
         let last = |i: usize| rows[i].cells.last() == Some(&"");
         width(data) == width(head)
             || width(data) == width(head) + 1 && last(data)
             || width(data) + 1 == width(head) && last(head)
     };
-    let is_names = |i: usize| of[i].0 == 0 && of[i].1 >= 2 && 2 * of[i].1 >= width(i);
-    // Rows of numbers up to the next names.
+    let is_names = |i: usize| counts[i].0 == 0 && counts[i].1 >= 2 && 2 * counts[i].1 >= width(i);
+    // Number of rows of numbers up to the next row of names.
     let score = |i: usize| {
         let below = (i..rows.len()).take_while(|j| !is_names(*j));
         below
@@ -431,7 +436,8 @@ fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout> {
             .count()
     };
     let starts = (1..rows.len()).filter(|&i| {
-        // Most numbers have a name above them; sources of channels may be fewer.
+        // At least half of the numbers must have a name above them; a row of sources may have
+        // fewer words.
         let named = |data: usize, head: usize| {
             let filled = |i: usize, k: usize| rows[i].cells.get(k).is_some_and(|c| !c.is_empty());
             let numbers = || (0..width(data)).filter(|k| filled(data, *k));
@@ -441,9 +447,9 @@ fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout> {
         is_data(i) && fits(i, i - 1) && (is_head(i - 1) && named(i, i - 1) || below_units)
     });
     let first = starts.rev().max_by_key(|&i| score(i))?;
-    // Rows of words above the numbers, the nearest first.
+    // The rows of words above the numbers, from the lowest.
     let above = (0..first).rev().take(4);
-    let head = above.take_while(|&i| fits(first, i) && of[i].1 > of[i].0);
+    let head = above.take_while(|&i| fits(first, i) && counts[i].1 > counts[i].0);
     let head: Vec<usize> = head.collect();
     let share = |i: usize| unit_share(&rows[i].cells);
     let units_at = head.windows(2).position(|pair| {
@@ -452,7 +458,7 @@ fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout> {
     });
     let names_at = units_at.map_or(0, |place| place + 1);
     let names_row = &rows[*head.get(names_at)?].cells;
-    // Trailing empty names are none.
+    // Empty names at the end are omitted.
     let width = width(first).min(names_row.len());
     let cell = |place: usize, i: usize| rows[head[place]].cells.get(i).copied().unwrap_or("");
     let marks: &[char] = &['#', '%', '/', ' '];
@@ -490,15 +496,15 @@ fn with_delimiter(text: &str, delimiter: u8) -> Option<Layout> {
     })
 }
 
-/// Units of columns that every file of Race Logic has.
+/// Units of the columns that every file of Race Logic contains.
 const VBOX_UNITS: [(&[&str], &str); 3] = [
     (&["time"], "s"),
     (&["lat", "latitude", "long", "longitude", "heading"], "deg"),
     (&["height"], "m"),
 ];
 
-/// The layout of a file in sections, `[header]`, `[column names]` and `[data]`, as programs of Race
-/// Logic write it (`.vbo`).
+/// The layout of a file of Race Logic (`.vbo`), with the sections `[header]`, `[column names]` and
+/// `[data]`; none for other files.
 fn sections(text: &str) -> Option<Layout> {
     let head: Vec<&str> = text.split_inclusive('\n').take(10_000).collect();
     let title = |line: &str| {
@@ -519,7 +525,7 @@ fn sections(text: &str) -> Option<Layout> {
     let names = lines("column names").join(" ");
     let names: Vec<&str> = names.split_whitespace().collect();
     let (width, titles, units) = (names.len(), lines("header"), lines("channel units"));
-    if !(2..=MOST_COLUMNS).contains(&width) {
+    if !(2..=MAX_COLUMNS).contains(&width) {
         return None;
     }
     let unit_of = |i: usize, name: &str| -> Option<String> {
@@ -528,7 +534,8 @@ fn sections(text: &str) -> Option<Layout> {
         if let Some((_, unit)) = known {
             return Some(unit.to_string());
         }
-        // Units of the last channels, which the user added, or the last word of a title.
+        // The section of units lists only the last channels, which the user added. Other units are
+        // the last word of the title in the header.
         let added = (i + units.len()).checked_sub(width);
         let added = added.map(|place| units[place].to_string());
         let title = titles.get(i).filter(|_| titles.len() == width);
@@ -558,7 +565,8 @@ fn sections(text: &str) -> Option<Layout> {
     })
 }
 
-/// `Speed [km/h]` is Speed in km/h; without brackets a name has the unit that it ends in.
+/// The channel of a name with its unit: `Speed [km/h]` is named `Speed`. Without brackets the name
+/// is unchanged and its unit is the one that it ends in.
 fn channel(cell: &str) -> Channel {
     let mut channel = Channel {
         name: shown_name(cell),
@@ -578,7 +586,8 @@ fn channel(cell: &str) -> Channel {
     channel
 }
 
-/// Share of the cells with something in them that are units; most single letters are names as well.
+/// Share of the non-empty cells that are units. Most single letters count half, since they may be
+/// names.
 fn unit_share(cells: &[&str]) -> f64 {
     let filled: Vec<&&str> = cells.iter().filter(|cell| !cell.is_empty()).collect();
     let share = |cell: &&&str| match cell.as_bytes() {
@@ -594,27 +603,26 @@ fn is_units(cells: &[&str]) -> bool {
     unit_share(cells) > 0.6
 }
 
-/// Reads a text file, a block at a time; of the channels only those `wanted` by name, or all of
-/// numbers.
+/// Reads a text file block by block: the channels named in `wanted`, or all channels of numbers.
 ///
-/// A last line without its end is not read, with a remark: a logger that loses its power writes
-/// such. Times of the day continue after midnight. Where no channels are named and the file holds
-/// more than `most` numbers, its first rows are read, with a remark.
+/// A last line without line end, as a logger that loses power writes it, is not read; a remark is
+/// added. Times of day continue after midnight. If no channels are named and the file contains more
+/// than `max_numbers` numbers, only its first rows are read; a remark is added.
 ///
 /// # Errors
-/// [`Error::File`] where there are no rows of numbers, no channel, a row with more cells
-/// than names, or more than `most` numbers in the channels that are wanted;
-/// [`Error::Cell`] for text in a channel that is wanted.
+/// [`Error::File`] if there are no rows of numbers, no channel, a row with more cells than names,
+/// or more than `max_numbers` numbers in the wanted channels; [`Error::Cell`] for text in a wanted
+/// channel.
 pub fn read_text(
     reader: impl Read,
     options: TextOptions,
     wanted: Option<&[&str]>,
-    most: u64,
+    max_numbers: u64,
     file: &str,
 ) -> Result<Log, Error> {
     let failure = |error: std::io::Error| Error::file(file, error);
     let mut source = Text::new(reader).map_err(failure)?;
-    while !source.ended && source.text.len() < LONGEST_WINDOW {
+    while !source.ended && source.text.len() < MAX_WINDOW_BYTES {
         source.read_more().map_err(failure)?;
     }
     let window = if source.ended {
@@ -625,10 +633,9 @@ pub fn read_text(
     let layout = layout_of(&source.text[..window], options, file)?;
     source.text.drain(..layout.start);
     let (delimiter, mut line) = (layout.delimiter, layout.first_row);
-    let mut columns = Columns::new(layout, wanted, most, file)?;
+    let mut columns = Columns::new(layout, wanted, max_numbers, file)?;
     loop {
-        // A last line without its end may be cut within its last cell, which is a number all the
-        // same.
+        // A last line without line end may be cut within its last number.
         let end = if source.ended {
             source.whole_lines()
         } else {
@@ -642,13 +649,13 @@ pub fn read_text(
         };
         let mut used = 0;
         while let Some(row) = rows.next() {
-            // Where the row and its quotes end is only known with what follows.
-            if !source.ended && rows.at + LONGEST_CELL > end {
+            // The ends of the row and of its quoted cells depend on the text that follows.
+            if !source.ended && rows.at + MAX_CELL_BYTES > end {
                 break;
             }
             if !columns.take(&row)? {
                 let only = format!(
-                    "only the rows before row {} are read, {most} numbers",
+                    "only the rows before row {} are read, {max_numbers} numbers",
                     row.line
                 );
                 columns.log.remarks.push(format!("{file}: {only}"));
@@ -657,8 +664,8 @@ pub fn read_text(
             (used, line) = (rows.at.min(end), rows.line);
         }
         if source.ended {
-            let nothing = ['\0', '\u{1a}', ' ', '\t', '\r'];
-            if !source.text[end..].trim_matches(nothing).is_empty() {
+            let blanks = ['\0', '\u{1a}', ' ', '\t', '\r'];
+            if !source.text[end..].trim_matches(blanks).is_empty() {
                 line += source.text[used..end].matches('\n').count() as u64;
                 columns.log.remarks.push(format!(
                     "{file}: row {line}, the last, has no line end and is not read: it may be cut short"
@@ -666,9 +673,9 @@ pub fn read_text(
             }
             return columns.log();
         }
-        if used == 0 && source.text.len() > LONGEST_ROW {
+        if used == 0 && source.text.len() > MAX_ROW_BYTES {
             let reason =
-                format!("row {line}: longer than {LONGEST_ROW} bytes, expected a shorter row");
+                format!("row {line}: longer than {MAX_ROW_BYTES} bytes, expected a shorter row");
             return Err(Error::file(file, reason));
         }
         source.text.drain(..used);
@@ -676,23 +683,24 @@ pub fn read_text(
     }
 }
 
-/// The columns of a file, as far as they are read.
+/// The columns of a file while they are read.
 struct Columns<'a> {
     file: &'a str,
     layout: Layout,
     log: Log,
-    /// Whether any column is read that holds numbers, rather than some by their names.
+    /// Whether all columns of numbers are read, rather than those named.
     any: bool,
     /// Which columns are read.
     read: Vec<bool>,
-    /// Which columns are times of the day.
+    /// Which columns are times of day.
     clocks: Vec<bool>,
-    /// The first text in a column that may hold some.
+    /// A message about the first column that is not read since it contains text.
     refused: Option<String>,
     /// How many more numbers may be read.
     room: u64,
-    /// Rows with fewer cells than names, and the line of the first.
+    /// Number of rows with fewer cells than names.
     short_rows: u64,
+    /// Line number of the first such row.
     first_short: Option<u64>,
 }
 
@@ -700,7 +708,7 @@ impl<'a> Columns<'a> {
     fn new(
         mut layout: Layout,
         wanted: Option<&[&str]>,
-        most: u64,
+        max_numbers: u64,
         file: &'a str,
     ) -> Result<Self, Error> {
         let mut log = Log {
@@ -726,15 +734,16 @@ impl<'a> Columns<'a> {
             read,
             log,
             refused: None,
-            room: most,
+            room: max_numbers,
             short_rows: 0,
             first_short: None,
         })
     }
 
-    /// Adds a row; `false` where any column is read and there is no room for it.
+    /// Adds a row. Returns `false` if all columns of numbers are read and the row would exceed the
+    /// maximum.
     ///
-    /// A column of text is not read where any column may be such.
+    /// If all columns of numbers are read, a column that contains text is dropped.
     ///
     /// # Errors
     /// As [`read_text`].
@@ -794,7 +803,7 @@ impl<'a> Columns<'a> {
         Ok(true)
     }
 
-    /// The recording, with times in seconds and places in degrees.
+    /// The recording, with times in seconds and positions in degrees.
     ///
     /// # Errors
     /// As [`read_text`].
@@ -835,8 +844,8 @@ impl<'a> Columns<'a> {
     }
 }
 
-/// Whether times are written as `hhmmss.ss`: no minute and no second reaches 60, and they pass from
-/// x59.9 to y00.0, which seconds do not.
+/// Whether times are written as `hhmmss.ss`: all minutes and seconds are below 60, and the times
+/// jump from the end of a minute to the start of the next, as plain seconds would not.
 fn is_packed(values: &[f64]) -> bool {
     let fits = |t: &f64| {
         *t >= 0.0 && *t < 240_000.0 && t % 100.0 < 60.0 && (t / 100.0).floor() % 100.0 < 60.0
@@ -852,16 +861,16 @@ fn is_packed(values: &[f64]) -> bool {
     crossing.is_some_and(|pair| unpacked(pair[1]) - unpacked(pair[0]) < 20.0)
 }
 
-/// Seconds of `hhmmss.ss`.
+/// Converts `hhmmss.ss` to seconds.
 fn unpacked(packed: f64) -> f64 {
-    // The seconds' own decimals stay as they are written.
+    // Rounding restores the decimals of the seconds as they were written.
     let (hours, minutes) = ((packed / 1e4).floor(), (packed / 100.0).floor() % 100.0);
     let seconds = packed - 1e4 * hours - 100.0 * minutes;
     3600.0 * hours + 60.0 * minutes + (seconds * 1e6).round() / 1e6
 }
 
-/// Adds a day after each midnight [s]: where times fall by half a day or, if `exact`, where a day
-/// more is within two steps of the time before.
+/// Adds a day to times [s] after each midnight. A midnight is where times fall by more than half a
+/// day or, if `exact`, where they fall and a day more is within two steps of the time before.
 pub(crate) fn continue_days(times: &mut [f64], exact: bool) {
     let (mut last, mut step, mut added) = (f64::NAN, 0.0, 0.0);
     for t in times.iter_mut().filter(|t| t.is_finite()) {
@@ -961,7 +970,7 @@ mod tests {
         for k in 0..rows {
             text += &format!("{k},\"é, 𝄞\nbend\",{k}.5\n");
         }
-        assert!(text.len() > LONGEST_WINDOW + BLOCK);
+        assert!(text.len() > MAX_WINDOW_BYTES + BLOCK);
         let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
         let options = TextOptions::default();
         for bytes in [text.as_bytes(), &wide] {
@@ -981,7 +990,7 @@ mod tests {
         let refused = read_text(text.as_bytes(), options, Some(&["v"]), 1000, "a.csv");
         let error = refused.unwrap_err().to_string();
         assert!(error.contains("24000000 numbers"), "{error}");
-        let row = "t,v\n0,1\n".to_string() + &",".repeat(3 * LONGEST_ROW);
+        let row = "t,v\n0,1\n".to_string() + &",".repeat(3 * MAX_ROW_BYTES);
         let refused = read_text(row.as_bytes(), options, Some(&["v"]), MOST_NUMBERS, "a.csv");
         let error = refused.unwrap_err().to_string();
         assert!(error.contains("longer than"), "{error}");

@@ -21,10 +21,10 @@ const POWER: Dimension = [2, 1, -3, 0];
 const GRAVITY: f64 = 9.806_65;
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
-/// Spellings, size in SI units, dimension. Capitals are significant only where they distinguish two
-/// units (mPa, MPa).
+/// Spellings, value in SI units and dimension of each unit. Capitals only matter if they
+/// distinguish two units (mPa, MPa).
 ///
-/// Sizes by the SI brochure, ISO 80000 and the international yard and pound.
+/// Values of the SI brochure, ISO 80000 and the international yard and pound.
 const UNITS: &[(&str, f64, Dimension)] = &[
     ("m meter meters metre metres", 1.0, LENGTH),
     ("mm", 1e-3, LENGTH),
@@ -137,7 +137,7 @@ pub(crate) fn name_unit(name: &str) -> Option<String> {
     (name.contains('_') && spelled && last(1)).then(|| unit.to_string())
 }
 
-/// How many words of such a name its unit takes.
+/// Number of words at the end of a name with a unit that form the unit.
 pub(crate) fn unit_words(name: &str) -> usize {
     let words: Vec<&str> = name.split(['_', ' ']).collect();
     let per = words.len() > 3 && words[words.len() - 2].eq_ignore_ascii_case("per");
@@ -149,12 +149,12 @@ pub(crate) fn unit_words(name: &str) -> usize {
 pub struct Conversion {
     /// The factor.
     pub factor: f64,
-    /// The target's value at 0 of the source's unit; not 0 for temperatures alone.
+    /// The value in the target unit of 0 in the source unit; other than 0 only for temperatures.
     pub offset: f64,
 }
 
 impl Conversion {
-    /// A value of the source's unit in the target's.
+    /// Converts a value.
     pub fn apply(&self, value: f64) -> f64 {
         self.factor * value + self.offset
     }
@@ -163,7 +163,7 @@ impl Conversion {
 /// Converts values of `unit`, as a logger writes it, to `target`.
 ///
 /// # Errors
-/// The reason why there is no such conversion.
+/// The reason why the conversion is not possible.
 ///
 /// ```
 /// use kufe_telemetry::conversion;

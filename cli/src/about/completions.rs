@@ -1,4 +1,4 @@
-//! `kufe completions` and `kufe man`: what a shell and `man` want to know of this command.
+//! `kufe completions` and `kufe man`: completion scripts for shells, and manual pages.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -39,10 +39,10 @@ pub struct ManArgs {
     pub markdown: Option<PathBuf>,
 }
 
-/// Writes kufe.1 and one page for each command, those within commands too: kufe-lut-query.1.
+/// Writes kufe.1 and one page per command and subcommand, as kufe-lut-query.1.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where the folder cannot be written.
+/// [`Failure::BadInput`] if the folder cannot be written.
 pub fn man(args: &ManArgs, global: &Global, mut command: Command) -> Result<(), Failure> {
     if let Some(path) = &args.markdown {
         let page = reference(&command);
@@ -67,7 +67,7 @@ pub fn man(args: &ManArgs, global: &Global, mut command: Command) -> Result<(), 
     Ok(())
 }
 
-/// A command and all within it, each after the one that it belongs to, with its page's name.
+/// Appends a command and its subcommands, depth first, with the names of their pages.
 fn below<'a>(pages: &mut Vec<(String, &'a Command)>, command: &'a Command, name: &str) {
     pages.push((name.to_owned(), command));
     for sub in command.get_subcommands() {
@@ -77,7 +77,7 @@ fn below<'a>(pages: &mut Vec<(String, &'a Command)>, command: &'a Command, name:
     }
 }
 
-/// A section a command, its help as `--help` prints it, without the options that every command has.
+/// The reference page: one section per command with its help, without the global options.
 fn reference(command: &Command) -> String {
     let mut built = command.clone();
     built.build();

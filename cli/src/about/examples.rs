@@ -1,4 +1,4 @@
-//! What the help of each command ends with: examples, and what it writes.
+//! The end of each command's help: examples and outputs.
 
 use clap::Command;
 

@@ -1,4 +1,4 @@
-//! `kufe init`: a commented file to start from, and the schema by which editors complete it.
+//! `kufe init`: a commented file to start from, and its schema for editors.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ use crate::terminal::Global;
 pub struct Args {
     /// The file to write [default: case.toml, table.toml, model.toml or mapping.toml]
     pub file: Option<PathBuf>,
-    /// What to start
+    /// Kind of the file
     #[arg(long, value_parser = kinds(), default_value = "case")]
     pub kind: String,
 }
@@ -30,7 +30,7 @@ struct WrittenFiles<'a> {
 /// Writes the example with its comments, and its schema.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where the file exists or cannot be written.
+/// [`Failure::BadInput`] if the file exists or cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let kind = &*args.kind;
     let file = args.file.clone();

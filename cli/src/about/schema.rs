@@ -22,7 +22,7 @@ use crate::terminal::{Global, say};
 /// Arguments of `kufe schema`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Which file's
+    /// The file or result
     #[arg(value_parser = names(&DOCUMENTS))]
     pub document: String,
     /// Write it here instead of printing it
@@ -30,14 +30,14 @@ pub struct Args {
     pub out: Option<PathBuf>,
 }
 
-/// A file that has a schema: its word on the command line, what it is, and the schema.
+/// A file with a schema: its name on the command line, its description, and the schema.
 type Document = (
     &'static str,
     &'static str,
     fn(&mut SchemaGenerator) -> Schema,
 );
 
-/// The files that have a schema, those that a user writes first.
+/// The files with a schema; those that users write come first.
 #[rustfmt::skip]
 const DOCUMENTS: [Document; 21] = [
     ("case", "case.toml: one contact problem", of::<Case>),
@@ -72,12 +72,12 @@ fn names(documents: &[Document]) -> PossibleValuesParser {
     PossibleValuesParser::new(names.map(|(name, what, _)| PossibleValue::new(name).help(what)))
 }
 
-/// The files that a user writes.
+/// The files that users write.
 pub fn kinds() -> PossibleValuesParser {
     names(&DOCUMENTS[..4])
 }
 
-/// The schema of a document, JSON Schema draft 7: what editors for TOML read.
+/// The schema of a document in JSON Schema draft 7, which editors for TOML read.
 fn schema(document: &str) -> String {
     let mut known = DOCUMENTS.iter();
     let found = known.find(|(name, ..)| *name == document);
@@ -86,11 +86,11 @@ fn schema(document: &str) -> String {
     format!("{:#}\n", schema(&mut generator).to_value())
 }
 
-/// Writes a file of a kind with its schema, which its first line names, into one folder; returns
-/// the schema's path.
+/// Writes a file of a kind and its schema, which the first line of the file names, into one folder.
+/// Returns the path of the schema.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where one of them exists or cannot be written.
+/// [`Failure::BadInput`] if the file exists, or one of the two cannot be written.
 pub fn write_with_schema(
     command: &'static str,
     kind: &str,
@@ -103,7 +103,7 @@ pub fn write_with_schema(
     let path = file.parent().unwrap_or(Path::new("")).join(&name);
     let content = schema(kind);
     let mut outputs = vec![file.to_path_buf()];
-    // Commands share it.
+    // An unchanged schema of another command is kept.
     let found = kufe_files::read_regular(&path, content.len() as u64);
     let is_missing = found.ok().as_deref() != Some(content.as_bytes());
     outputs.extend(is_missing.then(|| path.clone()));
@@ -119,7 +119,7 @@ pub fn write_with_schema(
 /// Prints or writes a schema.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where the file cannot be written.
+/// [`Failure::BadInput`] if the file cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let text = schema(&args.document);
     let Some(path) = &args.out else {

@@ -27,10 +27,10 @@ pub struct Args {
     pub cells: Option<usize>,
 }
 
-/// Solves the case, whose mesh the deck or the matrix is of, and writes it.
+/// Solves the case, and writes the deck or the matrix on its mesh.
 ///
 /// # Errors
-/// Those of `kufe press`, and [`Failure::BadInput`] for a problem that the deck cannot state.
+/// Those of `kufe press`, and [`Failure::BadInput`] for a problem that cannot be exported.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if let Some(cells) = args.cells.filter(|cells| !(2..=64).contains(cells)) {
         return Err(Failure::Usage(format!("--cells {cells}: expected 2 to 64")));

@@ -1,4 +1,4 @@
-//! `kufe hull`: parametric runners as hull files, and the examination of scanned ones.
+//! `kufe hull`: parametric runners as hull files, and checks of scanned hulls.
 
 use std::path::PathBuf;
 
@@ -92,9 +92,9 @@ struct File {
     edge_length_m: f64,
 }
 
-/// Largest turn over one facet of a steel on its edge, whose radius is of the size of the contact
-/// [rad].
-const EDGE_TURN: f64 = 0.01;
+/// Largest angle between adjacent facets on the edge of a luge steel, whose radius is of the size
+/// of the contact [rad].
+const MAX_FACET_ANGLE: f64 = 0.01;
 
 /// A hull that was written.
 #[derive(Serialize)]
@@ -112,7 +112,13 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let none = None;
     let (name, swept, out, points, turn) = match &args.kind {
         Kind::Bob(bob) => ("bob", bob.swept(), &bob.file, &bob.rocker_points, None),
-        Kind::Luge(luge) => ("luge", luge.swept(), &luge.file, &none, Some(EDGE_TURN)),
+        Kind::Luge(luge) => (
+            "luge",
+            luge.swept(),
+            &luge.file,
+            &none,
+            Some(MAX_FACET_ANGLE),
+        ),
         Kind::Check(check) => return examine(check, global),
     };
     let File {
@@ -169,7 +175,7 @@ struct Check {
     /// [default: 0.05, and 0.01 in the case of a hull without noise]
     #[arg(long, value_name = "SHARE")]
     p_max: Option<f64>,
-    /// Write the case that reads it so
+    /// Write a case that reads the hull with these options
     #[arg(long, short, value_name = "CASE.toml")]
     out: Option<PathBuf>,
 }
@@ -261,7 +267,8 @@ fn text(examined: &ExaminedHull) -> String {
     lines.join("\n  ") + "\n" + &written
 }
 
-/// How well the peak is known, `unknown` angles of the hull apart.
+/// The accuracy of the peak under a load; `unknown` are the angles that the shape does not
+/// determine.
 fn verdict(load: &ResolvedLoad, unknown: Option<&str>) -> String {
     let (fz, known) = (quantity(load.fz_n, "N"), percent(load.p_max_error));
     let surface = measured(load.approach_m, load.error_m, "m");

@@ -1,4 +1,4 @@
-//! `kufe mesh`: the hexahedra of ice and runner for a case.
+//! `kufe mesh`: hexahedral meshes of the ice and the runner of a case.
 
 use std::path::PathBuf;
 
@@ -23,7 +23,7 @@ pub struct Args {
 /// quality.
 ///
 /// # Errors
-/// Those of `kufe press`, and [`Failure::BadInput`] where no hexahedra fit into the hull.
+/// Those of `kufe press`, and [`Failure::BadInput`] if no hexahedra fit into the hull.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let loaded = LoadedCase::read(&args.case)?;
     let inputs = case_inputs(Some(&args.case), &loaded)?;

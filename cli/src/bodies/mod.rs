@@ -1,4 +1,4 @@
-//! Runner and ice as bodies in files: hulls, hexahedra, and problems for other solvers.
+//! Commands on bodies: hulls, hexahedral meshes, and export for other solvers.
 
 pub mod export;
 pub mod hull;

@@ -1,4 +1,4 @@
-//! `kufe friction fit`: mu over pressure from experiments, in the form of a model file.
+//! `kufe friction fit`: fit of mu against pressure to experiments, as part of a model file.
 
 use std::path::PathBuf;
 
@@ -22,10 +22,10 @@ pub struct Args {
     /// Folder for fit.json, friction.toml and mu.png
     #[arg(long, short, value_name = "FOLDER", default_value = "out")]
     pub out: PathBuf,
-    /// Weigh every specimen alike, as the paper does, instead of by both errors
+    /// Weight every specimen equally, as the paper does, instead of by both errors
     #[arg(long)]
     pub unweighted: bool,
-    /// Probability that intervals and band are to cover
+    /// Confidence level of intervals and band
     #[arg(long, value_name = "P", default_value_t = 0.95)]
     pub confidence: f64,
 }
@@ -34,7 +34,7 @@ pub struct Args {
 ///
 /// # Errors
 /// [`Failure::Usage`], [`Failure::BadInput`] for the table and the output,
-/// [`Failure::NotConverged`], also where the fit is no law that a model can have.
+/// [`Failure::NotConverged`], also where the fit is not a valid law of a model.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if !(args.confidence > 0.0 && args.confidence < 1.0) {
         let text = format!(
@@ -66,13 +66,13 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     output.finish("fit.json", &result, global, || summary(&fit))?;
     let unusable = |error| {
         Failure::NotConverged(format!(
-            "{name}: the fitted quadratic is no law of friction for a model ({error}): friction.toml is not written"
+            "{name}: the fitted quadratic is not a valid law of friction ({error}): friction.toml is not written"
         ))
     };
     checked.map_err(unusable)
 }
 
-/// `[friction.longitudinal]` as a model file has it.
+/// The table `[friction.longitudinal]` of a model file.
 fn model_form(law: &PressureLaw) -> Result<String, toml::ser::Error> {
     let keys = toml::to_string(&LongitudinalKeys::from(*law))?;
     Ok(format!("[friction.longitudinal]\n{keys}"))

@@ -66,8 +66,8 @@ fn read_run(index: &str, folder: &Path, entry: &GlideEntry) -> Result<GlideRun, 
     evaluate_glide(entry, &trace).map_err(of_file(&path))
 }
 
-/// The picture's name: the run's number keeps names apart that differ only in signs a file cannot
-/// have.
+/// File name of a picture. The number of the run distinguishes names that differ only in characters
+/// that are invalid in file names.
 fn picture(number: usize, run: &str) -> String {
     let is_plain = |c: char| c.is_alphanumeric() || c == '-';
     let run: String = run.chars().take(60).collect();
@@ -78,9 +78,9 @@ fn picture(number: usize, run: &str) -> String {
     )
 }
 
-/// Speed that no one reaches by pushing a sled in a hall [m/s]; km/h without a measured way cannot
-/// be proved.
-const MOST_SPEED: f64 = 15.0;
+/// Largest plausible speed of a sled that is pushed in a hall [m/s]; above it the unit is probably
+/// km/h, which cannot be proved without a measured distance.
+const MAX_SPEED: f64 = 15.0;
 
 fn summary(house: &IceHouse) -> String {
     let slope = &house.slope_rad;
@@ -94,10 +94,10 @@ fn summary(house: &IceHouse) -> String {
         let unpaired = house.unpaired.join(", ");
         text += &format!("not used, no run in the other direction: {unpaired}\n");
     }
-    for s in house.specimens.iter().filter(|s| s.v_mps > MOST_SPEED) {
+    for s in house.specimens.iter().filter(|s| s.v_mps > MAX_SPEED) {
         let (name, speed, mu) = (&s.specimen, s.v_mps, 1e3 * s.mu.value / 3.6);
         text += &format!(
-            "{name}: v_mps has a mean of {speed:.1} m/s, expected up to {MOST_SPEED} in a hall: km/h? (mu would be {mu:.3}e-3)\n"
+            "{name}: v_mps has a mean of {speed:.1} m/s, expected up to {MAX_SPEED} in a hall: km/h? (mu would be {mu:.3}e-3)\n"
         );
     }
     if house.experiments().iter().any(|e| !e.p_max_pa.is_finite()) {

@@ -1,5 +1,5 @@
-//! `kufe friction CASE --groove --v-mps V --ice-c T --optimise KEY=LOW:HIGH,...`: the runner with
-//! the least friction within bounds.
+//! `kufe friction CASE --groove --v-mps V --ice-c T --optimise KEY=LOW:HIGH,...`: searches for the
+//! runner with the lowest friction within bounds.
 
 use std::io::{self, Write};
 
@@ -18,19 +18,20 @@ use crate::friction::point::Args;
 use crate::terminal::Global;
 use crate::text::document_text;
 
-/// Places along a parameter at which the curve is drawn.
+/// Number of intervals along a parameter with which a curve is drawn.
 const STEPS: usize = 200;
-/// Colours of the map, and its cells along each parameter.
+/// Number of colours of the map.
 const BANDS: f64 = 20.0;
+/// Number of cells of the map along each parameter.
 const CELLS: usize = 300;
 
 const MU: &str = "coefficient of friction mu [1e-3]";
 
-/// Searches, prints and writes.
+/// Searches for the lowest friction, prints the result and writes the files.
 ///
 /// # Errors
-/// [`Failure::Usage`] for a search over several cases, speeds or temperatures and for bounds that
-/// are none, else as [`optimise`].
+/// [`Failure::Usage`] for several cases, speeds or temperatures and for invalid bounds; otherwise
+/// as [`optimise`].
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let ([path], &[v_mps], &[ice_c]) = (&args.cases[..], &args.v_mps[..], &args.ice_c[..]) else {
         let text = "--optimise: expected one case, one --v-mps and one --ice-c";
@@ -53,7 +54,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     output.finish("friction.json", result, global, || text)
 }
 
-/// `KEY=LOW:HIGH`.
+/// Parses `KEY=LOW:HIGH`.
 fn parameter(text: &str) -> Result<Parameter, Failure> {
     let wrong = |reason: &str| Failure::Usage(format!("--optimise {text}: {reason}"));
     let parts = text
@@ -109,7 +110,7 @@ fn text(found: &FrictionOptimum) -> Result<String, Failure> {
     ))
 }
 
-/// What was found over its one or two parameters.
+/// The picture of the search over one or two parameters.
 fn picture(found: &Optimum) -> Figure {
     let title = format!(
         "mu at {} m/s and {} °C, least {}",
@@ -125,6 +126,7 @@ fn picture(found: &Optimum) -> Figure {
     }
 }
 
+/// The friction as a curve over one parameter.
 fn curve(found: &Optimum) -> Panel {
     let parameter = &found.result.parameters[0];
     let [from, to] = [parameter.low, parameter.high];
@@ -143,19 +145,20 @@ fn curve(found: &Optimum) -> Panel {
     let [blue, red, green] = [PALETTE[0], PALETTE[1], PALETTE[2]];
     let flat = [parameter.flat_from, parameter.flat_to];
     let flat = Layer::stretch(flat, green.alpha(0.18));
-    let least = Layer::dots(7.0, [(best.0, 1e3 * best.1.value)], red);
+    let lowest = Layer::dots(7.0, [(best.0, 1e3 * best.1.value)], red);
     let layers = vec![
         flat.named("not distinguishable from the best"),
         Layer::line(2.0, surface, blue).named("smooth curve through them"),
         Layer::segments(1.0, errors, red),
         Layer::dots(4.0, points, red).named("other runners solved"),
-        least.named("best runner, solved"),
+        lowest.named("best runner, solved"),
     ];
     let x = Axis::new(&parameter.key).within([from, to]);
     let y = Axis::new(MU).within([low - margin, high + margin]);
     Panel::new(x, y, layers)
 }
 
+/// The friction as a map over two parameters.
 fn map(found: &Optimum) -> (Panel, ColourBar) {
     let parameters = [0, 1].map(|k| &found.result.parameters[k]);
     let window = parameters.map(|parameter| [parameter.low, parameter.high]);
@@ -171,25 +174,25 @@ fn map(found: &Optimum) -> (Panel, ColourBar) {
     });
     let nodes: Vec<f64> = nodes.collect();
     let value = |column: usize, row: usize| nodes[row * (CELLS + 1) + column];
-    let [least, most] = extent(nodes.iter().copied());
-    let most = most.max(least * (1.0 + 1e-9));
+    let [min, max] = extent(nodes.iter().copied());
+    let max = max.max(min * (1.0 + 1e-9));
     let bands = |share: f64| viridis((BANDS * share).floor().min(BANDS - 1.0) / (BANDS - 1.0));
-    let bar = ColourBar::new(MU, [1e3 * least, 1e3 * most], bands);
+    let bar = ColourBar::new(MU, [1e3 * min, 1e3 * max], bands);
     let cells = Cells::new([CELLS; 2], |i, j| Some(bar.colour(1e3 * value(i, j))));
-    let alike = least * (1.0 + found.relative_resolution);
-    let bound = contour([CELLS + 1; 2], value, alike).into_iter();
+    let limit = min * (1.0 + found.relative_resolution);
+    let bound = contour([CELLS + 1; 2], value, limit).into_iter();
     let bound = bound.map(|ends| ends.map(|(i, j)| (at(0, i), at(1, j))));
     let [best, others] = [PALETTE[1], Colour::new(255, 105, 190)];
     let bound = Layer::segments(1.5, bound, others);
     let solved = found.result.solved.iter();
     let solved = solved.map(|runner| (runner.values[0], runner.values[1]));
     let [x, y] = parameters.map(|parameter| parameter.value);
-    let least = Layer::dots(8.0, [(x, y)], best);
+    let lowest = Layer::dots(8.0, [(x, y)], best);
     let layers = vec![
         Layer::map(window, cells),
         bound.named("limit of the runners indistinguishable from the best"),
         Layer::dots(4.0, solved, others).named("other runners solved"),
-        least.named("best runner, solved"),
+        lowest.named("best runner, solved"),
     ];
     let axis = |k: usize| Axis::new(&parameters[k].key).within(window[k]);
     (Panel::new(axis(0), axis(1), layers), bar)

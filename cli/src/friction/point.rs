@@ -124,7 +124,7 @@ impl Args {
 ///
 /// # Errors
 /// [`Failure::Usage`] for numbers out of range, [`Failure::BadInput`] for the files,
-/// [`Failure::NotConverged`] where the solver stops short.
+/// [`Failure::NotConverged`] if the solver stops short.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let ([path], &[speed], &([] | [_])) = (&args.cases[..], &args.v_mps[..], &args.ice_c[..])
     else {

@@ -1,5 +1,5 @@
-//! `kufe friction CASES --groove --v-mps LIST --ice-c LIST`: the groove and the melt film's
-//! friction over speed and temperature, runners side by side.
+//! `kufe friction CASES --groove --v-mps LIST --ice-c LIST`: friction of groove and melt film over
+//! speed and temperature, for one or several runners.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -15,10 +15,10 @@ use crate::friction::point::Args;
 use crate::terminal::Global;
 use crate::text::table_text;
 
-/// Most points of a table, so that a slip of the hand does not run for days.
-const MOST: usize = 10_000;
+/// Largest number of points, so that a typing error does not start a run of days.
+const MAX_POINTS: usize = 10_000;
 
-/// What is printed of each point.
+/// The columns that are printed.
 const COLUMNS: [&str; 9] = [
     "case",
     "ice_c",
@@ -41,8 +41,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let (speeds, temperatures) = (&args.v_mps, &args.ice_c);
     let counts = [args.cases.len(), speeds.len(), temperatures.len()];
     let count = counts.into_iter().fold(1, usize::saturating_mul);
-    if count > MOST {
-        let text = format!("{count} points: expected at most {MOST}");
+    if count > MAX_POINTS {
+        let text = format!("{count} points: expected at most {MAX_POINTS}");
         return Err(Failure::Usage(text));
     }
     let cases = args.cases.iter().map(|path| LoadedCase::read(path));
@@ -60,7 +60,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         solved.collect::<Result<(Vec<_>, Vec<_>), Failure>>()
     })?;
     let short = short.into_iter().flatten().next();
-    // A single runner is compared with none.
+    // A single runner is not compared.
     let fastest = match runners.len() {
         ..2 => Vec::new(),
         _ => fastest_runners(&runners),
@@ -86,7 +86,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     short.map_or(Ok(()), Err)
 }
 
-/// The files' names without folder and ending, or the whole paths where two have the same.
+/// The stems of the files' names, or their whole paths if two stems are equal.
 fn names(cases: &[PathBuf]) -> Vec<String> {
     let stems = cases
         .iter()
@@ -132,7 +132,7 @@ fn text(result: &FrictionTable) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// A line of the picture: its name, and place, mu and error of its points [1e-3].
+/// A line of the picture: its name, and abscissa, mu and error of its points [1e-3].
 type Line = (String, Vec<[f64; 3]>);
 
 /// What the points are drawn over: its label, and its value.

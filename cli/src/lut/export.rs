@@ -1,4 +1,4 @@
-//! The further forms of a table.
+//! `kufe lut export`: writes a table in other formats.
 
 use std::path::{Path, PathBuf};
 
@@ -10,16 +10,16 @@ use crate::output::{OutputFiles, of_file};
 use crate::terminal::Global;
 use crate::text::print_document;
 
-/// Files that were written.
+/// The files that were written.
 #[derive(Serialize)]
 struct Exported<'a> {
     written: &'a [PathBuf],
 }
 
-/// Which forms of a table to write as well.
+/// The formats in which a table is written besides `.lut`.
 #[derive(clap::Args, Debug, Default)]
 pub struct Forms {
-    /// Write one row a node as CSV
+    /// Write a CSV file with one row per node
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     pub csv: Option<Option<PathBuf>>,
     /// Write a MATLAB v5 file
@@ -55,7 +55,8 @@ pub struct Forms {
     pub rocker_radius_m: Option<f64>,
 }
 
-/// Writes a form of a table of this name, for this radius of the rocker [m] where it needs one.
+/// Writes a table in one format. The arguments are the table, its name, the rocker radius [m] if
+/// the format needs one, and the output.
 type WriteForm = fn(&Table, &str, Option<f64>, &mut Vec<u8>) -> Result<(), kufe_lut::Error>;
 
 /// Arguments of `kufe lut export`.
@@ -67,10 +68,10 @@ pub struct Args {
     forms: Forms,
 }
 
-/// Writes the requested forms.
+/// Writes the requested formats.
 ///
 /// # Errors
-/// [`Failure::Usage`] where none is requested, [`Failure::BadInput`] for files.
+/// [`Failure::Usage`] if none is requested, [`Failure::BadInput`] for files.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if args.forms.paths(Path::new("")).is_empty() {
         return Err(Failure::Usage(
@@ -87,14 +88,15 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 }
 
 impl Forms {
-    /// The requested forms with their files: in the folder of the table where they name none.
+    /// The requested formats and their files. A file that is not named is in the folder of the
+    /// table.
     fn requested(&self, table: &Path) -> Vec<(PathBuf, WriteForm)> {
         let stem = stem(table);
         let named = |file: &Option<Option<PathBuf>>, ending: &str| {
-            let own = || table.with_file_name(format!("{stem}{ending}"));
-            file.clone().map(|file| file.unwrap_or_else(own))
+            let default = || table.with_file_name(format!("{stem}{ending}"));
+            file.clone().map(|file| file.unwrap_or_else(default))
         };
-        let own = |requested: bool, name: String| requested.then(|| table.with_file_name(name));
+        let fixed = |requested: bool, name: String| requested.then(|| table.with_file_name(name));
         let [header, source, script] = simulink_files(&stem);
         let [_, ctypes, csharp] = binding_files(&stem);
         let needs_header = self.simulink || self.ctypes || self.csharp;
@@ -116,43 +118,46 @@ impl Forms {
                 |table, name, radius, out| table.write_fmu(name, radius, Fmi::V2, out),
             ),
         ];
-        let own: [(Option<PathBuf>, WriteForm); 6] = [
-            (own(needs_header, header), write_header),
-            (own(self.simulink, source), |table, name, radius, out| {
+        let fixed: [(Option<PathBuf>, WriteForm); 6] = [
+            (fixed(needs_header, header), write_header),
+            (fixed(self.simulink, source), |table, name, radius, out| {
                 table.write_s_function(name, radius, out)
             }),
-            (own(self.simulink, script), |table, name, _, out| {
+            (fixed(self.simulink, script), |table, name, _, out| {
                 table.write_simulink_script(name, out)
             }),
-            (own(self.ctypes, ctypes), |table, name, _, out| {
+            (fixed(self.ctypes, ctypes), |table, name, _, out| {
                 table.write_ctypes(name, out)
             }),
-            (own(self.csharp, csharp), |table, name, _, out| {
+            (fixed(self.csharp, csharp), |table, name, _, out| {
                 table.write_csharp(name, out)
             }),
-            (own(self.octave, "kufe_lut_at.m".into()), |_, _, _, out| {
-                out.extend(OCTAVE_FUNCTION.as_bytes());
-                Ok(())
-            }),
+            (
+                fixed(self.octave, "kufe_lut_at.m".into()),
+                |_, _, _, out| {
+                    out.extend(OCTAVE_FUNCTION.as_bytes());
+                    Ok(())
+                },
+            ),
         ];
         let named = named.into_iter();
         let named = named.filter_map(|(path, write)| Some((path?, write)));
         let mut requested: Vec<(PathBuf, WriteForm)> = named.collect();
-        for (path, write) in own {
-            // A header that is requested by name need not be written again.
+        for (path, write) in fixed {
+            // The header may be requested by its name too; it is written once.
             let new = path.filter(|path| requested.iter().all(|(known, _)| known != path));
             requested.extend(new.map(|path| (path, write)));
         }
         requested
     }
 
-    /// The files of the requested forms.
+    /// The files of the requested formats.
     pub fn paths(&self, table: &Path) -> Vec<PathBuf> {
         let requested = self.requested(table).into_iter();
         requested.map(|(path, _)| path).collect()
     }
 
-    /// Writes the table itself and its requested forms, whose files are returned, to their places.
+    /// Writes the table and the requested formats. Returns the files of the formats.
     ///
     /// # Errors
     /// As [`write`](Self::write).
@@ -168,10 +173,10 @@ impl Forms {
         Ok(self.paths(out))
     }
 
-    /// Writes the requested forms.
+    /// Writes the requested formats.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where a form cannot be made of this table or a file not be written.
+    /// [`Failure::BadInput`] if a format does not support this table or a file cannot be written.
     fn write(&self, table: &Table, out: &Path, files: &OutputFiles) -> Result<(), Failure> {
         for (path, write) in self.requested(out) {
             let mut bytes = Vec::new();
@@ -183,7 +188,7 @@ impl Forms {
     }
 }
 
-/// The table's name.
+/// The name of a table: its file name without extension.
 fn stem(table: &Path) -> String {
     let stem = table.file_stem();
     stem.map_or("table".into(), |stem| stem.to_string_lossy().into_owned())

@@ -1,4 +1,4 @@
-//! `kufe lut TABLE.toml`: the whole table in one process.
+//! `kufe lut TABLE.toml`: fills a table in one process.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -22,7 +22,7 @@ pub struct Args {
     /// The table file (docs/tables.md)
     #[arg(required = true)]
     table: Option<PathBuf>,
-    /// Where the table goes [default: the table file's name with .lut]
+    /// File of the table [default: the table file's name with .lut]
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -58,10 +58,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     finish(&filled.swept, &solver, &out, &written, spent, global)
 }
 
-/// Reports the errors of a written table, and fails where one is larger than requested.
+/// Prints a summary of a written table, and fails if its errors are larger than requested.
 ///
 /// # Errors
-/// [`Failure::NotConverged`] where the interpolation or a solve stayed short of the request.
+/// [`Failure::NotConverged`] if the interpolation or a solve misses the requested accuracy.
 pub fn finish(
     swept: &SweepResult,
     solver: &Solver,
@@ -99,11 +99,12 @@ pub fn finish(
     )))
 }
 
-/// How many solves stayed short of the solver's tolerance, and the worst.
+/// A message with the number of solves that miss the tolerance of the solver, and the worst; none
+/// if all reach it.
 fn short_of(table: &Table, tolerance: f64) -> Option<String> {
-    // The film's own error adds to that of the groove, to which the tolerance applies.
-    let times = if table.is_sliding() { 2.0 } else { 1.0 };
-    let allowed = times * tolerance;
+    // The tolerance applies to the groove; the error of the film is added to that of the groove.
+    let factor = if table.is_sliding() { 2.0 } else { 1.0 };
+    let allowed = factor * tolerance;
     let errors = table.solves();
     let errors = errors.map(|solve| (solve.point, solve.figures.relative_error()));
     let short: Vec<(Point, f64)> = errors.filter(|(_, error)| *error > allowed).collect();

@@ -1,4 +1,4 @@
-//! `kufe lut`: lookup tables of contact figures, made, read, exported, and made in pieces.
+//! `kufe lut`: makes, reads and exports lookup tables of contacts.
 
 mod export;
 mod fill;
@@ -30,18 +30,18 @@ enum Command {
     Show(show::Args),
     /// Interpolate a table at one contact
     Query(query::Args),
-    /// Write a table's further forms
+    /// Write a table in other formats
     Export(export::Args),
-    /// Cut a table's points into shards
+    /// Divide the points of a table into shards
     Plan(plan::PlanArgs),
     /// Solve one shard of a plan
     Run(plan::RunArgs),
-    /// Put a plan's results together
+    /// Merge the results of a plan into a table
     Merge(plan::MergeArgs),
 }
 
-/// An error of the arguments; where a misspelt subcommand was taken for a table's file, the one
-/// of that.
+/// An error of the arguments. If a misspelt subcommand was taken for a table file, the error says
+/// so instead.
 pub fn explained(error: clap::Error) -> clap::Error {
     let words: Vec<String> = std::env::args().skip(1).take(2).collect();
     let [command, word] = &words[..] else {
@@ -58,8 +58,8 @@ pub fn explained(error: clap::Error) -> clap::Error {
 /// Runs the subcommand, or fills the table.
 ///
 /// # Errors
-/// [`Failure::BadInput`] for files, [`Failure::NotConverged`] where a contact or the interpolation
-/// stays short of its accuracy, [`Failure::Partial`] where the rest can be resumed.
+/// [`Failure::BadInput`] for files, [`Failure::NotConverged`] if a contact or the interpolation
+/// misses its accuracy, [`Failure::Partial`] if the work was interrupted and can be resumed.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     match &args.command {
         None => fill::run(&args.fill, global),

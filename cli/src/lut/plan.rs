@@ -1,4 +1,4 @@
-//! `kufe lut plan`, `run` and `merge`: a table in shards.
+//! `kufe lut plan`, `run` and `merge`: fill a table in shards, for example on a cluster.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -23,7 +23,7 @@ pub struct PlanArgs {
     /// Folder for the plan and its results
     #[arg(long, short, value_name = "FOLDER")]
     out: PathBuf,
-    /// Into how many parts, called shards, the scripts cut the points
+    /// Number of shards, parts into which the points are divided
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     shards: u32,
 }
@@ -33,7 +33,7 @@ pub struct PlanArgs {
 pub struct RunArgs {
     /// The plan's folder
     plan: PathBuf,
-    /// Which shard of how many, 1/N to N/N
+    /// The shard to solve, from 1/N to N/N
     #[arg(long, value_name = "I/N", value_parser = shard_word)]
     shard: (usize, usize),
 }
@@ -43,7 +43,7 @@ pub struct RunArgs {
 pub struct MergeArgs {
     /// The plan's folder
     plan: PathBuf,
-    /// Where the table goes
+    /// File of the table
     #[arg(long, short, value_name = "FILE")]
     out: PathBuf,
     #[command(flatten)]
@@ -84,7 +84,7 @@ fn shard_word(word: &str) -> Result<(usize, usize), String> {
 /// Writes plan.json and the scripts that run its shards.
 ///
 /// # Errors
-/// [`Failure::BadInput`] for files, and where the folder has results of another version or case.
+/// [`Failure::BadInput`] for files, and if the folder contains results of another version or case.
 pub fn plan(args: &PlanArgs, global: &Global) -> Result<(), Failure> {
     let spec = TableSpec::read(&args.table)?;
     let solver = solver(&spec)?;
@@ -127,7 +127,7 @@ pub fn plan(args: &PlanArgs, global: &Global) -> Result<(), Failure> {
 /// Solves the points of one shard that have no result.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where plan, case or results do not belong together; as
+/// [`Failure::BadInput`] if plan, case or results do not belong together; otherwise as
 /// [`Solver::solve_missing`].
 pub fn run(args: &RunArgs, global: &Global) -> Result<(), Failure> {
     let (plan, solver, _) = open_plan(&args.plan)?;
@@ -155,7 +155,7 @@ pub fn run(args: &RunArgs, global: &Global) -> Result<(), Failure> {
 /// Puts the results together, or plans the next round of a table that is refined to a tolerance.
 ///
 /// # Errors
-/// [`Failure::Partial`] where points are missing or a further round is needed;
+/// [`Failure::Partial`] if points are missing or a further round is needed;
 /// [`Failure::BadInput`] with the damaged or foreign file; [`Failure::NotConverged`] as for a table
 /// made in one process.
 pub fn merge(args: &MergeArgs, global: &Global) -> Result<(), Failure> {
@@ -206,7 +206,7 @@ pub fn merge(args: &MergeArgs, global: &Global) -> Result<(), Failure> {
     }
 }
 
-/// The files of a plan, plan.json first.
+/// The files of a plan; the first is `plan.json`.
 fn plan_files(folder: &Path) -> [PathBuf; 3] {
     PlanFile::NAMES.map(|name| folder.join(name))
 }
@@ -231,7 +231,7 @@ fn same_origin(file: &Path, planned: &Origin, now: &Origin) -> Result<(), Failur
     kufe::jobs::table::same_origin(&file.display().to_string(), planned, now)
 }
 
-/// The results of all shards; new ones are appended to the file `name`.
+/// Reads the results of all shards. New results are appended to the file `name`.
 fn open_store(folder: &Path, name: &str, origin: Origin) -> Result<PointStore, Failure> {
     PointStore::of_folder(&folder.join("points"), name, origin)
 }

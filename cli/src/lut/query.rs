@@ -1,4 +1,4 @@
-//! `kufe lut query`: a table interpolated at one contact.
+//! `kufe lut query`: interpolates a table at one point.
 
 use std::path::PathBuf;
 
@@ -46,11 +46,11 @@ pub struct Args {
     /// Radius of the rocker [m], where the table has that axis
     #[arg(long, value_name = "METRES")]
     pub rocker_radius_m: Option<f64>,
-    /// How values between the nodes are found: smooth, without overshoot, or bilinear, straight
-    /// between the nodes, as Simulink's n-D lookup table
+    /// Interpolation: smooth, without overshoot, or bilinear, linear between the nodes, as
+    /// Simulink's n-D lookup table
     #[arg(long, value_parser = ["smooth", "bilinear"], default_value = "smooth")]
     pub mode: String,
-    /// Refuse a place outside the table along any axis
+    /// Fail if the point is outside the table
     #[arg(long)]
     pub strict: bool,
 }
@@ -58,7 +58,7 @@ pub struct Args {
 /// Interpolates every quantity and prints it.
 ///
 /// # Errors
-/// [`Failure::Usage`] where the track is not given, and for a force that presses nothing;
+/// [`Failure::Usage`] if the track is not given, and for a force that is not positive;
 /// [`Failure::BadInput`] for the table.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let usage = |text: &str| Err(Failure::Usage(text.into()));
@@ -133,15 +133,16 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     global.answer(&found, || text(&found, axes, &outside))
 }
 
-/// An input outside a table: its axis, its value and the range.
+/// An input outside a table: its axis, its value and the range of the axis.
 type OutOfRange = (AxisKind, f64, [f64; 2]);
 
-/// The inputs that lie outside a table; a rocker radius outside is refused by the table.
+/// The inputs that lie outside a table. The rocker radius is not included; the lookup itself checks
+/// it.
 fn outside(axes: &Axes, at: &Point) -> Vec<OutOfRange> {
     let outside = |kind| {
-        let [least, most] = axes.range(AxisKind::Fz, at.fz)?;
+        let [min_fz, max_fz] = axes.range(AxisKind::Fz, at.fz)?;
         // The range of the curvature depends on the force.
-        let [low, high] = axes.range(kind, at.fz.clamp(least, most))?;
+        let [low, high] = axes.range(kind, at.fz.clamp(min_fz, max_fz))?;
         let value = at.get(kind).filter(|value| !(low..=high).contains(value))?;
         Some((kind, value, [low, high]))
     };

@@ -1,4 +1,4 @@
-//! `kufe lut show`: a table drawn.
+//! `kufe lut show`: draws a table.
 
 use std::path::PathBuf;
 
@@ -18,12 +18,12 @@ use crate::text::print_document;
 pub struct Args {
     /// The table
     pub table: PathBuf,
-    /// Where the picture goes [default: the table's name with .png]
+    /// File of the picture [default: the table's name with .png]
     #[arg(long, short, value_name = "PNG")]
     pub out: Option<PathBuf>,
-    /// What is drawn: p_max, p_mean, area, length, width, approach; of a runner that slides also
-    /// mu, mu_ploughing, mu_viscous, mu_boundary, groove_depth, film_mean [default: p_max, or mu of
-    /// a runner that slides]
+    /// Quantity to draw: p_max, p_mean, area, length, width, approach; for a sliding runner also
+    /// mu, mu_ploughing, mu_viscous, mu_boundary, groove_depth, film_mean [default: p_max, or mu
+    /// for a sliding runner]
     #[arg(long, value_parser = quantity)]
     pub quantity: Option<Quantity>,
     /// Radius of the rocker [m], where the table has that axis
@@ -36,21 +36,20 @@ pub struct Args {
     /// the upper of two]
     #[arg(long, value_name = "CELSIUS", allow_hyphen_values = true)]
     pub ice_c: Option<f64>,
-    /// Show where the samples of these runs lie on the table, and count those outside; needs
-    /// --model
+    /// Draw the samples of these runs on the table, and count those outside; needs --model
     #[arg(long, value_name = "RUNS.csv", requires = "model")]
     pub runs: Option<PathBuf>,
     /// Model of the sled and its friction, with --runs: mass and axles determine the load of each
     /// runner
     #[arg(long, short, value_name = "MODEL.toml", requires = "runs")]
     pub model: Option<PathBuf>,
-    /// With --runs: the runner that the table is of [default: both]
+    /// With --runs: the runner of which samples are drawn [default: both]
     #[arg(long, value_parser = ["front", "rear"], requires = "runs")]
     pub runner: Option<String>,
 }
 
 impl Args {
-    /// The places on the table of the samples of the runs, if any.
+    /// The points on the table of the samples of the runs; none without `--runs`.
     fn samples(&self, global: &Global) -> Result<Vec<Point>, Failure> {
         let (Some(runs), Some(model)) = (&self.runs, &self.model) else {
             return Ok(Vec::new());
@@ -66,13 +65,13 @@ impl Args {
     }
 }
 
-/// A table that was drawn.
+/// Output of the command.
 #[derive(Serialize)]
 struct Drawn<'a> {
     written: [&'a PathBuf; 1],
-    /// Samples of the runs.
+    /// Number of samples of the runs.
     samples: usize,
-    /// Those outside the table.
+    /// Number of samples outside the table.
     outside: usize,
 }
 

@@ -1,4 +1,4 @@
-//! Single output files, which are all written or none.
+//! Single output files: all are written or none.
 
 use std::collections::BTreeSet;
 use std::fmt::Display;
@@ -13,18 +13,18 @@ use crate::output::record::{FolderRecord, lock};
 use crate::output::{Staging, names_in, remove_on_interrupt};
 use crate::terminal::Global;
 
-/// Files that a command writes at places of their own.
+/// Single output files of a command.
 ///
-/// Each is new, or what the same command wrote there and nobody changed, or replaced with
-/// `--force`. An input of the command is never replaced. The files are moved to their places by
-/// [`OutputFiles::commit`], which adds them to the records of their folders.
+/// A file may be new, or an unchanged output of the same command; other files are only replaced
+/// with `--force`. An input of the command is never replaced. [`OutputFiles::commit`] moves the
+/// files to their final paths and adds them to the records of their folders.
 pub struct OutputFiles {
     command: &'static str,
     inputs: Vec<PathBuf>,
     force: bool,
-    /// Each output as the user names it, and its place, without links.
+    /// Each output as the user names it, and its path with links resolved.
     outputs: Vec<(PathBuf, PathBuf)>,
-    /// The folders that receive files, the newest first: it may be in one before it.
+    /// The folders that receive files, in reverse order: a folder may be within an earlier one.
     staged: Vec<(PathBuf, Staging)>,
 }
 
@@ -63,7 +63,7 @@ impl OutputFiles {
         Ok(files)
     }
 
-    /// Where an output is written before it is moved to its place.
+    /// Temporary path of an output.
     fn new_file(&self, place: &Path) -> PathBuf {
         let mut staged = self.staged.iter();
         let own = staged.find(|(folder, _)| folder == folder_of(place));
@@ -74,7 +74,7 @@ impl OutputFiles {
     /// Writes one of the outputs with a function that takes a writer.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] with its path where it cannot be written.
+    /// [`Failure::BadInput`] with its path if it cannot be written.
     pub fn write<E: Display>(
         &self,
         path: &Path,
@@ -100,12 +100,12 @@ impl OutputFiles {
         self.write(path, |writer| writer.write_all(bytes))
     }
 
-    /// Moves the files that were written to their places.
+    /// Moves the written files to their final paths.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] with a path that is not as it was at the beginning.
+    /// [`Failure::BadInput`] with a path that has changed since the beginning.
     pub fn commit(self) -> Result<(), Failure> {
-        // In one order in every process, so that none waits for another in a circle.
+        // Locks are taken in sorted order in every process, which prevents deadlocks.
         let folders: BTreeSet<&PathBuf> = self.staged.iter().map(|(folder, _)| folder).collect();
         let _locks: Vec<_> = folders.into_iter().map(|folder| lock(folder)).collect();
         self.check(|place| self.new_file(place).exists())?;
@@ -118,7 +118,7 @@ impl OutputFiles {
         Ok(())
     }
 
-    /// Checks that what is at the places of outputs may be replaced.
+    /// Checks that existing files at the paths of outputs may be replaced.
     fn check(&self, is_written: impl Fn(&Path) -> bool) -> Result<(), Failure> {
         let outputs = self.outputs.iter();
         let outputs: Vec<_> = outputs.filter(|(_, place)| is_written(place)).collect();

@@ -1,4 +1,4 @@
-//! Output folders, which receive all files of a command or none.
+//! Output folders: all files of a command are written or none.
 
 use std::collections::BTreeSet;
 use std::fmt::Display;
@@ -17,16 +17,16 @@ use crate::terminal::Global;
 
 /// A temporary folder that collects files until [`OutputDir::commit`] moves them into the output.
 ///
-/// It is made before the work starts, so that an output that cannot be written fails at once.
-/// Without a commit it is removed, and so are the folders that had to be made.
+/// It is created before the work starts, so that an output that cannot be written fails at once.
+/// Without a commit it is removed, together with folders that were created for it.
 ///
 /// The output folder is new, empty, or one that the same command wrote before. `--force` permits
 /// any other folder. An input of the command is never replaced.
 pub struct OutputDir {
     command: &'static str,
-    /// The folder, as the user names it.
+    /// The output folder as the user names it.
     named: PathBuf,
-    /// The folder, without links.
+    /// The output folder with links resolved.
     target: PathBuf,
     inputs: Vec<PathBuf>,
     force: bool,
@@ -39,7 +39,7 @@ impl OutputDir {
     /// An interrupt removes the temporary folder and ends the process with code 130.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the folder is not empty and not an earlier output of `command`,
+    /// [`Failure::BadInput`] if the folder is not empty and not an earlier output of `command`,
     /// or cannot be written.
     pub fn begin(
         command: &'static str,
@@ -79,10 +79,11 @@ impl OutputDir {
         Ok(output)
     }
 
-    /// Records the folder as this command's before anything is in it, so that it can resume there.
+    /// Records the folder as an output of this command before it has files, so that the command can
+    /// resume there.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the record cannot be written.
+    /// [`Failure::BadInput`] if the record cannot be written.
     pub fn record(&self) -> Result<(), Failure> {
         let _lock = lock(&self.target);
         let record = self.check(&[])?;
@@ -91,22 +92,23 @@ impl OutputDir {
             .map_err(|error| Failure::unwritable(&self.named, error))
     }
 
-    /// The commands whose files this one replaces: itself, and the one that makes pages of them.
+    /// The commands whose files this one replaces: itself, and `kufe report`, which makes pages of
+    /// its files.
     fn replaced(&self) -> [&str; 2] {
         [self.command, "report"]
     }
 
-    /// Checks that the folder may receive files of these names in place of those of an earlier run;
-    /// returns its record.
+    /// Checks that files of these names may replace those of an earlier run in the folder; returns
+    /// the record of the folder.
     fn check(&self, names: &[String]) -> Result<FolderRecord, Failure> {
         // Listed before the record is read: another process records files before it moves them.
-        let there = names_in(&self.target);
+        let present = names_in(&self.target);
         let found = FolderRecord::read(&self.target);
         let owner = found.as_ref().and_then(|record| record.command.clone());
         let record = found.filter(|_| owner.as_deref() == Some(self.command));
         if record.is_none() && !self.force {
-            let there = there.map_err(|error| Failure::unwritable(&self.named, error))?;
-            self.check_free(owner, &there)?;
+            let present = present.map_err(|error| Failure::unwritable(&self.named, error))?;
+            self.check_free(owner, &present)?;
         }
         let record = record.unwrap_or_else(|| FolderRecord::new(Some(self.command)));
         let commands = self.replaced();
@@ -126,13 +128,13 @@ impl OutputDir {
         Ok(record)
     }
 
-    /// Refuses a folder of the command `owner`, or one of the user's that is not empty.
-    fn check_free(&self, owner: Option<String>, there: &[String]) -> Result<(), Failure> {
+    /// Refuses a folder of another command `owner`, and a folder of the user that is not empty.
+    fn check_free(&self, owner: Option<String>, present: &[String]) -> Result<(), Failure> {
         let reason = if let Some(owner) = owner {
             format!("it contains results of kufe {owner}")
         } else {
             let is_other = |name: &&String| !name.starts_with(TEMPORARY) && *name != RECORD;
-            let Some(name) = there.iter().find(is_other) else {
+            let Some(name) = present.iter().find(is_other) else {
                 return Ok(());
             };
             let command = self.command;
@@ -217,12 +219,12 @@ impl OutputDir {
 
 /// A line with the folder and the files that were written into it.
 pub fn listed(folder: &Path, names: &[String]) -> String {
-    const MOST: usize = 12;
-    let more = match names.len().saturating_sub(MOST) {
+    const MAX_NAMES: usize = 12;
+    let more = match names.len().saturating_sub(MAX_NAMES) {
         0 => String::new(),
         more => format!(" and {more} more files"),
     };
-    let names = names[..names.len().min(MOST)].join(", ");
+    let names = names[..names.len().min(MAX_NAMES)].join(", ");
     format!("{}: {names}{more}\n", folder.display())
 }
 

@@ -1,4 +1,4 @@
-//! Outputs that are complete or absent, and that replace nothing but kufe's own earlier ones.
+//! Outputs that are written completely or not at all, and replace only earlier outputs of kufe.
 
 mod file;
 mod folder;
@@ -14,15 +14,15 @@ pub use file::{OutputFiles, write_file};
 pub use folder::{OutputDir, listed};
 pub use record::{FolderRecord, remove_outputs};
 
-/// How often a folder is made that other processes remove.
-const ATTEMPTS: usize = 20;
+/// Largest number of attempts to create a folder that other processes remove.
+const MAX_ATTEMPTS: usize = 20;
 
-/// The failure that a file causes.
+/// Converts an error of a file.
 pub fn of_file<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> Failure {
     move |error| Failure::in_file(path, error)
 }
 
-/// The names of what is in a folder, in order.
+/// Sorted names of the entries of a folder.
 fn names_in(folder: &Path) -> std::io::Result<Vec<String>> {
     let entries = std::fs::read_dir(folder)?;
     let name =
@@ -34,7 +34,7 @@ fn names_in(folder: &Path) -> std::io::Result<Vec<String>> {
     Ok(names)
 }
 
-/// The files that a command reads that solves a case: the case, and all that it names.
+/// The input files of a command that solves a case: the case, and all files that it names.
 ///
 /// # Errors
 /// As [`LoadedCase::files`].
@@ -45,16 +45,16 @@ pub fn case_inputs(case: Option<&Path>, loaded: &LoadedCase) -> Result<Vec<PathB
     Ok(inputs)
 }
 
-/// A hidden folder for new files in the folder that they are moved to; both are removed on drop,
-/// the latter where it was made for them and is empty.
+/// A hidden folder for new files within their final folder. On drop it is removed, and so is the
+/// final folder if it was created for it and is empty.
 struct Staging {
-    /// Dropped before the folders that it is in.
+    /// Dropped before the folders that contain it.
     hidden: TemporaryFolder,
     made: NewFolders,
 }
 
 impl Staging {
-    /// A hidden folder in `folder`, which is made where it is missing.
+    /// A hidden folder in `folder`, which is created if it is missing.
     fn in_folder(folder: &Path) -> std::io::Result<Staging> {
         let attempt = |_| {
             let missing = |path: &&Path| !path.as_os_str().is_empty() && !path.exists();
@@ -66,12 +66,12 @@ impl Staging {
             Ok(Staging { hidden, made })
         };
         // Other processes that give up may remove the folder meanwhile.
-        let mut failed = (1..ATTEMPTS).map(attempt).skip_while(Result::is_err);
+        let mut failed = (1..MAX_ATTEMPTS).map(attempt).skip_while(Result::is_err);
         failed.next().unwrap_or_else(|| attempt(0))
     }
 }
 
-/// Folders that were made, the innermost first.
+/// Folders that were created, the innermost first.
 #[derive(Clone)]
 struct NewFolders(Vec<PathBuf>);
 
@@ -83,8 +83,8 @@ impl Drop for NewFolders {
     }
 }
 
-/// Lets an interrupt remove hidden folders, and those made for them, and end the process with code
-/// 130.
+/// Installs a handler for interrupts that removes hidden folders and the folders created for them,
+/// and ends the process with code 130.
 fn remove_on_interrupt<'a>(staged: impl IntoIterator<Item = &'a Staging>) {
     let staged = staged.into_iter();
     let staged = staged.map(|one| (one.hidden.path().to_path_buf(), one.made.clone()));

@@ -1,4 +1,4 @@
-//! What commands wrote into a folder, as the folder itself records it.
+//! The record, in an output folder, of the files that commands wrote there.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -16,7 +16,7 @@ pub const RECORD: &str = ".kufe.json";
 /// The index of runs, which names other files of its folder.
 pub const INDEX: &str = "runs.csv";
 
-/// Whether readers of a folder begin with this file.
+/// Whether readers of a folder open this file first.
 fn is_document(name: &str) -> bool {
     name == INDEX || name.ends_with(".json")
 }
@@ -25,8 +25,8 @@ fn is_document(name: &str) -> bool {
 #[derive(Serialize, Deserialize, Clone, Debug)]
 pub struct FolderRecord {
     version: String,
-    /// The command whose output the folder is; none where the folder is the user's, with single
-    /// files of commands in it.
+    /// The command that made the folder; none for a folder of the user into which commands wrote
+    /// single files.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub command: Option<String>,
     files: BTreeMap<String, FileRecord>,
@@ -36,18 +36,18 @@ pub struct FolderRecord {
 #[derive(Serialize, Deserialize, Clone, Debug)]
 pub struct FileRecord {
     command: String,
-    /// SHA-256 of its bytes; that of the earlier file too while this one takes its place.
+    /// SHA-256 of the file; while the file is being replaced, those of the new and the old one.
     sha256: Vec<String>,
 }
 
 impl FileRecord {
-    /// Whether a file is as it was written.
+    /// Whether a file is unchanged since it was written.
     pub fn describes(&self, path: &Path) -> bool {
         hash(path).is_some_and(|found| self.sha256.contains(&found))
     }
 }
 
-/// SHA-256 of a file; `None` for links and what is no file.
+/// SHA-256 of a regular file; `None` for links and anything else.
 fn hash(path: &Path) -> Option<String> {
     let is_file = path.symlink_metadata().is_ok_and(|found| found.is_file());
     let file = is_file.then(|| File::open(path).ok()).flatten()?;
@@ -64,7 +64,7 @@ impl FolderRecord {
         }
     }
 
-    /// The record of `folder`; `None` where kufe did not write that folder.
+    /// The record of `folder`; `None` if there is no valid one.
     pub fn read(folder: &Path) -> Option<FolderRecord> {
         let path = folder.join(RECORD);
         if path.is_symlink() {
@@ -72,7 +72,7 @@ impl FolderRecord {
         }
         let text = kufe_files::text_of_regular(&path, 1 << 24).ok()?;
         let mut record: FolderRecord = serde_json::from_str(&text).ok()?;
-        // A record from elsewhere may name files outside its folder.
+        // A record that kufe did not write may name files outside the folder.
         record.files.retain(|name, _| is_plain(name));
         Some(record)
     }
@@ -80,7 +80,7 @@ impl FolderRecord {
     /// Writes the record into its folder.
     ///
     /// # Errors
-    /// The system's where it cannot be written.
+    /// The error of the operating system if the record cannot be written.
     pub fn write(&self, folder: &Path) -> std::io::Result<()> {
         let file = tempfile::Builder::new()
             .prefix(TEMPORARY)
@@ -90,15 +90,15 @@ impl FolderRecord {
         Ok(())
     }
 
-    /// The files that these commands wrote; others may have added theirs.
+    /// The files that any of these commands wrote.
     pub fn files_of(&self, commands: &[&str]) -> impl Iterator<Item = &String> {
         let files = self.files.iter();
-        let own = files.filter(|(_, file)| commands.contains(&&*file.command));
-        own.map(|(name, _)| name)
+        let files = files.filter(|(_, file)| commands.contains(&&*file.command));
+        files.map(|(name, _)| name)
     }
 
-    /// Why the file `name` of `folder` may be replaced with `--force` alone, where it exists and is
-    /// not what one of `commands` wrote.
+    /// Why the file `name` of `folder` may only be replaced with `--force`; none if it does not
+    /// exist or is unchanged since one of `commands` wrote it.
     pub fn refusal(&self, folder: &Path, name: &str, commands: &[&str]) -> Option<String> {
         let path = folder.join(name);
         path.symlink_metadata().ok()?;
@@ -113,7 +113,7 @@ impl FolderRecord {
         Some(reason + "; --force replaces it")
     }
 
-    /// The command that wrote the file `name` of `folder`, where the file is as it was written.
+    /// The command that wrote the file `name` of `folder`; none if the file has changed since.
     pub fn writer_of(folder: &Path, name: &str) -> Option<String> {
         let record = FolderRecord::read(folder)?;
         let file = record.files.get(name)?;
@@ -121,14 +121,15 @@ impl FolderRecord {
             .then(|| file.command.clone())
     }
 
-    /// Moves the files of `hidden` of these names into `folder`, whose record this is, and removes
-    /// `stale` ones of an earlier run.
+    /// Moves the files `names` from `hidden` into `folder`, to which this record belongs, and
+    /// removes the files `stale` of an earlier run.
     ///
-    /// Documents are removed first and moved last: where a process is killed between two files,
-    /// readers find no result rather than one of two runs. A file alone is replaced in one step.
+    /// Old documents are removed first and new ones moved last. If the process is killed between
+    /// two files, readers therefore find no result, rather than a mixture of two runs. A single
+    /// file is replaced in one step.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] with the path that could not be replaced.
+    /// [`Failure::BadInput`] with the path that cannot be replaced.
     pub fn replace(
         mut self,
         folder: &Path,
@@ -139,7 +140,7 @@ impl FolderRecord {
     ) -> Result<(), Failure> {
         let mut names = names.to_vec();
         names.sort_by_key(|name| (is_document(name), name == INDEX));
-        // Both sets of files are kufe's until the last is moved.
+        // Until the last file is moved, both the old and the new files are in the record.
         for name in &names {
             let before = self.files.remove(name).map(|file| file.sha256);
             let hashes = hash(&hidden.join(name)).into_iter();
@@ -149,7 +150,8 @@ impl FolderRecord {
             };
             self.files.insert(name.clone(), file);
         }
-        // Files in a folder of the user need no record: without one only `--force` replaces them.
+        // In a folder of the user the record may be missing: the files are then replaced only with
+        // `--force`.
         let is_users = self.command.is_none();
         let record = |record: &FolderRecord| match record.write(folder) {
             Err(error) if !is_users => Err(Failure::unwritable(folder, error)),
@@ -157,7 +159,7 @@ impl FolderRecord {
         };
         record(&self)?;
         let are_several = names.len() + stale.len() > 1;
-        // The index first: what it names is always complete.
+        // The index is removed first, so that all files that it names exist.
         let documents = names.iter().rev();
         let documents = documents.filter(|name| are_several && is_document(name));
         for path in documents.chain(stale).map(|name| folder.join(name)) {
@@ -177,8 +179,8 @@ impl FolderRecord {
     }
 }
 
-/// Removes the files that kufe wrote into `folder` and that nobody changed, and then the folder,
-/// if nothing else is in it.
+/// Removes the files that kufe wrote into `folder` and that are unchanged, then the folder if it is
+/// empty.
 pub fn remove_outputs(folder: &Path) {
     let record = FolderRecord::read(folder).filter(|_| !folder.is_symlink());
     let Some(record) = record else {
@@ -193,7 +195,8 @@ pub fn remove_outputs(folder: &Path) {
     let _ = std::fs::remove_dir(folder);
 }
 
-/// A lock on a folder, which other processes of kufe wait for; none where the system has no such.
+/// Locks a folder; other processes of kufe wait for the lock. None if the operating system does not
+/// support it.
 pub fn lock(folder: &Path) -> Option<File> {
     let file = File::open(folder).ok()?;
     file.lock().ok()?;

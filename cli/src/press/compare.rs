@@ -16,8 +16,8 @@ use crate::output::OutputDir;
 use crate::terminal::{Global, warn};
 use crate::text::aligned;
 
-/// Longest result [bytes].
-const LONGEST: u64 = 1 << 25;
+/// Largest size of a result [bytes].
+const MAX_BYTES: u64 = 1 << 25;
 
 /// Arguments of `kufe compare`.
 #[derive(clap::Args, Debug)]
@@ -40,10 +40,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let files = folders.map(|folder| ["result.json", "pressure.exr"].map(|name| folder.join(name)));
     let output = OutputDir::begin("compare", files.as_flattened(), &args.out, global.force)?;
     let [[first, first_map], [second, second_map]] = &files;
-    let first: ContactResult = read_json(first, LONGEST)?;
-    let second: ContactResult = read_json(second, LONGEST)?;
+    let first: ContactResult = read_json(first, MAX_BYTES)?;
+    let second: ContactResult = read_json(second, MAX_BYTES)?;
     let maps = [read_map(first_map)?, read_map(second_map)?];
-    if let Some([x, y]) = apart(maps.each_ref()) {
+    if let Some([x, y]) = distance_apart(maps.each_ref()) {
         warn(&format!(
             "the maps do not overlap: their middles are {} apart along and {} across, and their difference says nothing; \
              give both hulls one origin",
@@ -76,8 +76,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     output.finish("comparison.json", &document, global, || text(&document))
 }
 
-/// How far apart the middles of two maps are along and across [m], where no place is on both.
-fn apart(maps: [&PressureMap; 2]) -> Option<[f64; 2]> {
+/// Distance of the middles of two maps along and across [m]; `None` if the maps overlap.
+fn distance_apart(maps: [&PressureMap; 2]) -> Option<[f64; 2]> {
     let along = maps.map(|map| [map.x0, map.dx * (map.nx - 1) as f64]);
     let across = maps.map(|map| [map.y0, map.dy * (map.ny - 1) as f64]);
     let distance = |[[a, a_length], [b, b_length]]: [[f64; 2]; 2]| {
@@ -88,7 +88,7 @@ fn apart(maps: [&PressureMap; 2]) -> Option<[f64; 2]> {
     (beside_x || beside_y).then_some([x, y])
 }
 
-/// Names of both contacts, and how far their peaks differ.
+/// Names of both contacts, and the difference of their peaks.
 fn title(document: &Comparison) -> String {
     let names = format!("{} and {}", document.first, document.second);
     let peak = PeakPressure::DESCRIPTION;
@@ -101,7 +101,7 @@ fn title(document: &Comparison) -> String {
     format!("{names}: peaks of {first} and {second}, {difference} apart")
 }
 
-/// The folder without a stroke at its end.
+/// The path of a folder without a slash at its end.
 fn name_of(folder: &Path) -> String {
     let name = folder.display().to_string();
     match name.trim_end_matches('/') {

@@ -40,7 +40,7 @@ pub struct Args {
 ///
 /// # Errors
 /// [`Failure::BadInput`] for the case and for an output that cannot be written,
-/// [`Failure::NotConverged`] where the solver does not reach the requested accuracy.
+/// [`Failure::NotConverged`] if the solver does not reach the requested accuracy.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let loaded = match &args.case {
         Some(path) => LoadedCase::read(path)?,

@@ -1,5 +1,5 @@
-//! A series: lists of loads, radii and tilts, each combination solved in a folder of its own, and
-//! one table of all.
+//! A series: lists of loads, radii and tilts; each combination is solved in its own folder, and
+//! listed in one table.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -18,12 +18,12 @@ use crate::press::Args;
 use crate::terminal::Global;
 use crate::text::table_text;
 
-/// Most bytes of a result.json: 3 kB, and the points that its case lists.
-const LONGEST: u64 = 1 << 22;
-/// Largest number of steps, so that a slip of the hand does not fill the disk.
-const MOST: usize = 10_000;
+/// Largest size of a result.json: 3 kB, and the points that its case lists [bytes].
+const MAX_BYTES: u64 = 1 << 22;
+/// Largest number of steps, so that a typing error does not fill the disk.
+const MAX_STEPS: usize = 10_000;
 
-/// What is printed of each step.
+/// The columns that are printed.
 const COLUMNS: [&str; 10] = [
     "folder",
     "rocker_radius_m",
@@ -40,7 +40,7 @@ const COLUMNS: [&str; 10] = [
 /// A series to solve.
 struct Series<'a> {
     args: &'a Args,
-    /// Of the case's files.
+    /// Digest of the case's files: [`LoadedCase::content`].
     content: String,
     /// The case and its files.
     inputs: Vec<PathBuf>,
@@ -49,15 +49,14 @@ struct Series<'a> {
     options: &'a Options,
 }
 
-/// Solves every combination into a folder of its own; results that are in the output folder already
-/// stay.
+/// Solves every combination into its own folder; valid results in the output folder are kept.
 ///
 /// A step that does not reach its accuracy is reported in the table, and the others are solved.
 ///
 /// # Errors
-/// [`Failure::BadInput`] for a combination that is no case, before anything is solved;
-/// [`Failure::Partial`] where steps are missing at the end, after an interrupt or without the
-/// requested accuracy; [`Failure::NotConverged`] where all are.
+/// [`Failure::BadInput`] for an invalid combination, before anything is solved;
+/// [`Failure::Partial`] if some steps are missing, after an interrupt or without the requested
+/// accuracy; [`Failure::NotConverged`] if no step reaches the accuracy.
 pub fn run(
     args: &Args,
     loaded: &LoadedCase,
@@ -65,9 +64,9 @@ pub fn run(
     options: &Options,
 ) -> Result<(), Failure> {
     let count = args.lists.count();
-    if count > MOST {
+    if count > MAX_STEPS {
         return Err(Failure::Usage(format!(
-            "{count} combinations: expected at most {MOST}"
+            "{count} combinations: expected at most {MAX_STEPS}"
         )));
     }
     let steps = Step::of(args.lists.combinations(), loaded, options)?;
@@ -118,8 +117,8 @@ fn remove_other_steps(out: &Path, steps: &[Step]) {
     }
 }
 
-/// How a series ends of whose `steps` so many are `tried` and `done`; `short` is the last reason
-/// for insufficient accuracy.
+/// Outcome of a series of `steps` steps, of which `tried` were attempted and `done` were solved
+/// accurately; `short` is the last reason for insufficient accuracy.
 fn ending(
     [done, tried, steps]: [usize; 3],
     short: Option<&str>,
@@ -135,10 +134,10 @@ fn ending(
     }
 }
 
-/// The progress while the `number`-th of the steps is solved and `remaining` are to be, that one
-/// among them, where those solved took so long each [s].
+/// Progress message while the step `number` is solved. `remaining` steps including this one are not
+/// yet solved; `took` are the times of the solved steps [s].
 fn progress(number: usize, steps: usize, remaining: usize, took: &[f64]) -> String {
-    // A single step does not show how the others differ from it.
+    // A single step gives no range.
     let known = took.iter().copied().filter(|_| took.len() > 1);
     let range = [f64::min, f64::max].map(|pick| known.clone().reduce(pick));
     let range = range.map(|each| each.map_or(f64::NAN, |each| remaining as f64 * each));
@@ -157,21 +156,21 @@ impl Series<'_> {
         OutputDir::prepare("press", &self.inputs, &folder, self.force)
     }
 
-    /// The step's result that is in its folder already, with all requested files.
+    /// The valid result of a step that is in its folder already, with all requested files.
     fn finished(&self, step: &Step) -> Option<ContactResult> {
         let folder = self.args.out.join(&step.folder);
         if self.args.lists.fresh || folder.is_symlink() {
             return None;
         }
-        let result: ContactResult = read_json(&folder.join("result.json"), LONGEST).ok()?;
+        let result: ContactResult = read_json(&folder.join("result.json"), MAX_BYTES).ok()?;
         (step.is_solved_by(&result, &self.content)
             && (!self.args.mat || folder.join("result.mat").is_file())
             && result.subsurface.is_some() == self.args.subsurface)
             .then_some(result)
     }
 
-    /// Solves the steps that have no `finished` result. Of warnings that differ in their numbers alone the
-    /// first is printed.
+    /// Solves the steps without a `finished` result. Of warnings that differ only in their numbers,
+    /// the first is printed.
     fn solve(
         &self,
         steps: &[Step],
@@ -181,9 +180,9 @@ impl Series<'_> {
     ) -> Result<(), Failure> {
         let warned = Mutex::new(BTreeMap::new());
         let warn_once = |text: &str| {
-            let alike: String = text.chars().filter(|c| !c.is_ascii_digit()).collect();
+            let without_digits: String = text.chars().filter(|c| !c.is_ascii_digit()).collect();
             let mut warned = warned.lock().unwrap_or_else(PoisonError::into_inner);
-            let times: &mut usize = warned.entry(alike).or_default();
+            let times: &mut usize = warned.entry(without_digits).or_default();
             *times += 1;
             if *times == 1 {
                 watch.warn(text);
@@ -233,8 +232,8 @@ impl Series<'_> {
     }
 }
 
-/// Writes table.csv, table.json and series.pvd (runner.pvd where runners deform) over the steps
-/// that are solved.
+/// Writes table.csv, table.json and series.pvd (runner.pvd for elastic runners) of the solved
+/// steps.
 fn write_overview(
     output: &OutputDir,
     out: &Path,
@@ -261,7 +260,7 @@ fn write_overview(
 /// Sets one of the keys that a series varies.
 type SetKey = fn(&mut VariedKeys, f64);
 
-/// The lists of a series; every combination is solved, the load running fastest.
+/// The lists of a series; every combination is solved, and the load varies fastest.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct Lists {
     /// Normal force [N], or several as 500,1000,2000: a series in folders of its own, with
@@ -302,7 +301,7 @@ pub struct Lists {
 }
 
 impl Lists {
-    /// The lists with the keys that they set, the one that runs slowest first.
+    /// The lists with the keys that they set, the slowest varying first.
     fn all(&self) -> [(&[f64], SetKey); 5] {
         [
             (&self.rocker_radius_m, |keys, value| {
@@ -322,13 +321,13 @@ impl Lists {
         self.all().iter().any(|(values, _)| !values.is_empty())
     }
 
-    /// How many combinations there are.
+    /// Number of combinations.
     fn count(&self) -> usize {
         let lengths = self.all().map(|(values, _)| values.len().max(1));
         lengths.iter().fold(1, |n: usize, &k| n.saturating_mul(k))
     }
 
-    /// Every combination, the load running fastest.
+    /// All combinations; the load varies fastest.
     fn combinations(&self) -> Vec<VariedKeys> {
         let mut combinations = vec![VariedKeys::default()];
         let lists = self.all().into_iter();
@@ -345,7 +344,7 @@ impl Lists {
         combinations
     }
 
-    /// Times for ParaView: the values themselves where one list rises, else 1, 2, 3 ...
+    /// Times for ParaView: the values of a single increasing list, else 1, 2, 3 ...
     fn times(&self, count: usize) -> Vec<f64> {
         let lists = self.all().into_iter().map(|(list, _)| list);
         let several = lists.filter(|list| list.len() > 1);

@@ -6,12 +6,12 @@ use kufe::jobs::{Failure, SolvedContact};
 use kufe::plot::{Scale, percent, quantity};
 use kufe::results::{ContactResult, Figure, MountResult};
 
-/// The readable summary: the figures of the result, what its files show, and how long that took.
+/// The readable summary: figures of the result and of its files, and times.
 ///
-/// `writing` is how long the files took [s].
+/// `writing` is the time of writing the files [s].
 ///
 /// # Errors
-/// [`Failure::BadInput`] for a result that JSON cannot state.
+/// [`Failure::BadInput`] for a result that cannot be written as JSON.
 pub fn text(
     pressed: &SolvedContact,
     result: &ContactResult,
@@ -54,7 +54,7 @@ pub fn text(
     ))
 }
 
-/// The mesh's peak, and the maps' where their pixels miss it by more than a hundredth.
+/// The peak on the mesh, and the peak of the maps if it differs by more than 1 %.
 fn on_mesh(p_max_mesh: f64, p_max_map: f64) -> Figure {
     let [mesh, map] = [p_max_mesh, p_max_map].map(|pressure| quantity(pressure, "Pa"));
     let note = if (p_max_map / p_max_mesh - 1.0).abs() < 0.01 {
@@ -65,7 +65,7 @@ fn on_mesh(p_max_mesh: f64, p_max_map: f64) -> Figure {
     Figure::new("on this mesh", mesh, note)
 }
 
-/// The largest stress of the field where it is more than the largest pressure.
+/// The largest stress of the field if it exceeds the largest pressure.
 fn in_field(p_max_mesh: f64, stress_max: f64) -> Option<Figure> {
     let more = stress_max / p_max_mesh - 1.0;
     (more > 0.005).then(|| {
@@ -83,7 +83,7 @@ fn mount(mount: &MountResult) -> Figure {
         let largest = values
             .iter()
             .fold(0.0, |most: f64, value| most.max(value.abs()));
-        // A rounding error is 0.
+        // Rounding errors are shown as 0.
         let values = values.map(|value| {
             if value.abs() < 1e-6 * largest {
                 0.0

@@ -1,4 +1,4 @@
-//! `kufe runs align`: runs brought to one distance along their track.
+//! `kufe runs align`: alignment of runs to a common distance along their track.
 
 use std::io::BufWriter;
 use std::path::PathBuf;
@@ -18,13 +18,13 @@ use crate::text::document_text;
 pub struct Args {
     /// Index of the runs
     pub runs: PathBuf,
-    /// Model of the sled and its friction: where its sensors are, and its tolerances
+    /// Model of the sled and its friction, with positions of its sensors and tolerances
     #[arg(long, short, value_name = "MODEL.toml")]
     pub model: PathBuf,
     /// Folder for the runs
     #[arg(long, short, value_name = "FOLDER")]
     pub out: PathBuf,
-    /// Estimate every track from its runs, also where there is a survey
+    /// Estimate every track from its runs, even if a survey exists
     #[arg(long)]
     pub estimate: bool,
     /// Refuse runs with missing files, values or rows, uneven times or standstill, instead of

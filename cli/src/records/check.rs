@@ -1,5 +1,4 @@
-//! `kufe runs check`: what is provably wrong in recorded runs, what is odd, and what to do about
-//! it.
+//! `kufe runs check`: faults and anomalies of recorded runs, with remedies.
 
 use std::path::PathBuf;
 
@@ -59,18 +58,18 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     Err(Failure::in_file(&args.runs, reason))
 }
 
-/// Every finding once with its runs, without what is odd and hardly matters.
+/// Every finding once with its runs; findings of small weight are omitted.
 fn summary(runs: &[Examination]) -> String {
-    const MOST_NAMES: usize = 6;
-    const LEAST_WEIGHT: f64 = 0.05;
+    const MAX_NAMES: usize = 6;
+    const MIN_WEIGHT: f64 = 0.05;
     let mut text = String::new();
     for finding in run_findings(runs) {
-        if finding.weight < LEAST_WEIGHT {
+        if finding.weight < MIN_WEIGHT {
             continue;
         }
         let names = finding.runs.iter().map(|k| runs[*k].run.as_str());
-        let shown = names.take(MOST_NAMES).collect::<Vec<_>>().join(", ");
-        let more = match finding.runs.len().saturating_sub(MOST_NAMES) {
+        let shown = names.take(MAX_NAMES).collect::<Vec<_>>().join(", ");
+        let more = match finding.runs.len().saturating_sub(MAX_NAMES) {
             0 => String::new(),
             more => format!(" and {more} more"),
         };

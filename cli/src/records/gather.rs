@@ -20,7 +20,7 @@ pub struct Args {
     /// Folders, indices and files of runs
     #[arg(required = true, value_name = "FOLDER")]
     pub from: Vec<PathBuf>,
-    /// The index of them all, a file that is not there yet
+    /// The index to write, a new file
     #[arg(long, short, value_name = "CSV")]
     pub out: PathBuf,
     /// Copy the runs into the index's folder
@@ -59,8 +59,8 @@ struct WrittenIndex<'a> {
 /// requested.
 ///
 /// # Errors
-/// [`Failure::BadInput`] with file and place; for runs of one name in folders of one name, and
-/// tables of one track that differ.
+/// [`Failure::BadInput`] with file and place; for runs of equal names in folders of equal names,
+/// and for differing tables of one track.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if args.out.file_name().is_none() {
         let text = format!("-o {}: expected a file", args.out.display());
@@ -105,8 +105,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     report(args, global, &gathered)
 }
 
-/// Refuses to copy files that are no runs, and files that a link reaches outside of their folder of
-/// `from`.
+/// Refuses to copy files that are not runs, and links out of their folder of `from`.
 fn check_copied<'a>(entry: &'a Entry, from: &'a [PathBuf]) -> Result<(), Failure> {
     let refuse = |reason: &str| {
         let reason = format!("not copied: {reason}; expected a file of a run");
@@ -156,14 +155,15 @@ fn copied_as(entry: &Entry) -> String {
 fn report(args: &Args, global: &Global, gathered: &Gathered) -> Result<(), Failure> {
     let entries = &gathered.entries;
     let count = entries.len();
-    let stated = |name: &str, of: fn(&Entry) -> &str| -> BTreeSet<&str> {
-        let without = entries.iter().filter(|entry| of(entry) == UNNAMED).count();
+    let stated = |name: &str, field: fn(&Entry) -> &str| -> BTreeSet<&str> {
+        let without = entries.iter().filter(|entry| field(entry) == UNNAMED);
+        let without = without.count();
         if without > 0 && !global.quiet {
             warn(&format!(
                 "{without} of {count} runs state no {name}: --{name} NAME does for them"
             ));
         }
-        let names = entries.iter().map(of);
+        let names = entries.iter().map(field);
         names.filter(|name| *name != UNNAMED).collect()
     };
     let written = WrittenIndex {

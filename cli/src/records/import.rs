@@ -1,4 +1,4 @@
-//! `kufe runs import`: recordings of other programs brought into kufe's form.
+//! `kufe runs import`: import of recordings of other programs.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ use crate::terminal::{Global, note};
 pub struct Args {
     /// The mapping: the files of the runs, and the names of their channels
     pub mapping: PathBuf,
-    /// Folder for runs.csv and one file a run
+    /// Folder for runs.csv and one file per run
     #[arg(long, short, value_name = "FOLDER")]
     pub out: PathBuf,
     /// Refuse runs with missing files, values or rows, uneven times or standstill, instead of
@@ -41,10 +41,10 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     imported.shortfall().map_or(Ok(()), Err)
 }
 
-/// Most notes and clocks that are listed; the files of the runs have them all.
-const LISTED: usize = 12;
+/// Largest number of notes and clocks that are printed; the files of the runs have all.
+const MAX_LISTED: usize = 12;
 
-/// Remarks on the runs, each once, unless the command is quiet, and the runs that are excluded.
+/// Remarks on the runs, each once, unless the command is quiet, and the excluded runs.
 fn notices(ImportedRuns { list, notes }: &ImportedRuns, global: &Global) -> Vec<String> {
     let mut remarks: Vec<(&str, usize)> = Vec::new();
     for remark in notes.iter().flat_map(|note| &note.remarks) {
@@ -55,12 +55,12 @@ fn notices(ImportedRuns { list, notes }: &ImportedRuns, global: &Global) -> Vec<
     }
     let mut notices: Vec<String> = Vec::new();
     if !global.quiet {
-        let listed = remarks.iter().take(LISTED);
+        let listed = remarks.iter().take(MAX_LISTED);
         notices.extend(listed.map(|(remark, count)| match count {
             1 => format!("note: {remark}"),
             count => format!("note: {remark} (in {count} runs)"),
         }));
-        if let more @ 1.. = remarks.len().saturating_sub(LISTED) {
+        if let more @ 1.. = remarks.len().saturating_sub(MAX_LISTED) {
             notices.push(format!("note: {more} more notes are in RUN.import.json"));
         }
     }
@@ -91,15 +91,15 @@ fn text(ImportedRuns { list, notes }: &ImportedRuns) -> String {
     }
     let loggers = notes.iter().flat_map(|note| &note.loggers);
     let found: Vec<_> = loggers.filter(|(_, l)| l.clock.source == "found").collect();
-    for (name, logger) in found.iter().take(LISTED) {
+    for (name, logger) in found.iter().take(MAX_LISTED) {
         let (file, delay) = (&logger.file, logger.clock.delay_s);
         let sd = logger.clock.delay_sd_s.unwrap_or(0.0);
         text += &format!(
             "{file}: the clock of {name} is {delay:+.4} s late, within {sd:.4} s, the lag of its sensors included\n"
         );
     }
-    if found.len() > LISTED {
-        let more = found.len() - LISTED;
+    if found.len() > MAX_LISTED {
+        let more = found.len() - MAX_LISTED;
         text += &format!("{more} more clocks are in RUN.import.json\n");
     }
     text

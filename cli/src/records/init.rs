@@ -14,7 +14,7 @@ use crate::terminal::Global;
 /// Arguments of `kufe runs init`.
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Files of one run, one a logger
+    /// Files of one run, one per logger
     #[arg(required = true)]
     pub samples: Vec<PathBuf>,
     /// The mapping to write
@@ -38,10 +38,10 @@ struct WrittenMapping<'a> {
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let path = args.out.display();
     let mut logs = Vec::new();
-    let most = MOST_NUMBERS / args.samples.len() as u64;
+    let max_numbers = MOST_NUMBERS / args.samples.len() as u64;
     for sample in &args.samples {
-        let log =
-            read_log(sample, TextOptions::default(), None, most).map_err(Failure::bad_input)?;
+        let log = read_log(sample, TextOptions::default(), None, max_numbers);
+        let log = log.map_err(Failure::bad_input)?;
         logs.push((from_mapping(sample, &args.out)?, log));
     }
     let text = guess_mapping(&logs);
@@ -60,8 +60,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     })
 }
 
-/// A sample's path as the mapping names it: as it is given where both are in one folder, else from
-/// the root.
+/// A sample's path in the mapping: relative if the sample is below the mapping's folder, else
+/// absolute.
 fn from_mapping(sample: &Path, mapping: &Path) -> Result<PathBuf, Failure> {
     let folder = mapping.parent().unwrap_or(Path::new(""));
     if folder.as_os_str().is_empty() || sample.is_absolute() {

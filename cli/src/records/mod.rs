@@ -1,4 +1,4 @@
-//! `kufe runs`: recordings become runs, and runs are gathered, examined and aligned.
+//! `kufe runs`: import of recordings; gathering, checks, alignment and display of runs.
 
 mod align;
 mod check;
@@ -22,13 +22,13 @@ pub struct Args {
 enum Command {
     /// Write a commented mapping, guessed from samples of the files
     Init(init::Args),
-    /// Bring recordings of other programs into kufe's form
+    /// Import recordings of other programs as runs
     Import(import::Args),
-    /// Bring the runs of several folders into one index
+    /// Collect the runs of several folders in one index
     Gather(gather::Args),
-    /// Examine runs: what is wrong, what is odd, and what mends it
+    /// Check runs for faults and anomalies, with remedies
     Check(check::Args),
-    /// Bring runs to one distance along their track, or estimate the track from them
+    /// Align runs to a common distance along their track, or estimate the track from them
     Align(align::Args),
     /// Show runs over distance and time on one page, overlaid, with the model's curves
     View(view::Args),

@@ -23,7 +23,7 @@ pub struct Args {
     /// Only these runs (several with commas)
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub run: Vec<String>,
-    /// Where the page goes
+    /// The page to write
     #[arg(long, short, value_name = "HTML", default_value = "view.html")]
     pub out: PathBuf,
 }

@@ -1,4 +1,4 @@
-//! `kufe discover`: effects that are missing in the model, by data.
+//! `kufe discover`: search for effects that are missing in a model.
 
 use std::path::{Path, PathBuf};
 
@@ -34,8 +34,8 @@ pub struct Args {
     /// (at least 10)
     #[arg(long, default_value_t = 40)]
     twins: u64,
-    /// Effects to search for and no others, with commas between them; `unknown` is every effect
-    /// outside the catalogue
+    /// Search only for these effects (several with commas); `unknown` is every effect outside the
+    /// catalogue
     #[arg(long, value_name = "EFFECTS", value_delimiter = ',')]
     only: Vec<String>,
     /// Fit the base and screen the effects once, without a model to write
@@ -48,7 +48,7 @@ pub struct Args {
     /// Write view.html too, the page of kufe runs view with the runs: report.html links into it
     #[arg(long)]
     view: bool,
-    /// Rules of judgement that differ from the usual ones
+    /// File with thresholds of the search that differ from the defaults
     #[arg(long, value_name = "TOML")]
     rules: Option<PathBuf>,
 }

@@ -19,7 +19,7 @@ use crate::text::aligned;
 pub struct Args {
     #[command(flatten)]
     runs: RunArgs,
-    /// Run whose forces are drawn (default: the first)
+    /// Run whose forces are drawn (default: first run)
     #[arg(long, value_name = "NAME")]
     run: Option<String>,
     /// Seed of the random choices behind the intervals
@@ -89,13 +89,13 @@ fn draw(
     output.picture(&forces, &force_picture(drawn))
 }
 
-/// Where each driver loses most, by the time that it costs.
+/// The stretches on which each driver loses most time.
 fn places(drivers: &[DriverLosses]) -> String {
-    const MOST: usize = 3;
+    const MAX_STRETCHES: usize = 3;
     let row = |one: &DriverLosses| {
         let mut worst: Vec<_> = one.stretches.iter().collect();
         worst.sort_by(|a, b| b.lost_s.total_cmp(&a.lost_s));
-        let worst = worst.iter().take(MOST);
+        let worst = worst.iter().take(MAX_STRETCHES);
         let worst =
             worst.map(|at| format!("{:.3} s at {:.0} to {:.0} m", at.lost_s, at.from_m, at.to_m));
         let worst = worst.collect::<Vec<_>>().join(", ");

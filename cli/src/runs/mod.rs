@@ -1,4 +1,4 @@
-//! Recorded runs: simulated, fitted, compared with the model, and searched for missing effects.
+//! Commands on runs: simulation, fits, comparison with a model, and the search for missing effects.
 
 pub mod discover;
 pub mod evaluate;
@@ -46,20 +46,20 @@ pub struct RunArgs {
     /// excluding them
     #[arg(long)]
     pub strict: bool,
-    /// Frequency above which channels are smoothed, without delay [Hz]
+    /// Cutoff frequency of the zero-phase low-pass filter of the channels [Hz]
     #[arg(long, value_name = "HZ", default_value_t = 20.0)]
     pub cutoff_hz: f64,
 }
 
 impl RunArgs {
-    /// The files that are read: the model, the index and what it names.
+    /// The input files: the model, the index, and the files that the index names.
     pub fn inputs(&self) -> Vec<PathBuf> {
         let mut inputs = run_inputs(&self.runs);
         inputs.push(self.model.clone());
         inputs
     }
 
-    /// The runs that the options select, and what they are used with.
+    /// The selection of runs by the options, with model and filter.
     pub fn selection(&self) -> RunSelection {
         RunSelection {
             runs: self.runs.clone(),
@@ -96,7 +96,7 @@ pub fn write_mat(
     })
 }
 
-/// Draws the tables of the model with the samples of the runs on them.
+/// Draws the tables of the model with the samples of the runs.
 ///
 /// # Errors
 /// [`Failure::BadInput`] for a table that cannot be read, or a picture that cannot be written.
@@ -119,18 +119,18 @@ pub fn draw_tables(
     Ok(())
 }
 
-/// All runs of an index without a model, in a page of the usual size.
+/// Options that show all runs of an index without a model, with the default size of the page.
 pub fn all_runs(runs: PathBuf) -> ViewOptions {
     ViewOptions {
         runs,
         model: None,
         track: None,
         only: Vec::new(),
-        most_values: RunsPage::MOST_VALUES,
+        max_values: RunsPage::MAX_VALUES,
     }
 }
 
-/// The page; runs that it does not show are warned of.
+/// The page of runs; warns of runs that it does not show.
 pub fn viewer_page(viewed: ViewedRuns) -> String {
     for [run, reason] in &viewed.left_out {
         warn(&format!("run {run} is not shown: {reason}"));
@@ -139,11 +139,12 @@ pub fn viewer_page(viewed: ViewedRuns) -> String {
     page(Kind::Runs, &title, &RunsPage::new(viewed))
 }
 
-/// Writes the page, where it is requested, into the folder of another command, whose page links to
-/// it; its address from there. A failure is a warning: the results of the command are more than the view of its runs.
+/// Writes the page of runs, if requested, into the output folder of another command, whose page
+/// links to it. Returns its address relative to the folder. A failure to read the runs is only a
+/// warning, since the results of the command do not depend on the page.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where the file cannot be written.
+/// [`Failure::BadInput`] if the file cannot be written.
 pub fn write_view(
     output: &OutputDir,
     options: Option<ViewOptions>,

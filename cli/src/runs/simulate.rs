@@ -1,4 +1,4 @@
-//! `kufe simulate`: a sled driven down a track, recorded like a measured run.
+//! `kufe simulate`: simulated runs, recorded like measured ones, and replays of measured runs.
 
 use std::path::{Path, PathBuf};
 
@@ -21,8 +21,8 @@ use crate::runs::{all_runs, draw_tables, run_format, write_mat, write_view};
 use crate::terminal::{Global, warn, warn_if_cut};
 use crate::text::{document_text, table_text};
 
-/// Runs that are listed; the document has them all.
-const LISTED: usize = 20;
+/// Largest number of runs that are printed; the document has all.
+const MAX_LISTED: usize = 20;
 
 /// Arguments of `kufe simulate`.
 #[derive(clap::Args, Debug)]
@@ -43,7 +43,7 @@ pub struct Args {
     /// with --run
     #[arg(long, value_name = "RUN", conflicts_with_all = ["sample_data", "runs", "skill", "driver", "seed", "start_speed_mps", "no_noise"])]
     pub replay: Option<PathBuf>,
-    /// Which run of the runs.csv
+    /// Name of the run in runs.csv
     #[arg(long, value_name = "NAME", requires = "replay")]
     pub run: Option<String>,
     /// Write view.html too, the page of kufe runs view with this run: the page of kufe report links
@@ -87,7 +87,7 @@ pub struct Args {
     /// Write Parquet instead of CSV
     #[arg(long)]
     pub parquet: bool,
-    /// Ice temperature [degrees Celsius], where the track states no ice_c
+    /// Ice temperature [degrees Celsius], if the track states no ice_c
     #[arg(long, value_name = "CELSIUS", default_value_t = -8.0, allow_negative_numbers = true)]
     pub ice_c: f64,
     /// Air temperature [degrees Celsius]
@@ -104,8 +104,8 @@ pub struct Args {
     /// Relative humidity [%], for effects that need it; else from the model's [conditions]
     #[arg(long, value_name = "PCT")]
     pub humidity_pct: Option<f64>,
-    /// Distance run on this finish of the runners before the run [m], for effects that need it;
-    /// else from the model's [conditions]
+    /// Distance run with the present surface finish of the runners before the run [m], for effects
+    /// that need it; else from the model's [conditions]
     #[arg(long, value_name = "METRES")]
     pub distance_m: Option<f64>,
     /// Name of the session in runs.csv
@@ -114,7 +114,7 @@ pub struct Args {
 }
 
 impl Args {
-    /// Step, rate, longest time and first speed.
+    /// Step, rate, largest time and start speed.
     ///
     /// # Errors
     /// [`Failure::Usage`] for a value out of range.
@@ -135,7 +135,7 @@ impl Args {
         }
     }
 
-    /// Ice and air as the options state them.
+    /// Conditions of ice and air from the options.
     ///
     /// # Errors
     /// [`Failure::Usage`] for a value out of range.
@@ -193,7 +193,7 @@ fn drive(args: &Args, model: &Path, track: &Path, global: &Global) -> Result<(),
     if args.mat {
         write_mat(&output, "simulation.mat", &document, channel_series(&runs))?;
     }
-    // The first run is drawn where it is long enough to be prepared.
+    // The first run is drawn if it is long enough to be prepared.
     let noise = model.noise.as_ref();
     if let Ok(prepared) = prepare(&runs[0], &vehicle, noise, &PrepareOptions::default()) {
         output.picture("overview.png", &run_picture(&prepared))?;
@@ -205,7 +205,7 @@ fn drive(args: &Args, model: &Path, track: &Path, global: &Global) -> Result<(),
             "run {run} is not at the finish after {most} s (--most-s)"
         ));
     }
-    let listed = &document.runs[..document.runs.len().min(LISTED)];
+    let listed = &document.runs[..document.runs.len().min(MAX_LISTED)];
     let text = table_text(
         &listed,
         &["run", "time_s", "finished", "energy_balance_relative_error"],
@@ -213,7 +213,7 @@ fn drive(args: &Args, model: &Path, track: &Path, global: &Global) -> Result<(),
     output.finish("simulation.json", &document, global, || text)
 }
 
-/// Drives the measured run of `file` again by the model and writes it with the measurement.
+/// Replays the measured run of `file` and writes the result with the measurement.
 fn replay(
     args: &Args,
     model: &Path,
@@ -282,7 +282,7 @@ fn sample(
     })
 }
 
-/// The run's row: of the index where one is named by `--run`, else made of the options.
+/// The row of the run: that of the index which `--run` names, otherwise one made from the options.
 fn entry(args: &Args, file: &Path, track: &Track) -> Result<Entry, Failure> {
     let Some(name) = &args.run else {
         let stem = file.file_stem().unwrap_or_default();
@@ -300,7 +300,7 @@ fn entry(args: &Args, file: &Path, track: &Track) -> Result<Entry, Failure> {
     entry_on_track(file, name, track)
 }
 
-/// The differences by column, and the stretches where run and model part.
+/// The differences by column, and the stretches where the run and the model diverge.
 fn summary(done: &Replay) -> Result<String, Failure> {
     let (run, track, from, to) = (&done.run, &done.track, done.from_m.round() + 0.0, done.to_m);
     let (differences, sections) = (&done.differences, &done.sections);

@@ -1,4 +1,4 @@
-//! `kufe validate`: the friction model against runs that it was not fitted to.
+//! `kufe validate`: compares the friction model with runs to which it was not fitted.
 
 use std::path::{Path, PathBuf};
 
@@ -30,10 +30,10 @@ pub struct Args {
     mat: bool,
 }
 
-/// Compares and writes.
+/// Compares the model with the runs and writes the results.
 ///
 /// # Errors
-/// [`Failure::BadInput`] with file and place.
+/// [`Failure::BadInput`] with the file and the place in it.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let mut inputs = args.runs.inputs();
     inputs.extend(args.fit.clone());
@@ -44,8 +44,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let (runs, tracks) = (&document.runs, &document.tracks);
     let mut drawn: Vec<&RunValidation> = Vec::new();
     for track in tracks {
-        let own = runs.iter().filter(|run| run.track == track.track);
-        drawn.extend(own.max_by(|a, b| a.rmse_n.total_cmp(&b.rmse_n)));
+        let on_track = runs.iter().filter(|run| run.track == track.track);
+        drawn.extend(on_track.max_by(|a, b| a.rmse_n.total_cmp(&b.rmse_n)));
     }
     for name in &args.run {
         let run = named_run(runs, name, |run| &run.run)?;

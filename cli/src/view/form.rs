@@ -1,4 +1,4 @@
-//! The page's form, and the case that it states.
+//! The form of the page, and its conversion to and from a case.
 
 use std::collections::BTreeMap;
 use std::mem::swap;
@@ -7,7 +7,7 @@ use kufe::case::{Case, Hardness, Shape, TiltWord};
 use kufe_mesh::{BobRunner, LugeSteel};
 use serde::{Deserialize, Serialize};
 
-/// A slider: its name, its ends, and its value in a form.
+/// A slider: name, range, and value in a form.
 type Slider = (&'static str, [f64; 2], fn(&Form) -> f64);
 
 const SLIDERS: [Slider; 8] = [
@@ -22,10 +22,10 @@ const SLIDERS: [Slider; 8] = [
     ("offset_x_m", [-0.4, 0.4], |form| form.offset_x_m),
     ("hardness_pa", [5e6, ELASTIC_PA], |form| form.hardness_pa),
 ];
-/// End of the slider of the hardness [Pa], where no hardness is stated.
+/// Upper end of the slider of the hardness [Pa], which means elastic ice.
 const ELASTIC_PA: f64 = 1e9;
 
-/// Which runner the form shapes.
+/// Kind of runner that the form defines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Runner {
@@ -33,7 +33,7 @@ pub enum Runner {
     Bob,
     /// A luge steel.
     Luge,
-    /// The case's own, whatever it is.
+    /// The runner of the case, of any kind.
     None,
 }
 
@@ -41,7 +41,7 @@ pub enum Runner {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Form {
-    /// Which runner.
+    /// Kind of runner.
     pub shape: Runner,
     /// Radius of the rocker [m].
     pub rocker_radius_m: f64,
@@ -57,12 +57,12 @@ pub struct Form {
     pub curvature_1pm: f64,
     /// Line of action of the load along the runner [m].
     pub offset_x_m: f64,
-    /// Hardness of the ice [Pa]; at its largest nothing is stated.
+    /// Hardness of the ice [Pa]; at the upper end of the slider the ice is elastic.
     pub hardness_pa: f64,
 }
 
 impl Form {
-    /// The form that shows a case.
+    /// The form with the values of a case.
     pub fn of(case: &Case) -> Form {
         let (bob, luge) = (BobRunner::default(), LugeSteel::default());
         let is_luge = matches!(case.runner.shape, Some(Shape::Luge { .. }));
@@ -109,13 +109,13 @@ impl Form {
         }
     }
 
-    /// The sliders' ends by name.
+    /// Ranges of the sliders by name.
     pub fn ranges() -> BTreeMap<&'static str, [f64; 2]> {
         let sliders = SLIDERS.into_iter();
         sliders.map(|(name, ends, _)| (name, ends)).collect()
     }
 
-    /// The case that the form states: `base` with the form's runner, track and load.
+    /// The case of the form: `base` with the form's runner, track and load.
     ///
     /// # Errors
     /// A sentence where a number is outside its slider.
@@ -131,7 +131,7 @@ impl Form {
         case.track.radius_m = None;
         case.track.curvature_1pm = Some(self.curvature_1pm);
         case.load.offset_x_m = self.offset_x_m;
-        // The end of a slider, but for rounding.
+        // The upper end of the slider, up to rounding.
         let bounded = self.hardness_pa < 0.999 * ELASTIC_PA;
         case.ice.hardness_pa = match base.ice.hardness_pa {
             _ if bounded => Some(Hardness::Stated(self.hardness_pa)),
@@ -169,7 +169,7 @@ impl Form {
         };
         self.clone().exchange(self.shape, &mut shape);
         if let Shape::Bob { width_m, .. } = &mut shape {
-            // A section no wider than its diameter keeps the blade's sides less than upright.
+            // The width is at most the diameter of the section, so that its sides are not vertical.
             *width_m = width_m.min(2.0 * self.section_radius_m);
         }
         case.runner.shape = Some(shape);

@@ -1,4 +1,4 @@
-//! `kufe view`: the page of a contact with a form that solves again, served to this machine alone.
+//! `kufe view`: the page of a contact with a form that solves again, served only to this machine.
 
 mod form;
 mod turn;
@@ -50,7 +50,7 @@ struct Listening {
 /// Serves the page until it is interrupted.
 ///
 /// # Errors
-/// [`Failure::BadInput`] for the case and a port that is taken, [`Failure::NotConverged`] where the
+/// [`Failure::BadInput`] for the case and a port that is taken, [`Failure::NotConverged`] if the
 /// first solve stops short.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let base = match &args.case {
@@ -89,12 +89,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Points along and across of the map that a page is sent.
+/// Number of points along and across of the map that is sent to the page.
 const POINTS: [usize; 2] = [240, 150];
-/// Largest mesh: a larger one takes longer than a user waits for a slider.
-const MOST_DOFS: usize = 1_500_000;
-/// Longest body of a request [bytes].
-const LONGEST_BODY: usize = 4 << 10;
+/// Largest number of unknowns: a larger mesh takes longer than a user waits for a slider.
+const MAX_DOFS: usize = 1_500_000;
+/// Largest body of a request [bytes].
+const MAX_BODY_BYTES: usize = 4 << 10;
 /// Headers of every answer in addition to its type and the page's content security policy.
 const HEADERS: [(&str, &str); 6] = [
     ("Cache-Control", "no-store"),
@@ -105,10 +105,10 @@ const HEADERS: [(&str, &str); 6] = [
     ("Referrer-Policy", "no-referrer"),
 ];
 
-/// An HTTP status that is no success, and the reason.
+/// HTTP status of an error, and the reason.
 type Refusal = (u16, String);
 
-/// What all requests share.
+/// Data shared by all requests.
 struct Server {
     /// The case to begin with.
     base: LoadedCase,
@@ -145,7 +145,7 @@ impl Connections {
             std::thread::sleep(Duration::from_millis(25));
             connection
         };
-        // Its threads must wait by then.
+        // The first threads of the server must be waiting before the connections.
         std::thread::sleep(Duration::from_millis(25));
         let _idle = (0..FIRST_THREADS).filter_map(connection).collect();
         Ok(Self { http, _idle })
@@ -156,8 +156,8 @@ impl Connections {
 fn serve(connections: &Connections, server: &Server) {
     std::thread::scope(|scope| {
         for request in connections.http.incoming_requests() {
-            // A reader that has gone away needs no answer. Where no thread can be started, tiny_http
-            // answers with an error.
+            // A failed answer is ignored: the reader has gone away. If no thread can be started,
+            // tiny_http answers with an error.
             let answer = || respond(server, request).ok();
             let _ = std::thread::Builder::new().spawn_scoped(scope, answer);
         }
@@ -176,7 +176,7 @@ fn respond(server: &Server, mut request: Request) -> std::io::Result<()> {
     let own = [("Content-Type", kind), ("Content-Security-Policy", &policy)];
     let headers = own.into_iter().chain(HEADERS);
     let headers = headers.filter_map(|(name, value)| Header::from_bytes(name, value).ok());
-    // Every length is known: no answer is sent in chunks.
+    // All lengths are known: chunked encoding is disabled.
     let plain = Response::from_data(body)
         .with_status_code(status)
         .with_chunked_threshold(usize::MAX);
@@ -186,7 +186,7 @@ fn respond(server: &Server, mut request: Request) -> std::io::Result<()> {
 /// The media type and the body of the answer.
 fn answer(server: &Server, request: &mut Request) -> Result<(&'static str, String), Refusal> {
     let method = request.method().to_string();
-    // The only header of a name.
+    // The value of a header; `None` if it occurs more than once.
     let header = |name: &str| {
         let mut found = request.headers().iter();
         let mut found = found
@@ -208,9 +208,9 @@ fn answer(server: &Server, request: &mut Request) -> Result<(&'static str, Strin
 fn body(request: &mut Request) -> Result<Vec<u8>, Refusal> {
     match request.body_length() {
         None => Err((411, "expected a content-length".into())),
-        Some(length) if length > LONGEST_BODY => Err((
+        Some(length) if length > MAX_BODY_BYTES => Err((
             413,
-            format!("expected a body of at most {LONGEST_BODY} bytes"),
+            format!("expected a body of at most {MAX_BODY_BYTES} bytes"),
         )),
         Some(length) => {
             let mut body = vec![0; length];
@@ -221,13 +221,13 @@ fn body(request: &mut Request) -> Result<Vec<u8>, Refusal> {
     }
 }
 
-/// Why there is no contact.
+/// The error of a failed solve.
 #[derive(Serialize)]
 struct Refused {
     error: String,
 }
 
-/// A contact for the page, with its case as a file would state it.
+/// A contact for the page, with its case as TOML.
 #[derive(Serialize)]
 struct Solved {
     /// The contact.
@@ -237,11 +237,11 @@ struct Solved {
     case_text: String,
 }
 
-/// Refuses requests that a page of another site, or another name for this machine, could send.
+/// Refuses requests that pages of other sites, or other names for this machine, could send.
 ///
-/// The host must be this machine's own name with the server's port, so that a name that is made to
-/// point here (DNS rebinding) gets no answer. A solve must be requested by a page of the same
-/// origin and as JSON, which no foreign form can send.
+/// The host must be a name of this machine with the server's port, which prevents DNS rebinding. A
+/// solve must be requested by a page of the same origin and as JSON, which no foreign form can
+/// send.
 fn check_origin<'a>(
     method: &str,
     port: u16,
@@ -255,7 +255,7 @@ fn check_origin<'a>(
     }
     let site = header("sec-fetch-site");
     if method == "GET" {
-        // A link of another site may lead here; its scripts may not read the answer.
+        // Links from other sites are allowed; their scripts cannot read the answer.
         let navigates = header("sec-fetch-mode") == Some("navigate");
         return match site {
             Some("cross-site" | "same-site") if !navigates => {
@@ -292,12 +292,12 @@ fn solve_again(server: &Server, body: &[u8]) -> Result<String, Refusal> {
     }
 }
 
-/// The data of a case's page, with the case as a file would state it.
+/// Solves a case; returns the data of its page, with the case as TOML.
 fn solved(loaded: LoadedCase, stop: &Arc<AtomicBool>) -> Result<Solved, Failure> {
     let name = loaded.name.clone();
     let options = Options {
         stop: Some(stop.clone()),
-        max_dofs: MOST_DOFS,
+        max_dofs: MAX_DOFS,
         ..Options::default()
     };
     let pressed = Contact::from(loaded).options(options).solve()?;

@@ -1,11 +1,9 @@
-//! One solve at a time, the newest question first.
+//! Serialisation of solves: one at a time, and the newest request cancels the others.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Whose turn it is.
-///
-/// A question that arrives stops the one in work and overtakes those that wait.
+/// Lock for requests: a new request stops the running one and overtakes waiting ones.
 #[derive(Default)]
 pub struct Turn {
     newest: Mutex<Arc<AtomicBool>>,
@@ -13,9 +11,9 @@ pub struct Turn {
 }
 
 impl Turn {
-    /// Does `work` once nobody else works; `None` where a newer question came first.
+    /// Runs `work` when no other request is running; `None` if a newer request arrived.
     ///
-    /// `work` is given the flag that a newer question raises.
+    /// The argument of `work` is the flag that a newer request sets.
     pub fn take<T>(&self, work: impl FnOnce(&Arc<AtomicBool>) -> T) -> Option<T> {
         let mine = Arc::new(AtomicBool::new(false));
         let before = std::mem::replace(&mut *lock(&self.newest), mine.clone());
@@ -29,7 +27,7 @@ impl Turn {
     }
 }
 
-/// A panic of someone before leaves nothing half done here.
+/// Locks a mutex. A panic of another holder does not leave the data inconsistent.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -92,7 +92,7 @@ impl Case {
     /// The case as TOML, which [`Case::parse`] reads back.
     ///
     /// # Errors
-    /// [`CaseError::Unwritable`] where the hull's path is not valid Unicode.
+    /// [`CaseError::Unwritable`] if the hull's path is not valid Unicode.
     pub fn to_toml(&self) -> Result<String, CaseError> {
         toml::to_string(self).map_err(|error| CaseError::Unwritable {
             reason: error.to_string(),

@@ -4,22 +4,22 @@ use kufe_sled::{Angles, DrivingForce, RunEvaluation, RunValidation, by_track, di
 
 use crate::plot::{Axis, Figure, Layer, PALETTE, Panel, Point, extent};
 
-/// Fewest values of which quartiles are drawn; fewer are drawn as points alone.
-const FEWEST: usize = 5;
-/// Most values that are drawn as points with their quartiles.
-const MOST: usize = 100;
+/// Smallest number of values with quartiles; fewer values are drawn as points only.
+const MIN_QUARTILES: usize = 5;
+/// Largest number of values that are drawn as points beside their quartiles.
+const MAX_POINTS: usize = 100;
 
-/// What boxes, whiskers and dots are.
+/// Meaning of boxes, whiskers and dots.
 const MEANING: &str = "boxes: quartiles, whiskers: 5 to 95 %, dots: runs";
 
-/// A named distribution and its place in the palette.
+/// A named distribution and the index of its colour.
 struct Category {
     name: String,
     colour: usize,
     values: Vec<f64>,
 }
 
-/// A panel of boxes over categories; a note where there is no value but zero.
+/// A panel of boxes by category, or a note if all values are 0.
 fn boxes(title: impl Into<String>, unit: &str, categories: &[Category]) -> Panel {
     if !has_values(categories) {
         let note = Layer::text((0.5, 0.5), "0 in every run", [0.0; 2], PALETTE[6]);
@@ -42,13 +42,13 @@ fn has_values(categories: &[Category]) -> bool {
     values.any(|value| *value != 0.0)
 }
 
-/// Quartiles as a box, 5 to 95 % as whiskers, and the values as points where they are few.
+/// Quartiles as a box, 5 to 95 % as whiskers, and up to [`MAX_POINTS`] values as points.
 fn one_box(middle: f64, category: &Category) -> Vec<Layer> {
     let colour = PALETTE[category.colour];
     let mut sorted = category.values.clone();
     sorted.sort_by(f64::total_cmp);
     let points = |x: f64| sorted.iter().map(move |value| (x, *value));
-    if sorted.len() < FEWEST {
+    if sorted.len() < MIN_QUARTILES {
         return vec![Layer::dots(4.0, points(middle), colour)];
     }
     let [q5, q25, q50, q75, q95] =
@@ -65,7 +65,7 @@ fn one_box(middle: f64, category: &Category) -> Vec<Layer> {
         Layer::segments(1.0, whiskers.concat(), colour),
         Layer::segments(3.0, [across(0.24, q50)], colour),
     ];
-    if sorted.len() <= MOST {
+    if sorted.len() <= MAX_POINTS {
         layers.push(Layer::dots(3.0, points(middle + 0.34), colour));
     }
     layers
@@ -89,8 +89,8 @@ fn grouped(
     groups.map(category).collect()
 }
 
-/// Relative loss increases (front, rear, air, total), a box for each name that `by` gives: a driver
-/// or a track.
+/// Relative loss increases (front, rear, air, total), one box per group of runs with equal `by`, as
+/// driver or track.
 pub fn energy_picture(
     title: &str,
     runs: &[RunEvaluation],
@@ -110,8 +110,8 @@ pub fn energy_picture(
     Figure::new(1500.0, format!("{title} ({MEANING})")).row(400.0, panels)
 }
 
-/// Steering and slip angles by driver: their distributions, and the shares above 2 and 4 degrees by
-/// run.
+/// Steering and slip angles by driver: their distributions, and the fractions of time above 2 and 4
+/// degrees by run.
 pub fn angle_picture(runs: &[RunEvaluation]) -> Figure {
     type Angle = fn(&DrivingForce) -> f64;
     type Shares = fn(&RunEvaluation) -> &Angles;
@@ -164,7 +164,7 @@ pub fn rmse_picture(runs: &[RunValidation]) -> Figure {
         }));
     }
     let mut panel = boxes("", "RMSE by run [N]", &categories);
-    // Boxes differ from law to law; the legend shows areas of their colours, which cover nothing.
+    // Empty areas in the colours of the laws are the entries of the legend.
     let keys =
         laws.map(|(name, colour, _)| Layer::area([], PALETTE[colour].alpha(0.35)).named(name));
     panel.layers.splice(0..0, keys);

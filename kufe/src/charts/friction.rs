@@ -1,4 +1,4 @@
-//! Friction: a gliding run, mu over the pressure, and lateral force over the slip angle.
+//! Charts of friction: a gliding run, mu against pressure, and lateral force against slip angle.
 
 use kufe_sled::friction::{
     Experiment, GRAVITY, GlideRun, IceHouse, LateralSample, MagicFormula, MuFit, PressureLaw,
@@ -48,8 +48,8 @@ pub fn glide_picture(house: &IceHouse, run: &GlideRun) -> Figure {
     Figure::new(900.0, title).row(420.0, [Panel::new(x, y, layers)])
 }
 
-/// The coefficient of friction over the peak pressure: specimens with both standard deviations, the
-/// fit with its confidence band, and the law with its largest value, as simulations use it.
+/// The coefficient of friction against the peak pressure: specimens with both standard deviations,
+/// the fit with its confidence band, and the capped law that simulations use.
 pub fn mu_picture(experiments: &[Experiment], fit: &MuFit, law: &PressureLaw) -> Figure {
     let at = |e: &Experiment| -> Point { (1e-6 * e.p_max_pa, 1e3 * e.mu) };
     let sd = |e: &Experiment| [1e-6 * e.p_max_sd_pa, 1e3 * e.mu_sd];
@@ -103,21 +103,21 @@ pub fn mu_picture(experiments: &[Experiment], fit: &MuFit, law: &PressureLaw) ->
     Figure::new(900.0, title).row(460.0, [Panel::new(x, y, layers)])
 }
 
-/// Most points of a panel; more would only hide one another.
-const MOST_POINTS: usize = 6000;
+/// Largest number of points of a panel; more would only hide one another.
+const MAX_POINTS: usize = 6000;
 
-/// Lateral force over slip angle, measured and fitted: a panel for each third of the samples by
-/// their normal force, with the fitted law at the mean load of each.
+/// Lateral force against slip angle, measured and fitted: one panel per third of the samples,
+/// sorted by normal force, with the fitted law at the mean load of the third.
 pub fn fit_picture(runner: &str, samples: &[LateralSample], law: &MagicFormula) -> Figure {
-    let sorted = |of: fn(&LateralSample) -> f64| {
-        let mut values: Vec<f64> = samples.iter().map(of).collect();
+    let sorted = |value: fn(&LateralSample) -> f64| {
+        let mut values: Vec<f64> = samples.iter().map(value).collect();
         values.sort_by(f64::total_cmp);
         values
     };
     let loads = sorted(|sample| sample.fz);
     let cuts = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|share| quantile(&loads, share));
     let slips = sorted(|sample| sample.alpha.to_degrees().abs());
-    // The rarest slips would make everything else a line.
+    // A range that includes the rarest slip angles would compress all others.
     let reach = 1.15 * quantile(&slips, 0.9995).max(0.2);
     let panel = |third: usize| {
         let (low, high) = (cuts[third], cuts[third + 1]);
@@ -129,7 +129,7 @@ pub fn fit_picture(runner: &str, samples: &[LateralSample], law: &MagicFormula) 
         let points = points.filter(|(degrees, _)| degrees.abs() <= reach);
         let sizes = points.clone().map(|(_, fy)| fy.abs());
         let most = sizes.fold(force(reach).1, f64::max);
-        let every = here.len().div_ceil(MOST_POINTS).max(1);
+        let every = here.len().div_ceil(MAX_POINTS).max(1);
         let curve = (-200..=200).map(|k| force(reach * f64::from(k) / 200.0));
         let measured = Layer::dots(1.0, points.step_by(every), PALETTE[5].alpha(0.5));
         let fitted = Layer::line(3.0, curve, PALETTE[1]);

@@ -1,15 +1,15 @@
-//! A channel of a run around what is odd in it.
+//! Curve of a channel around an anomalous stretch.
 
 use kufe_sled::{Column, Examination, Run};
 
 use crate::plot::{Axis, Figure, Layer, PALETTE, Panel, Point, extent, sign, unit_of};
 
-/// Most points of a curve.
-const MOST_POINTS: usize = 600;
-/// What is shown before and after an odd stretch, at least [s].
+/// Largest number of points of a curve.
+const MAX_POINTS: usize = 600;
+/// Smallest time that is shown before and after an anomalous stretch [s].
 const AROUND_S: f64 = 1.0;
 
-/// A channel of a run around what is odd in it, or over the whole run.
+/// A channel of a run around an anomalous stretch, or over the whole run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OddCurve {
     /// The channel.
@@ -18,12 +18,12 @@ pub struct OddCurve {
     pub t0_s: f64,
     /// Time [s] and value, as recorded.
     pub points: Vec<Point>,
-    /// The odd stretch [s].
+    /// Start and end of the anomalous stretch [s].
     pub marked: Option<[f64; 2]>,
 }
 
-/// The curves of a run: each channel around the longest of its odd stretches, and the channels of
-/// faults without one over the whole run.
+/// The curves of a run: each channel around its longest anomalous stretch, and faulty channels
+/// without such a stretch over the whole run.
 pub fn odd_curves(examination: &Examination, run: &Run) -> Vec<OddCurve> {
     let curve = |(name, column): (&String, &Vec<f64>)| {
         let stretches = examination.stretches.iter();
@@ -49,14 +49,14 @@ pub fn odd_curves(examination: &Examination, run: &Run) -> Vec<OddCurve> {
     run.columns.iter().filter_map(curve).collect()
 }
 
-/// The least and the largest value of as many points after one another as leave at most
-/// [`MOST_POINTS`], in their order.
+/// Thins points to at most [`MAX_POINTS`]: of each block of consecutive points the smallest and the
+/// largest value remain, in their order.
 fn thinned(points: Vec<Point>) -> Vec<Point> {
-    let together = (2 * points.len()).div_ceil(MOST_POINTS);
-    if together <= 2 {
+    let block = (2 * points.len()).div_ceil(MAX_POINTS);
+    if block <= 2 {
         return points;
     }
-    let ends = points.chunks(together).flat_map(|chunk| {
+    let ends = points.chunks(block).flat_map(|chunk| {
         let finite = chunk.iter().filter(|point| point.1.is_finite());
         let low = finite.clone().min_by(|a, b| a.1.total_cmp(&b.1));
         let high = finite.max_by(|a, b| a.1.total_cmp(&b.1));
@@ -70,15 +70,15 @@ fn thinned(points: Vec<Point>) -> Vec<Point> {
 }
 
 impl OddCurve {
-    /// The curve; the odd stretch is shaded.
+    /// The picture of the curve, with the anomalous stretch shaded.
     pub fn figure(&self, run: &str) -> Figure {
         let label = Column::named(&self.column).map_or(&*self.column, |column| column.label());
         let [first, last] = extent(self.points.iter().map(|point| point.0));
-        // A single sample is seen too.
-        let least = 0.002 * (last - first);
+        // The shading of a single sample is widened to be visible.
+        let margin = 0.002 * (last - first);
         let shade = PALETTE[4].alpha(0.35);
         let marked = self.marked;
-        let marked = marked.map(|[from, to]| Layer::stretch([from - least, to + least], shade));
+        let marked = marked.map(|[from, to]| Layer::stretch([from - margin, to + margin], shade));
         let line = Layer::line(1.0, self.points.iter().copied(), PALETTE[0]);
         let layers = marked.into_iter().chain([line]).collect();
         let y = Axis::new(format!("[{}]", sign(&unit_of(&self.column))));
@@ -101,7 +101,7 @@ mod tests {
         };
         let points: Vec<Point> = (0..20_000).map(|i| (i as f64, value(i))).collect();
         let thin = thinned(points);
-        assert!(thin.len() <= MOST_POINTS, "{}", thin.len());
+        assert!(thin.len() <= MAX_POINTS, "{}", thin.len());
         assert!(thin.contains(&(7000.0, 9.0)));
         assert!(thin.windows(2).all(|pair| pair[0].0 <= pair[1].0));
     }

@@ -1,4 +1,4 @@
-//! Runs over time or distance: one panel below the other.
+//! Charts of runs over time or distance, with panels one below the other.
 
 use std::ops::Range;
 
@@ -12,14 +12,14 @@ use crate::plot::{Axis, Figure, Layer, PALETTE, Panel, Point, broken, extent};
 /// Width of the pictures [pixels].
 const WIDTH: f64 = 1500.0;
 
-/// Colours of vertical marks and shaded ranges: those of no line.
+/// Colours of vertical marks and shaded ranges, which no line uses.
 const MARKS: usize = 3;
 const RANGES: usize = 4;
 
-/// A line of a panel: its name, its place in the palette, and its value at the k-th sample.
+/// A line of a panel: its name, the index of its colour, and its value at the k-th sample.
 type Line<'a> = (&'static str, usize, &'a dyn Fn(usize) -> f64);
 
-/// The places of samples along the x axis of panels, with its label.
+/// Positions of samples along the x axis of panels, with the label of the axis.
 struct Along<'a> {
     label: &'static str,
     pieces: &'a [Range<usize>],
@@ -27,7 +27,7 @@ struct Along<'a> {
 }
 
 impl Along<'_> {
-    /// Lines over time or distance; a line that is alone is named by its axis.
+    /// A panel of lines; a single line is not in the legend, since the axis names it.
     fn panel(&self, y: &str, lines: &[Line]) -> Panel {
         let named = lines.iter().map(|(name, colour, value)| {
             let points = broken(self.pieces, |k| (self.at(k), value(k)));
@@ -184,7 +184,7 @@ pub fn force_picture(run: &RunEvaluation) -> Figure {
         .row(270.0, [angles])
 }
 
-/// The time that drivers lose on a track: by stretch, and summed up to a place.
+/// Time that drivers lose on a track: by stretch, and accumulated along the track.
 pub fn losses_picture(track: &str, drivers: &[&DriverLosses]) -> Figure {
     let panel = |y: &str, points: &dyn Fn(&DriverLosses) -> Vec<Point>| {
         let layers = drivers.iter().zip(PALETTE.iter().cycle());

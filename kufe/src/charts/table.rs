@@ -1,4 +1,4 @@
-//! A table over curvature and force: a map of the smooth mode, contour lines, and the nodes.
+//! Chart of a lookup table over curvature and force: smooth interpolation, contour lines and nodes.
 
 use std::collections::BTreeSet;
 
@@ -9,28 +9,30 @@ use crate::plot::{
     axis_ticks, contour, extent, percent, short, shown_unit,
 };
 
-/// Cells of the map along each axis.
+/// Number of cells of the map along each axis.
 const CELLS: usize = 240;
-/// Checks whose interpolation error labels them: those with the largest.
+/// Number of checks that are labelled with their interpolation error: those with the largest
+/// errors.
 const LABELS: usize = 8;
-/// Places that a picture of samples distinguishes along each axis.
+/// Number of positions along each axis to which samples are rounded.
 const PLACES: f64 = 500.0;
 
 const WHITE: Colour = Colour::new(255, 255, 255);
-/// Samples in the table, and outside of it: visible on every colour of the map and on white.
+/// Colours of samples inside and outside the table, visible on every colour of the map and on
+/// white.
 const INSIDE: Colour = Colour::new(255, 105, 190).alpha(0.7);
 const OUTSIDE: Colour = Colour::new(214, 30, 30);
 
-/// A point of the slice of a table: on the middle breakpoints where no speed or temperature is
-/// stated, without them where there is no such axis.
+/// The slice of a table at the stated speed and temperature, or at the middle breakpoints where
+/// they are not stated; without them if the table has no such axis.
 fn slice_of(table: &Table, stated: kufe_lut::Point) -> kufe_lut::Point {
-    let on = |kind| {
+    let coordinate = |kind| {
         let axis = table.axes().get(kind)?;
         Some(stated.get(kind).unwrap_or(axis[axis.len() / 2]))
     };
     kufe_lut::Point {
-        speed: on(AxisKind::Speed),
-        ice_c: on(AxisKind::IceTemperature),
+        speed: coordinate(AxisKind::Speed),
+        ice_c: coordinate(AxisKind::IceTemperature),
         ..stated
     }
 }
@@ -56,11 +58,11 @@ pub struct TablePicture {
     pub outside: usize,
 }
 
-/// A quantity over curvature and (logarithmic) force: colours and contour lines of the smooth mode,
-/// dots at the nodes, crosses at the checks, and where `samples` of runs are.
+/// A quantity over curvature and (logarithmic) force: colours and contour lines of smooth
+/// interpolation, dots at the nodes, crosses at the checks, and the `samples` of runs.
 ///
-/// `slice` states the surface over force and curvature by its other coordinates; where it has no
-/// speed or temperature, the middle breakpoint is taken.
+/// `slice` states the other coordinates of the surface; without a speed or temperature, the middle
+/// breakpoint is used.
 ///
 /// # Errors
 /// Those of a table that does not have the slice.
@@ -153,30 +155,31 @@ pub fn table_picture(
     })
 }
 
-/// Curvature and force at these shares of their ranges, of which that of the force is logarithmic.
+/// Curvature and force at relative positions from 0 to 1 in their ranges; that of the force is
+/// logarithmic.
 fn at([x, y]: [f64; 2], curvature: [f64; 2], fz: [f64; 2]) -> Point {
     let along = curvature[0] + (curvature[1] - curvature[0]) * x;
     (along, fz[0] * (fz[1] / fz[0]).powf(y))
 }
 
-/// A range, with room on both sides where it is a single value, which has no extent.
+/// A range; a range of zero length is extended by `room` on both sides.
 fn wider([low, high]: [f64; 2], room: f64) -> [f64; 2] {
     let room = if low < high { 0.0 } else { room };
     [low - room, high + room]
 }
 
-/// Samples of runs as a picture shows them, place by place.
+/// Samples of runs in a picture, each position once.
 struct Samples {
-    /// Forces [N] and curvatures [1/m] of the picture: those of the table, and of samples not far
-    /// outside.
+    /// Ranges of force [N] and curvature [1/m] of the picture: those of the table, extended to
+    /// samples not far outside.
     fz: [f64; 2],
     curvature: [f64; 2],
-    /// Curvature and force of the places with samples in the table.
+    /// Curvature and force of positions with samples in the table.
     inside: Vec<Point>,
-    /// The same of those outside of it, also by speed or temperature; what is farther out is at the
-    /// border.
+    /// Curvature and force of positions with samples outside the table, also by speed or
+    /// temperature; samples outside the picture are moved to its border.
     outside: Vec<Point>,
-    /// Samples outside.
+    /// Number of samples outside the table.
     count_outside: usize,
 }
 
@@ -190,8 +193,8 @@ impl Samples {
     ) -> Self {
         let room = 0.5 * (curvature[1] - curvature[0]);
         let fz = extended(fz, [fz[0] / 4.0, fz[1] * 4.0], samples.iter().map(|s| s.fz));
-        let most = [curvature[0] - room, curvature[1] + room];
-        let curvature = extended(curvature, most, samples.iter().map(|s| s.curvature));
+        let bounds = [curvature[0] - room, curvature[1] + room];
+        let curvature = extended(curvature, bounds, samples.iter().map(|s| s.curvature));
         let mut places = [BTreeSet::new(), BTreeSet::new()];
         let mut count_outside = 0;
         for sample in samples {
@@ -216,11 +219,11 @@ impl Samples {
     }
 }
 
-/// A range that also contains these values, up to the bounds `most`.
-fn extended(range: [f64; 2], most: [f64; 2], values: impl Iterator<Item = f64>) -> [f64; 2] {
+/// A range extended to these values, within `bounds`.
+fn extended(range: [f64; 2], bounds: [f64; 2], values: impl Iterator<Item = f64>) -> [f64; 2] {
     let values = values.filter(|v| v.is_finite());
     values.fold(range, |[low, high], v| {
-        [low.min(v.max(most[0])), high.max(v.min(most[1]))]
+        [low.min(v.max(bounds[0])), high.max(v.min(bounds[1]))]
     })
 }
 

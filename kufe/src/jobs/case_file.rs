@@ -93,7 +93,7 @@ impl LoadedCase {
     /// hull and its buffers, mesh, section, ice surface, groove.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where a hull that names further files cannot be read.
+    /// [`Failure::BadInput`] if a hull that names further files cannot be read.
     pub fn files(&self) -> Result<Vec<(&'static str, PathBuf)>, Failure> {
         let mut files = Vec::new();
         for (key, file) in self.case.files() {
@@ -113,7 +113,7 @@ impl LoadedCase {
     /// and of the version of the numerics. Names and times of the files do not enter.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where a file cannot be read.
+    /// [`Failure::BadInput`] if a file cannot be read.
     pub fn content(&self) -> Result<String, Failure> {
         let mut digests = vec![format!("numerics {NUMERICS}")];
         if let Some(hull) = &self.hull {
@@ -134,7 +134,7 @@ impl LoadedCase {
     /// The problem that the case states, of a contact at rest, and its hull, where it names one.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the hull cannot be obtained, and for a case that slides.
+    /// [`Failure::BadInput`] if the hull cannot be obtained, and for a case that slides.
     pub fn stated(&self) -> Result<(Problem, Option<FittedHull>), Failure> {
         self.at_rest()?;
         self.stated_sliding()

@@ -131,7 +131,7 @@ impl<T, E: Display> Located<T> for Result<T, E> {
 /// Writes `path` completely or not at all; creates its folder where it is missing.
 ///
 /// # Errors
-/// [`Failure::BadInput`] with the path where the folder or the file cannot be written.
+/// [`Failure::BadInput`] with the path if the folder or the file cannot be written.
 pub fn write_whole(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,

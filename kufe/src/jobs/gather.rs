@@ -136,7 +136,7 @@ fn kind(path: &Path) -> Result<Kind, Failure> {
 /// Whether a file has the columns of a run.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where it cannot be read.
+/// [`Failure::BadInput`] if it cannot be read.
 pub fn is_run(path: &Path) -> Result<bool, Failure> {
     Ok(matches!(kind(path)?, Kind::Run))
 }

@@ -31,7 +31,7 @@ pub struct ExaminedHull {
     pub result: HullCheck,
     /// Names of pitch and roll where they cannot be determined from the shape.
     pub unknown_angles: Option<String>,
-    /// Position of the load along and across [m]; `None` where it is over the file's origin.
+    /// Position of the load along and across [m]; `None` if it is over the file's origin.
     pub offset_m: [Option<f64>; 2],
     /// Relative error of the peak that the case requests.
     p_max: f64,
@@ -233,7 +233,7 @@ impl ExaminedHull {
     /// Text of a case that reads the hull, for a file `path`, with ice, track and load to edit.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the place of the hull cannot be found, or is out of a case's range.
+    /// [`Failure::BadInput`] if the place of the hull cannot be found, or is out of a case's range.
     pub fn case(&self, path: &Path) -> Result<String, Failure> {
         let folder = path.parent().unwrap_or(Path::new(""));
         let hull = match self.result.file.strip_prefix(folder) {

@@ -80,7 +80,7 @@ impl FrictionLaw {
     ///
     /// # Errors
     /// [`Failure::Usage`] for a condition out of range or one that an effect needs and that is not
-    /// stated, [`Failure::BadInput`] for the case, [`Failure::NotConverged`] where the solver stops
+    /// stated, [`Failure::BadInput`] for the case, [`Failure::NotConverged`] if the solver stops
     /// short.
     pub fn solve(
         &self,

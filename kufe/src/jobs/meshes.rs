@@ -28,7 +28,7 @@ impl CaseMeshes {
     /// Solves a case, grades the grid towards its contact, and fills ice and runner with hexahedra.
     ///
     /// # Errors
-    /// Those of the solver, and [`Failure::BadInput`] where no hexahedra fit into the hull.
+    /// Those of the solver, and [`Failure::BadInput`] if no hexahedra fit into the hull.
     pub fn of(loaded: &LoadedCase, watch: &Watch) -> Result<CaseMeshes, Failure> {
         let (problem, hull) = loaded.stated()?;
         loaded.hull_warnings(hull.as_ref(), watch);

@@ -1,4 +1,4 @@
-//! Jobs: what the command and the Python package do alike, from files to results.
+//! Jobs: the work shared by the command and the Python package, from files to results.
 //!
 //! A job takes the paths that a user gives, calls the libraries, and fails with the one sentence
 //! that the user reads. It prints nothing: progress and warnings go to closures. Which files are

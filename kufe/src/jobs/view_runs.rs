@@ -35,7 +35,7 @@ pub struct ViewOptions {
     /// Names of the runs to show; empty shows all.
     pub only: Vec<String>,
     /// Largest number of values of all runs and channels together.
-    pub most_values: usize,
+    pub max_values: usize,
 }
 
 /// Recorded runs at one rate.
@@ -104,7 +104,7 @@ struct ReplayModel {
 }
 
 /// Reads and examines the runs of an index, and brings them to a rate with which all values
-/// together are at most `most_values`.
+/// together are at most `max_values`.
 ///
 /// A run without `s_m` has the integral of its speed, from the start of its track's table where
 /// there is a model. A run on a track without a table has no curves of the model.
@@ -157,7 +157,7 @@ pub fn view_runs(options: &ViewOptions, watch: &Watch) -> Result<ViewedRuns, Fai
         let reason = reason.map_or(String::new(), |[run, why]| format!(": run {run}: {why}"));
         return Err(wrong(format!("no run can be shown{reason}")));
     }
-    let fits = |rate: &&f64| count(&runs, **rate) <= options.most_values;
+    let fits = |rate: &&f64| count(&runs, **rate) <= options.max_values;
     let Some(&rate_hz) = RATES_HZ.iter().find(fits) else {
         let (count, lengths) = (runs.len(), runs.iter().map(ViewedRun::length_s));
         return Err(wrong(format!(
@@ -355,13 +355,13 @@ mod tests {
         });
         let text = "t_s,v_mps\n".to_owned() + &rows.collect::<String>();
         std::fs::write(folder.path().join("a.csv"), text).expect("a file");
-        let with = |most_values| {
+        let with = |max_values| {
             let options = ViewOptions {
                 runs: index.clone(),
                 model: None,
                 track: None,
                 only: Vec::new(),
-                most_values,
+                max_values,
             };
             view_runs(&options, &Watch::default())
         };

@@ -3,7 +3,7 @@
 /// Red, green and blue.
 pub type Rgb = [u8; 3];
 
-/// A colour that covers a part of what is below it.
+/// A colour with an opacity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Colour {
     /// Red, green and blue.
@@ -41,7 +41,7 @@ impl Colour {
     }
 }
 
-/// Colour of text and axes: black on paper, the colour of the text on a page.
+/// Colour of text and axes: black in a PNG, the text colour of the page in an SVG.
 pub const INK: Colour = Colour::new(0, 0, 0);
 
 /// Colours of a quantity before and after a change, legible on white and on black.

@@ -1,4 +1,4 @@
-//! What a picture shows, as data.
+//! A picture as data: figure, rows, panels, axes and layers.
 
 use std::ops::Range;
 
@@ -18,46 +18,47 @@ pub struct Figure {
     pub width: f64,
     /// Size of the letters \[pixels\].
     pub letters: f64,
-    /// What it shows; nothing is written where it is empty.
+    /// Title; may be empty.
     pub title: String,
-    /// What a page reads to those who do not see it; the title where it is empty.
+    /// Alternative text for screen readers; the title where it is empty.
     pub label: String,
-    /// The rows from above.
+    /// The rows from top to bottom.
     pub rows: Vec<Row>,
 }
 
 /// Panels next to each other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// Height of the plotting areas \[pixels\]; of panels with names along y it follows from these.
+    /// Height of the plotting areas \[pixels\]; for panels with names along y it follows from their
+    /// number.
     pub height: f64,
-    /// The panels, equally wide.
+    /// The panels, of equal width.
     pub panels: Vec<Panel>,
-    /// What the colours of maps mean.
+    /// Colour bar of maps.
     pub bar: Option<ColourBar>,
 }
 
-/// Axes and what is drawn on them; its legend has each named layer.
+/// Axes with layers; the legend lists each named layer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// What it shows; may be empty.
+    /// Title; may be empty.
     pub title: String,
-    /// The axis to the right, and the one upwards.
+    /// The x axis and the y axis.
     pub axes: [Axis; 2],
-    /// What is drawn, from the lowest layer to the highest.
+    /// The layers from back to front.
     pub layers: Vec<Layer>,
-    /// How the scales of two axes of the same unit compare.
+    /// Relation of the scales of two axes with the same unit.
     pub scales: Scales,
 }
 
-/// How the scales of a panel's axes compare.
+/// Relation of the scales of a panel's axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scales {
-    /// Not at all.
+    /// Independent scales.
     Independent,
-    /// The label of y states how many times it is stretched.
+    /// Independent scales; the label of y states the ratio of the scales.
     Stretched,
-    /// As `Stretched`, and the shorter range is extended until the scales are equal.
+    /// Equal scales: the shorter range is extended.
     Equal,
 }
 
@@ -66,9 +67,9 @@ pub enum Scales {
 pub struct Axis {
     /// Quantity and unit.
     pub label: String,
-    /// First and last value, in either order; what the layers need where it is absent.
+    /// First and last value, in either order; the extent of the layers where it is absent.
     pub range: Option<[f64; 2]>,
-    /// Where it has ticks.
+    /// Ticks.
     pub ticks: Ticks,
 }
 
@@ -78,9 +79,9 @@ pub enum Ticks {
     /// At round numbers.
     #[default]
     Linear,
-    /// Of a logarithmic axis.
+    /// Ticks of a logarithmic axis.
     Logarithmic,
-    /// Texts at places; of two that overlap the first is written. No ticks where it is empty.
+    /// Texts at positions; of two that overlap the first is written. Empty for no ticks.
     Names(Vec<(f64, String)>),
 }
 
@@ -119,7 +120,7 @@ impl Axis {
         self
     }
 
-    /// The axis from its last to its first value: names from above.
+    /// Reverses the axis, so that names are listed from the top.
     pub fn reversed(mut self) -> Self {
         self.range = self.range.map(|[from, to]| [to, from]);
         self
@@ -150,23 +151,23 @@ impl Panel {
     }
 }
 
-/// One part of what a panel shows.
+/// One layer of a panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
-    /// What the legend calls it, once for layers of one name; not in the legend where it is empty.
+    /// Name in the legend, which lists equal names once; an empty name is not listed.
     pub name: String,
-    /// What a page shows when the pointer is over it; nothing where it is empty.
+    /// Tooltip on a page; may be empty.
     pub hint: String,
-    /// Its colour.
+    /// Colour.
     pub colour: Colour,
-    /// Its shape.
+    /// Shape.
     pub mark: Mark,
 }
 
 /// Shape of a layer. Infinite coordinates are at the ends of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mark {
-    /// A line of a width \[pixels\], broken at points that are no numbers.
+    /// A line of a width \[pixels\], broken at NaN points.
     Line(Vec<Point>, f64),
     /// Points of a radius \[pixels\].
     Dots(Vec<Point>, f64, Symbol),
@@ -174,8 +175,8 @@ pub enum Mark {
     Area(Vec<Point>),
     /// Coloured cells between two values of x and two of y, equally spaced on the axes.
     Map([[f64; 2]; 2], Cells),
-    /// A text at a place, moved to the right and up by multiples of the height of its letters.
-    /// Above the panel where its y is infinite.
+    /// A text at a point, shifted to the right and up by multiples of the font size. A text with
+    /// infinite y is above the panel.
     Text(Point, String, [f64; 2]),
 }
 
@@ -289,7 +290,7 @@ impl Layer {
     }
 }
 
-/// The points of a series, with a break between its pieces.
+/// The points of a series with a NaN point after each piece, at which a line is broken.
 pub fn broken(pieces: &[Range<usize>], point: impl Fn(usize) -> Point) -> Vec<Point> {
     let mut points = Vec::new();
     for piece in pieces {
@@ -299,7 +300,7 @@ pub fn broken(pieces: &[Range<usize>], point: impl Fn(usize) -> Point) -> Vec<Po
     points
 }
 
-/// What the colours of a map mean.
+/// Colour bar of a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColourBar {
     /// Quantity and unit.
@@ -311,7 +312,7 @@ pub struct ColourBar {
 }
 
 impl ColourBar {
-    /// A bar of a colour map over the share of the range.
+    /// A bar of a colour map, which is a function of the position in the range from 0 to 1.
     pub fn new(label: impl Into<String>, range: [f64; 2], map: impl Fn(f64) -> Rgb) -> Self {
         ColourBar {
             label: label.into(),
@@ -325,8 +326,8 @@ impl ColourBar {
         ColourBar::new(label, range, viridis)
     }
 
-    /// The colour of a value, that of the nearer end outside of the range; mid-grey of one that is
-    /// no number.
+    /// The colour of a value. Values outside the range have the colour of the nearer end, NaN is
+    /// mid-grey.
     pub fn colour(&self, value: f64) -> Rgb {
         let share = (value - self.range[0]) / (self.range[1] - self.range[0]);
         if share.is_nan() {

@@ -22,8 +22,8 @@ pub fn width(text: &str, size: f64) -> f64 {
     text.chars().map(advance).sum()
 }
 
-/// Calls `pixel` with the place, right of and below the start of the baseline, and the share of
-/// each pixel that the text covers.
+/// Calls `pixel` for each pixel of a text with its column and row relative to the start of the
+/// baseline, and the fraction of the pixel that the text covers.
 pub fn rasterise(text: &str, size: f64, mut pixel: impl FnMut(i64, i64, f64)) {
     let font = scaled(size);
     let mut x = 0.0;

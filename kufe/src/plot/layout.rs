@@ -1,4 +1,4 @@
-//! Where the parts of a figure are on the picture.
+//! Layout of a figure: the shapes of its panels, axes, legends and colour bars.
 
 use std::collections::BTreeSet;
 
@@ -10,27 +10,30 @@ use crate::plot::font::width;
 use crate::plot::shape::{Cells, Place, Shape, Style};
 use crate::plot::ticks::{axis_ticks, decades, extent, short, tick_text};
 
-/// Lengths, as multiples of the size of the letters: a line of text, from an axis to its numbers,
-/// at the right of a panel, from a colour bar to the right edge.
+// Lengths relative to the font size.
+/// Height of a line of text.
 const LINE: f64 = 1.55;
+/// Length of a tick.
 const TICK: f64 = 0.4;
+/// Margin at the right of a panel.
 const RIGHT: f64 = 1.4;
+/// Distance from the left edge of a colour bar to the right edge of the picture.
 const BAR: f64 = 7.5;
 /// Space between two names of the legend.
-const KEYS: f64 = 1.5;
+const KEY_GAP: f64 = 1.5;
 /// Width of a layer's symbol in the legend, with the space after it.
 const SYMBOL: f64 = 2.2;
-/// Most lines of a title or of a name in the legend.
-const MOST_LINES: usize = 8;
-
-/// Height of a row of a panel with names along y, next to it or above it.
+/// Height of a row of a panel with names along y, if the names are left of the rows.
 const NAMED: f64 = 1.6;
+/// Height of a row of a panel with names along y, if the names are above the rows.
 const NAMED_ABOVE: f64 = 3.0;
 
-/// Names along y that would take more than this share of the width are above their rows.
-const MOST_NAMES: f64 = 0.5;
+/// Largest number of lines of a title or of a name in the legend.
+const MAX_LINES: usize = 8;
+/// Largest fraction of a panel's width for names left of the rows; wider names are above them.
+const MAX_NAME_WIDTH: f64 = 0.5;
 
-/// Width of bold letters, relative to those of the embedded font.
+/// Ratio of the width of bold letters to that of the embedded font.
 const BOLD: f64 = 1.15;
 
 const FRAME: Colour = INK.alpha(0.5);
@@ -49,14 +52,14 @@ pub fn laid_out(figure: &Figure) -> (Vec<Shape>, f64) {
     }
     for row in &figure.rows {
         let share = share(figure, row);
-        // Rows of as many panels are aligned.
+        // Rows with the same number of panels are aligned.
         let count = row.panels.len();
-        let alike = figure
+        let aligned = figure
             .rows
             .iter()
             .filter(|other| other.panels.len() == count);
-        let alike = alike.flat_map(|row| row.panels.iter().map(|panel| (panel, row.height)));
-        let left = largest(alike.map(|(panel, height)| page.left(panel, share, height)));
+        let aligned = aligned.flat_map(|row| row.panels.iter().map(|panel| (panel, row.height)));
+        let left = largest(aligned.map(|(panel, height)| page.left(panel, share, height)));
         let wide = (share - left - RIGHT * size).round();
         let panels = || row.panels.iter();
         let head = largest(panels().map(|panel| page.head(panel, wide)));
@@ -94,7 +97,7 @@ fn snapped(at: f64) -> f64 {
 /// The plotting area of a panel: its left and right side, and its upper and lower side.
 type Area = [[f64; 2]; 2];
 
-/// From values of an axis to pixels.
+/// Mapping of values of an axis to pixels.
 #[derive(Clone, Copy)]
 struct Scale {
     range: [f64; 2],
@@ -119,7 +122,7 @@ impl Scale {
         ((self.range[1] - self.range[0]) / (self.ends[1] - self.ends[0])).abs()
     }
 
-    /// Extends the range to both sides until a pixel is at least this long.
+    /// Extends the range on both sides until a pixel spans at least `per_pixel`.
     fn extend(&mut self, per_pixel: f64) {
         let more = (per_pixel / self.per_pixel()).max(1.0);
         let [low, high] = self.range;
@@ -128,7 +131,7 @@ impl Scale {
     }
 }
 
-/// The range of a panel's axis: the stated one, or that of its lines, points and areas with a
+/// The range of a panel's axis: the stated range, or the extent of lines, points and areas with a
 /// margin.
 fn range(panel: &Panel, axis: usize) -> [f64; 2] {
     if let Some(range) = panel.axes[axis].range {
@@ -163,7 +166,7 @@ fn scales(panel: &Panel, [x, [top, bottom]]: Area) -> [Scale; 2] {
     [x, y]
 }
 
-/// Ticks of an axis, about `count`, and their texts.
+/// About `count` ticks of an axis with their texts.
 fn ticks(axis: &Axis, [low, high]: [f64; 2], count: f64) -> Vec<(f64, String)> {
     match &axis.ticks {
         Ticks::Names(names) => names.clone(),
@@ -178,25 +181,25 @@ fn ticks(axis: &Axis, [low, high]: [f64; 2], count: f64) -> Vec<(f64, String)> {
     }
 }
 
-/// Whether an axis has names, and whether they are above their rows.
+/// Number of names along y, and whether they are above their rows; `None` for an axis of numbers.
 fn names(panel: &Panel, share: f64, size: f64) -> Option<(usize, bool)> {
     match &panel.axes[1].ticks {
         Ticks::Names(names) if !names.is_empty() => {
             let widest = largest(names.iter().map(|(_, name)| width(name, size)));
-            Some((names.len(), widest > MOST_NAMES * share))
+            Some((names.len(), widest > MAX_NAME_WIDTH * share))
         }
         _ => None,
     }
 }
 
-/// A part of the legend: a layer's symbol and name; without the symbol where the name goes on from
-/// the row above.
+/// An entry of the legend: a layer's symbol and name. A continuation line of a long name has no
+/// symbol.
 struct Key<'a> {
     layer: Option<&'a Layer>,
     text: String,
 }
 
-/// Shapes, and the size of the letters.
+/// The shapes of a picture, and the font size.
 struct Page {
     shapes: Vec<Shape>,
     size: f64,
@@ -214,7 +217,7 @@ impl Page {
         self.shapes.push(Shape::Line(points.to_vec(), 1.0, colour));
     }
 
-    /// Writes a title between two places; returns where it ends.
+    /// Writes a title between two horizontal positions; returns its lower end.
     fn title(&mut self, text: &str, size: f64, [from, to]: [f64; 2], top: f64) -> f64 {
         let mut style = Style::new(size, 0.5, INK);
         style.bold = true;
@@ -246,7 +249,7 @@ impl Page {
         widest + (label + 2.0 * TICK) * self.size
     }
 
-    /// Height of what is above the plotting area: title, legend, texts.
+    /// Height of title, legend and texts above the plotting area.
     fn head(&self, panel: &Panel, wide: f64) -> f64 {
         let title = wrapped(&panel.title, BOLD * 1.1 * self.size, wide).len();
         let title = if panel.title.is_empty() { 0 } else { title };
@@ -265,7 +268,7 @@ impl Page {
         })
     }
 
-    /// Height of what is below the plotting area: numbers and the axis's name.
+    /// Height of numbers and axis label below the plotting area.
     fn foot(&self, panel: &Panel) -> f64 {
         let blank = panel.axes[0].ticks == Ticks::Names(Vec::new());
         let numbers = if blank { 0.4 } else { LINE + TICK };
@@ -274,12 +277,12 @@ impl Page {
         (numbers + label) * self.size
     }
 
-    /// Width of a part of the legend.
+    /// Width of an entry of the legend.
     fn key(&self, text: &str) -> f64 {
         SYMBOL * self.size + width(text, self.size)
     }
 
-    /// The rows of the legend: each name once, one that is too long for a row on several.
+    /// The rows of the legend: each name once; a name that is too long is broken into several rows.
     fn legend<'a>(&self, panel: &'a Panel, wide: f64) -> Vec<Vec<Key<'a>>> {
         let mut rows: Vec<Vec<Key>> = Vec::new();
         let mut names = BTreeSet::new();
@@ -290,7 +293,7 @@ impl Page {
             let lines = wrapped(&layer.name, self.size, wide - SYMBOL * self.size);
             let whole = lines.len() == 1;
             for (k, text) in lines.into_iter().enumerate() {
-                let room = wide - KEYS * self.size - self.key(&text);
+                let room = wide - KEY_GAP * self.size - self.key(&text);
                 let layer = (k == 0).then_some(layer);
                 let key = Key { layer, text };
                 match rows.last_mut() {
@@ -307,7 +310,7 @@ impl Page {
     /// Width of a row of the legend.
     fn length(&self, row: &[Key]) -> f64 {
         let keys: f64 = row.iter().map(|key| self.key(&key.text)).sum();
-        keys + KEYS * self.size * (row.len() as f64 - 1.0)
+        keys + KEY_GAP * self.size * (row.len() as f64 - 1.0)
     }
 
     fn draw_legend(&mut self, panel: &Panel, [from, to]: [f64; 2], top: f64) {
@@ -332,12 +335,13 @@ impl Page {
                     }
                 }));
                 self.text([left + SYMBOL * size, y], text, 0.0);
-                left += self.key(text) + KEYS * size;
+                left += self.key(text) + KEY_GAP * size;
             }
         }
     }
 
-    /// Draws a panel, which has a share of the width from a place on, into its area.
+    /// Draws a panel into its area; it occupies the width `share` of the picture, starting at
+    /// `from`.
     fn panel(&mut self, panel: &Panel, [from, share]: [f64; 2], area: Area) {
         let size = self.size;
         let [[left, right], [top, bottom]] = area;
@@ -491,7 +495,7 @@ fn stretch_text(stretch: f64) -> String {
     }
 }
 
-/// The words of a text in lines of at most this width, up to [`MOST_LINES`]; a word that is wider
+/// The words of a text in lines of at most this width, up to [`MAX_LINES`]; a word that is wider
 /// is broken.
 fn wrapped(text: &str, size: f64, wide: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
@@ -520,9 +524,9 @@ fn wrapped(text: &str, size: f64, wide: f64) -> Vec<String> {
             used += more;
         }
     }
-    if lines.len() > MOST_LINES {
-        lines.truncate(MOST_LINES);
-        let last = &mut lines[MOST_LINES - 1];
+    if lines.len() > MAX_LINES {
+        lines.truncate(MAX_LINES);
+        let last = &mut lines[MAX_LINES - 1];
         last.pop();
         last.push('…');
     }

@@ -2,18 +2,18 @@
 //!
 //! A picture states its data as a [`Figure`]: rows of panels, each with two axes and layers of
 //! lines, points, areas, maps and texts. Layout, ticks, legends, fonts and files are the same for
-//! all. Lines and points of a PNG are drawn to a fraction of a pixel, by an embedded font; an SVG
-//! takes the colour of the text of its page, and its texts are escaped.
+//! all. A PNG is drawn with anti-aliasing and an embedded font. An SVG uses the text colour of its
+//! page, and its texts are escaped.
 //!
 //! | item | purpose |
 //! |---|---|
-//! | [`Figure`], [`Panel`], [`Axis`], [`Layer`], [`ColourBar`] | what a picture shows |
+//! | [`Figure`], [`Panel`], [`Axis`], [`Layer`], [`ColourBar`] | a picture as data |
 //! | [`PALETTE`], [`viridis`], [`diverging`] | colours that colour-blind readers can distinguish |
 //! | [`contour`] | contour lines of values on a grid |
 //! | [`axis_ticks`], [`tick_text`], [`short`] | round tick positions and their texts |
-//! | [`quantity`], [`measured`], [`Scale`], [`shown_unit`] | quantities with the unit and digits that suit them |
-//! | [`number4`], [`percent`], [`sign`], [`unit_of`] | plain numbers, shares and units |
-//! | [`escape`] | text as text in HTML and SVG |
+//! | [`quantity`], [`measured`], [`Scale`], [`shown_unit`] | quantities with display units and digits |
+//! | [`number4`], [`percent`], [`sign`], [`unit_of`] | plain numbers, percentages and units |
+//! | [`escape`] | escaping of text for HTML and SVG |
 //!
 //! ```
 //! use kufe::plot::{Axis, Figure, Layer, PALETTE, Panel};

@@ -1,11 +1,11 @@
-//! Numbers and quantities as people read them: one rule for texts, pages and pictures.
+//! Formatting of numbers and quantities for texts, pages and pictures.
 
 use std::borrow::Cow;
 
 use kufe_lut::unit_of;
 
-/// A unit as files have it, and those that its numbers are shown in, the largest first, with their
-/// number in one of it.
+/// A unit of files, and its display units, the largest first, with the number of display units in
+/// one unit.
 type Shown = (&'static str, &'static [(&'static str, f64)]);
 
 #[rustfmt::skip]
@@ -27,11 +27,11 @@ const SHOWN: [Shown; 15] = [
     (THOUSANDTHS, &[("10⁻³", 1e3)]),
 ];
 
-/// What friction is counted in; nobody reads four zeros.
+/// Display unit of coefficients of friction.
 const THOUSANDTHS: &str = "1e-3";
 
-/// Keys of what is counted in them.
-const COUNTED: [&str; 6] = [
+/// Keys that are displayed in thousandths.
+const IN_THOUSANDTHS: [&str; 6] = [
     "mu",
     "mu_ploughing",
     "mu_viscous",
@@ -40,33 +40,32 @@ const COUNTED: [&str; 6] = [
     "mu_se_scatter",
 ];
 
-/// The unit that the numbers of a key are shown in, before the prefix that suits their size; empty
-/// for pure numbers.
+/// The display unit of a key, before a prefix is chosen by the size of the number; empty for pure
+/// numbers.
 pub fn shown_unit(key: &str) -> Cow<'static, str> {
-    if COUNTED.contains(&key) {
+    if IN_THOUSANDTHS.contains(&key) {
         return Cow::Borrowed(THOUSANDTHS);
     }
     unit_of(key)
 }
 
-/// What numbers are shown in.
+/// A display unit with its factor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
-    /// How many of the unit make one of the file's.
+    /// Number of display units in one unit of the file.
     pub times: f64,
-    /// The unit's sign, empty for pure numbers.
+    /// Symbol of the display unit; empty for pure numbers.
     pub unit: String,
 }
 
 impl Scale {
-    /// The one in which numbers of which the largest has this size are at least 1; zero has the
-    /// unit itself.
+    /// The largest display unit in which `largest` is at least 1; for 0 the unit itself.
     pub fn of(unit: &str, largest: f64) -> Scale {
         let known = SHOWN.iter().find(|(known, _)| *known == unit);
         let known = known.map_or(&[][..], |(_, shown)| shown);
         let fits = |times: f64| match largest.abs() {
             0.0 => times == 1.0,
-            // 1 kN less a rounding error is 1 kN too.
+            // 1 kN less a rounding error is displayed in kN too.
             largest => largest * times >= 1.0 - 1e-4,
         };
         let found = known.iter().find(|(_, times)| fits(*times));
@@ -82,25 +81,25 @@ impl Scale {
         }
     }
 
-    /// The one that suits the largest of these numbers.
+    /// The display unit for the largest of these numbers.
     pub fn of_all(unit: &str, numbers: impl IntoIterator<Item = f64>) -> Scale {
         let sizes = numbers.into_iter().map(f64::abs);
         Scale::of(unit, sizes.fold(0.0, f64::max))
     }
 
-    /// A number without its unit: whole ones as they are, others with four digits.
+    /// A number without its unit: integers in full, others with four digits.
     pub fn number(&self, value: f64) -> String {
         let value = self.times * value;
         if value.fract() == 0.0 && value.abs() < 1e7 {
-            // No sign of a zero.
+            // Adding 0 removes the sign of -0.
             format!("{:.0}", value + 0.0)
         } else {
             number4(value)
         }
     }
 
-    /// A number and its error, without their unit: two digits of the error, and as many decimals of
-    /// the number. An error of zero and an unknown one are omitted.
+    /// A number and its error without their unit: two digits of the error, and the same number of
+    /// decimals of the number. An error of 0 or NaN is omitted.
     pub fn with_error(&self, value: f64, error: f64) -> String {
         let size = (self.times * error).abs();
         if size == 0.0 || !size.is_finite() {
@@ -119,7 +118,7 @@ impl Scale {
         format!("{text} ± {size:.decimals$}")
     }
 
-    /// A number that is written in this unit, with the unit; a power of ten is a factor.
+    /// Appends the unit to a formatted number; a power of ten is written as a factor.
     pub fn with_unit(&self, number: &str) -> String {
         match &*self.unit {
             "" => number.to_owned(),
@@ -154,7 +153,7 @@ pub fn measured(value: f64, error: f64, unit: &str) -> String {
     scale.with_unit(&scale.with_error(value, error))
 }
 
-/// Decimals of a number with this many significant digits; negative where it has none.
+/// Number of decimals of a number with this many significant digits; negative for large numbers.
 fn decimals(x: f64, digits: i32) -> i32 {
     let rounded = format!("{:.*e}", (digits - 1) as usize, x.abs());
     let exponent = rounded.rsplit_once('e').and_then(|(_, e)| e.parse().ok());
@@ -177,12 +176,12 @@ pub fn number4(x: f64) -> String {
     significant(x, 4)
 }
 
-/// A share in per cent, with three digits.
+/// A fraction in per cent, with three digits.
 pub fn percent(share: f64) -> String {
     significant(1e2 * share, 3) + " %"
 }
 
-/// A unit with powers and degrees by their signs; files have m2 and deg C.
+/// The symbol of a unit with superscripts and degree signs; files write m2 and deg C.
 pub fn sign(unit: &str) -> String {
     match unit {
         "deg C" => return "°C".to_owned(),

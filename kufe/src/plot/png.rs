@@ -1,4 +1,4 @@
-//! Shapes as the pixels of a PNG.
+//! Rasterisation of shapes into a PNG.
 
 use crate::plot::colour::{Colour, Rgb};
 use crate::plot::font;
@@ -25,7 +25,7 @@ pub fn encoded([width, height]: [usize; 2], kind: ::png::ColorType, bytes: &[u8]
     file
 }
 
-/// The PNG file of shapes on white.
+/// The PNG file of shapes on a white background.
 pub fn png(shapes: &[Shape], [width, height]: Place) -> Vec<u8> {
     let size = [width.ceil() as usize, height.ceil() as usize];
     let mut bitmap = Bitmap {
@@ -42,7 +42,7 @@ struct Bitmap {
 }
 
 impl Bitmap {
-    /// Gives a pixel this share of a colour.
+    /// Blends a colour into a pixel; `share` is the covered fraction of the pixel.
     fn blend(&mut self, [column, row]: [i64; 2], colour: Colour, share: f64) {
         let [Ok(column), Ok(row)] = [column, row].map(usize::try_from) else {
             return;
@@ -57,7 +57,7 @@ impl Bitmap {
         }
     }
 
-    /// The columns (axis 0) or rows (axis 1) that reach from `low` to `high`.
+    /// The columns (axis 0) or rows (axis 1) between `low` and `high`.
     fn range(&self, axis: usize, low: f64, high: f64) -> std::ops::Range<usize> {
         let end = high.ceil().clamp(0.0, self.size[axis] as f64);
         low.floor().clamp(0.0, end) as usize..end as usize
@@ -67,7 +67,7 @@ impl Bitmap {
         match shape {
             Shape::Polygon(corners, colour) => self.polygon(corners, *colour),
             Shape::Line(points, width, colour) => self.line(points, *width, *colour),
-            // A point drawn with a broad pen.
+            // A disc is a line of zero length with a width.
             Shape::Disc(at, radius, colour) => self.line(&[*at; 2], 2.0 * radius, *colour),
             Shape::Ring([x, y], radius, colour) => {
                 let angles = (0..=32).map(|k| std::f64::consts::TAU * f64::from(k) / 32.0);
@@ -114,7 +114,7 @@ impl Bitmap {
         }
     }
 
-    /// Fills the pixels whose middles are inside.
+    /// Fills the pixels whose centres are inside.
     fn polygon(&mut self, corners: &[Place], colour: Colour) {
         let [top, bottom] = extent(corners.iter().map(|corner| corner[1]));
         for row in self.range(1, top, bottom) {
@@ -134,7 +134,7 @@ impl Bitmap {
         }
     }
 
-    /// Gives each pixel the share of the colour that the line covers of it, once where the line
+    /// Blends a line: each pixel by the fraction that the line covers, only once where the line
     /// crosses itself.
     fn line(&mut self, points: &[Place], width: f64, colour: Colour) {
         let reach = 0.5 * width + 0.5;

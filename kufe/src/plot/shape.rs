@@ -2,7 +2,7 @@
 
 use crate::plot::colour::{Colour, Rgb};
 
-/// A place on a picture, right of and below its upper left corner [pixels].
+/// A position on a picture, to the right of and below its upper left corner [pixels].
 pub type Place = [f64; 2];
 
 /// A shape with its place on the picture.
@@ -10,7 +10,7 @@ pub type Place = [f64; 2];
 pub enum Shape {
     /// A filled polygon.
     Polygon(Vec<Place>, Colour),
-    /// A line of a width, broken at points that are no numbers.
+    /// A line of a width, broken at NaN points.
     Line(Vec<Place>, f64, Colour),
     /// A disc of a radius.
     Disc(Place, f64, Colour),
@@ -20,18 +20,18 @@ pub enum Shape {
     Text(Place, String, Style),
     /// Cells stretched over a rectangle, between its upper left and its lower right corner.
     Image([Place; 2], Cells),
-    /// Shapes with a text that a page shows when the pointer is over them.
+    /// Shapes with a tooltip on a page.
     Group(String, Vec<Shape>),
 }
 
-/// How a text is written.
+/// Style of a text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Style {
     /// Height of the em square.
     pub size: f64,
-    /// The share of the text that is before its place: 0, 0.5 or 1.
+    /// Fraction of the text's width before its position: 0, 0.5 or 1.
     pub anchor: f64,
-    /// Whether it reads upwards.
+    /// Whether the text is rotated to read upwards.
     pub turned: bool,
     /// Whether it is bold on a page; the embedded font has one weight.
     pub bold: bool,
@@ -71,6 +71,5 @@ impl Cells {
     }
 }
 
-/// From the middle height of a text, which is that of its figures, to its baseline, as a share of
-/// the em square.
+/// Distance from the middle of the digits' height to the baseline, relative to the em square.
 pub const BASELINE: f64 = 0.36;

@@ -7,7 +7,7 @@ use crate::plot::colour::{Colour, INK};
 use crate::plot::png::encoded;
 use crate::plot::shape::{BASELINE, Cells, Place, Shape, Style};
 
-/// Text as text in HTML and SVG, and as the value of a quoted attribute.
+/// Escapes text for HTML and SVG, and for the value of a quoted attribute.
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -23,8 +23,8 @@ pub fn escape(text: &str) -> String {
     escaped
 }
 
-/// An SVG element for a page; black is the colour of the page's text. `label` is read to those who
-/// do not see it.
+/// An SVG element for a page; black becomes the text colour of the page. `label` is the alternative
+/// text for screen readers.
 pub fn svg(shapes: &[Shape], [width, height]: Place, letters: f64, label: &str) -> String {
     let label = escape(label);
     let shapes: String = shapes.iter().map(element).collect();
@@ -84,7 +84,7 @@ fn element(shape: &Shape) -> String {
     }
 }
 
-/// The commands of a path, broken at points that are no numbers.
+/// The commands of a path, broken at NaN points.
 fn path(points: &[Place]) -> String {
     let mut command = 'M';
     let commands = points.iter().map(|[x, y]| {

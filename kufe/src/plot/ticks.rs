@@ -1,7 +1,6 @@
 //! Ranges, round tick positions and their texts.
 
-/// The least and the greatest of the finite values; infinite and in reverse order where there is
-/// none.
+/// Minimum and maximum of the finite values; `[inf, -inf]` without finite values.
 pub fn extent(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
     let finite = values.into_iter().filter(|value| value.is_finite());
     finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
@@ -33,7 +32,7 @@ pub fn axis_ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
     (first..=last).map(|i| i as f64 * step).collect()
 }
 
-/// A tick's number with as many digits as an axis of this span needs to distinguish its ticks.
+/// The text of a tick, with the digits that distinguish the ticks of an axis of this span.
 ///
 /// ```
 /// assert_eq!(kufe::plot::tick_text(20.0, 60.0), "20");
@@ -57,8 +56,8 @@ pub fn tick_text(value: f64, span: f64) -> String {
     }
 }
 
-/// Once, twice and five times the powers of ten between two positive numbers, over more than three
-/// decades the powers alone; the ends themselves where none lies between.
+/// 1, 2 and 5 times the powers of ten between two positive numbers; over more than three decades
+/// only the powers. The ends where fewer than two values lie between them.
 pub fn decades([low, high]: [f64; 2]) -> Vec<f64> {
     let powers = low.log10().floor() as i32..=high.log10().ceil() as i32;
     let times: &[f64] = if high / low > 1e3 {
@@ -74,7 +73,8 @@ pub fn decades([low, high]: [f64; 2]) -> Vec<f64> {
     }
 }
 
-/// Four significant figures without trailing zeros, powers of ten where it is very large or small.
+/// Four significant digits without trailing zeros; scientific notation for very large or small
+/// numbers.
 ///
 /// ```
 /// assert_eq!(kufe::plot::short(0.025), "0.025");

@@ -1,4 +1,4 @@
-//! Data of the pages of a contact and of a series.
+//! Data of the pages of a contact and of a series of contacts.
 
 use kufe_contact::PressureMap;
 use kufe_mesh::Hull;
@@ -13,38 +13,38 @@ use crate::results::{
 /// Data of the page of one contact.
 #[derive(Clone, Debug, Serialize)]
 pub struct ContactPage {
-    /// The peak pressure under which load.
+    /// Title: peak pressure, friction and load.
     pub title: String,
-    /// The folder or the case.
+    /// Name of the folder or the case.
     pub name: String,
-    /// The contact; its case without what has no effect.
+    /// The contact; its case lacks keys without effect.
     pub result: ContactResult,
-    /// The figures as people read them.
+    /// The formatted figures.
     pub figures: Vec<Figure>,
     /// The map of each part of the contact.
     pub maps: Vec<PackedGrid>,
-    /// The hull in place.
+    /// The hull after approach and tilt.
     pub hull: Option<PackedHull>,
 }
 
 /// Vertices and triangles of a hull.
 #[derive(Clone, Debug, Serialize)]
 pub struct PackedHull {
-    /// Vertices along the runner [m].
+    /// Coordinates of the vertices along the runner [m].
     pub x: Packed,
-    /// Vertices across [m].
+    /// Coordinates of the vertices across the runner [m].
     pub y: Packed,
-    /// Vertices upwards [m].
+    /// Heights of the vertices [m].
     pub z: Packed,
-    /// Vertices of each triangle.
+    /// Indices of the vertices of each triangle.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl ContactPage {
-    /// The data of a contact, on about `points` points along and across of all maps together.
+    /// The data of a contact; all maps together have about `points` points along and across.
     ///
     /// # Errors
-    /// Those of a number that JSON cannot state.
+    /// Those of a number that cannot be written as JSON.
     pub fn new(
         mut result: ContactResult,
         maps: &[PressureMap],
@@ -58,8 +58,8 @@ impl ContactPage {
         let mu = result.sliding.as_ref().map(|sliding| sliding.friction.mu);
         let mu = mu.map_or(String::new(), |mu| format!(", µ {mu}"));
         let share = (maps.len() as f64).sqrt();
-        let most = points.map(|count| (count as f64 / share) as usize);
-        let packed = maps.iter().map(|map| PackedGrid::thinned(map, most));
+        let points = points.map(|count| (count as f64 / share) as usize);
+        let packed = maps.iter().map(|map| PackedGrid::thinned(map, points));
         Ok(ContactPage {
             title: format!("{peak}{mu} under {load}"),
             name,
@@ -86,12 +86,12 @@ impl From<&Hull> for PackedHull {
 /// A quantity that a page draws.
 #[derive(Clone, Debug, Serialize)]
 pub struct DrawnQuantity {
-    /// Its keys and its label.
+    /// Keys and label.
     #[serde(flatten)]
     pub of: Description,
-    /// The unit in which its largest value is at least 1.
+    /// Display unit, in which the largest value is at least 1.
     pub unit: String,
-    /// How many of that make one SI unit.
+    /// Number of display units in one SI unit.
     pub times: f64,
 }
 
@@ -102,7 +102,7 @@ pub struct SeriesPage {
     pub name: String,
     /// The varied keys.
     pub keys: Vec<&'static str>,
-    /// The numbers that the page offers to draw.
+    /// The quantities that the page can draw.
     pub quantities: Vec<DrawnQuantity>,
     /// The contacts.
     pub rows: Vec<SeriesRow>,

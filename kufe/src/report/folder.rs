@@ -24,9 +24,9 @@ use crate::results::{
     ContactResult, Datum, DocumentKind, Evaluation, LateralFitDocument, SeriesRow, Validation,
 };
 
-/// The page of a folder, by default.
+/// Default file name of the page of a folder.
 pub const PAGE: &str = "report.html";
-/// The pictures of the model's tables, front and rear; a model without tables has none.
+/// Files of the pictures of the model's tables, front and rear; absent for a model without tables.
 pub const TABLE_PICTURES: [&str; 2] = ["table_front.png", "table_rear.png"];
 /// The file that lists runs.
 const INDEX: &str = "runs.csv";
@@ -45,34 +45,36 @@ const DOCUMENTS: [&str; 9] = [
     "quality.json",
 ];
 
-/// Longest document of a struct of its own: [`MOST_CONTACTS`] take 4 to 8 MB
+/// Largest size of a document that is read into a struct: [`MAX_CONTACTS`] take 4 to 8 MB [bytes].
+const MAX_BYTES: u64 = 1 << 24;
+/// Largest size of a document that is read as a tree, which takes sixty times as much memory
 /// [bytes].
-const LONGEST: u64 = 1 << 24;
-/// Longest document that is read as a tree, which takes sixty times as much memory [bytes].
-pub const LONGEST_TREE: u64 = 1 << 23;
-/// Longest page [bytes].
-const LONGEST_PAGE: u64 = 1 << 28;
-/// Points along and across of all maps together.
+pub const MAX_TREE_BYTES: u64 = 1 << 23;
+/// Largest size of a page [bytes].
+const MAX_PAGE_BYTES: u64 = 1 << 28;
+/// Number of points along and across of all maps together.
 const POINTS: [usize; 2] = [420, 260];
-/// More triangles than `hull.glb` has.
-const MOST_TRIANGLES: usize = 20_000;
-/// Most contacts and most runs of a page.
-const MOST_CONTACTS: usize = 5000;
-const MOST_RUNS: usize = 1000;
-/// Longest picture of a page [bytes], and most of them.
-const LONGEST_PICTURE: u64 = 1 << 23;
-const MOST_PICTURES: usize = 12;
+/// Largest number of triangles of a hull; `hull.glb` has fewer.
+const MAX_TRIANGLES: usize = 20_000;
+/// Largest number of contacts of a page.
+const MAX_CONTACTS: usize = 5000;
+/// Largest number of runs of a page.
+const MAX_RUNS: usize = 1000;
+/// Largest size of a picture of a page [bytes].
+const MAX_PICTURE_BYTES: u64 = 1 << 23;
+/// Largest number of pictures of a page.
+const MAX_PICTURES: usize = 12;
 
-/// The document in a JSON file of at most `longest` bytes.
+/// The document in a JSON file of at most `max_bytes`.
 ///
 /// # Errors
 /// [`Failure::BadInput`] with the file and the key.
-pub fn read_json<T: DeserializeOwned>(path: &Path, longest: u64) -> Result<T, Failure> {
-    let text = text_of_regular(path, longest).in_file(path)?;
+pub fn read_json<T: DeserializeOwned>(path: &Path, max_bytes: u64) -> Result<T, Failure> {
+    let text = text_of_regular(path, max_bytes).in_file(path)?;
     serde_json::from_str(&text).in_file(path)
 }
 
-/// The folder's own name, also where the path ends in `.`.
+/// The name of a folder, even if its path ends in `.`.
 fn folder_name(folder: &Path) -> String {
     let whole = folder.canonicalize().unwrap_or_else(|_| folder.into());
     let last = whole.file_name().unwrap_or(whole.as_os_str());
@@ -81,21 +83,21 @@ fn folder_name(folder: &Path) -> String {
 
 /// The page of a result.
 pub struct ResultPage {
-    /// What it shows.
+    /// Kind of the result.
     pub kind: &'static str,
-    /// Where it goes.
+    /// File of the page.
     pub file: PathBuf,
-    /// The page.
+    /// The page as HTML.
     pub html: String,
 }
 
-/// The page of a folder that a command has written, or of a lookup table (`.lut`). It goes to
-/// `out`, else to `report.html` in the folder or to the table's name with `.html`.
+/// The page of a folder that a command has written, or of a lookup table (`.lut`). Its file is
+/// `out`, or by default `report.html` in the folder, or the table's name with the ending `.html`.
 ///
-/// A page of runs links into the `view.html` of the folder, where there is one.
+/// A page of runs links into `view.html` of the folder, if this file exists.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where there is nothing to report on, or a file of it is broken.
+/// [`Failure::BadInput`] for a folder without results, or an invalid file.
 pub fn result_page(result: &Path, out: Option<&Path>) -> Result<ResultPage, Failure> {
     let wrong = |reason: &str| Failure::in_file(result, reason);
     let file = |default: PathBuf| out.map_or(default, Path::to_path_buf);
@@ -161,7 +163,7 @@ fn ends_in(path: &Path, ending: &str) -> bool {
     path.extension().is_some_and(|found| found == ending)
 }
 
-/// The contents of a folder without figures, and the command that shows them.
+/// The error of a folder without figures: its contents, and the command that shows them.
 fn without_page(folder: &Path, files: &[PathBuf]) -> String {
     let shown = folder.display();
     let table = files.iter().find(|path| ends_in(path, "lut"));
@@ -183,10 +185,10 @@ fn without_page(folder: &Path, files: &[PathBuf]) -> String {
     }
 }
 
-/// The page `name` that a command has written itself, with its links to the viewer's address.
+/// The page `name` that a command has written, with its links changed to the address of the viewer.
 fn written(folder: &Path, name: &str, viewer: Option<&str>) -> Result<String, Failure> {
     let path = folder.join(name);
-    let page = text_of_regular(&path, LONGEST_PAGE).in_file(&path)?;
+    let page = text_of_regular(&path, MAX_PAGE_BYTES).in_file(&path)?;
     Ok(match viewer {
         Some(viewer) => linked_to(&page, viewer),
         None => page,
@@ -195,7 +197,7 @@ fn written(folder: &Path, name: &str, viewer: Option<&str>) -> Result<String, Fa
 
 /// The page of a solved contact.
 fn contact(folder: &Path) -> Result<String, Failure> {
-    let result: ContactResult = read_json(&folder.join("result.json"), LONGEST)?;
+    let result: ContactResult = read_json(&folder.join("result.json"), MAX_BYTES)?;
     let maps = parted(read_map(&folder.join("pressure.exr"))?);
     let glb = folder.join("hull.glb");
     let hull = if glb.is_file() {
@@ -203,7 +205,7 @@ fn contact(folder: &Path) -> Result<String, Failure> {
     } else {
         None
     };
-    let hull = hull.filter(|hull| hull.triangles.len() <= MOST_TRIANGLES);
+    let hull = hull.filter(|hull| hull.triangles.len() <= MAX_TRIANGLES);
     let data = ContactPage::new(result, &maps, hull.as_ref(), POINTS, folder_name(folder))?;
     Ok(page(Kind::Press, &data.title, &data))
 }
@@ -211,9 +213,9 @@ fn contact(folder: &Path) -> Result<String, Failure> {
 /// The page of a series of contacts.
 fn series(folder: &Path) -> Result<String, Failure> {
     let path = folder.join("table.json");
-    let rows: Vec<SeriesRow> = read_json(&path, LONGEST)?;
-    if !(1..=MOST_CONTACTS).contains(&rows.len()) {
-        let reason = format!("{} steps: expected 1 to {MOST_CONTACTS}", rows.len());
+    let rows: Vec<SeriesRow> = read_json(&path, MAX_BYTES)?;
+    if !(1..=MAX_CONTACTS).contains(&rows.len()) {
+        let reason = format!("{} steps: expected 1 to {MAX_CONTACTS}", rows.len());
         return Err(Failure::in_file(&path, reason));
     }
     let name = folder_name(folder);
@@ -249,10 +251,10 @@ struct TablePicture {
 /// The page of an evaluation of drivers.
 fn evaluation(folder: &Path, viewer: Option<&str>) -> Result<String, Failure> {
     let path = folder.join("evaluation.json");
-    let evaluation: Evaluation = read_json(&path, LONGEST)?;
+    let evaluation: Evaluation = read_json(&path, MAX_BYTES)?;
     let count = evaluation.runs.len();
-    if count > MOST_RUNS {
-        let reason = format!("{count} runs: a page shows at most {MOST_RUNS}");
+    if count > MAX_RUNS {
+        let reason = format!("{count} runs: a page shows at most {MAX_RUNS}");
         return Err(Failure::in_file(&path, reason));
     }
     let mut tables = Vec::new();
@@ -277,12 +279,12 @@ fn index(folder: &Path) -> Result<String, Failure> {
     Ok(index_page(&folder_name(folder), folder, &entries)?)
 }
 
-/// The picture in a file; nothing without a file, and where its first bytes are not those of a PNG.
+/// The picture in a file; `None` if the file does not exist or is not a PNG.
 fn picture(path: &Path) -> Result<Option<Vec<u8>>, Failure> {
     if !path.is_file() {
         return Ok(None);
     }
-    let bytes = read_regular(path, LONGEST_PICTURE).in_file(path)?;
+    let bytes = read_regular(path, MAX_PICTURE_BYTES).in_file(path)?;
     Ok(Some(bytes).filter(|bytes| bytes.starts_with(b"\x89PNG\r\n\x1a\n")))
 }
 
@@ -292,14 +294,14 @@ fn documents(folder: &Path, files: &[PathBuf], viewer: Option<&str>) -> Result<S
     for name in DOCUMENTS {
         let path = folder.join(name);
         if path.is_file() {
-            let document: Datum = read_json(&path, LONGEST_TREE)?;
+            let document: Datum = read_json(&path, MAX_TREE_BYTES)?;
             let kind = DocumentKind::of(&document).map_or(name, |kind| kind.name);
             documents.push((kind.to_owned(), document.effective()));
         }
     }
     let mut pictures = Vec::new();
     let pngs = files.iter().filter(|path| ends_in(path, "png"));
-    for path in pngs.take(MOST_PICTURES) {
+    for path in pngs.take(MAX_PICTURES) {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let name = name.into_owned();
         pictures.extend(picture(path)?.map(|png| Picture { name, png }));
@@ -317,13 +319,12 @@ fn documents(folder: &Path, files: &[PathBuf], viewer: Option<&str>) -> Result<S
     Ok(results_page(heads, &pictures, &links, &documents))
 }
 
-/// The result of a fit or a validation in a sentence; nothing of other folders, and of documents
-/// of another form.
+/// The result of a fit or a validation in one sentence; `None` for other folders and documents.
 fn headline(folder: &Path) -> Option<String> {
-    let fit = read_json::<LateralFitDocument>(&folder.join("fit.json"), LONGEST_TREE);
+    let fit = read_json::<LateralFitDocument>(&folder.join("fit.json"), MAX_TREE_BYTES);
     let validation = || {
         let file = folder.join("validation.json");
-        read_json::<Validation>(&file, LONGEST_TREE).map(|validation| validation.headline())
+        read_json::<Validation>(&file, MAX_TREE_BYTES).map(|validation| validation.headline())
     };
     fit.map(|fit| fit.headline()).or_else(|_| validation()).ok()
 }
@@ -340,9 +341,10 @@ struct ReplayedRun {
     sections: Vec<Section>,
 }
 
-/// Links to a replayed run and to where it differs from the model; none of other simulations.
+/// Links to a replayed run and to the sections where it differs from the model; empty for other
+/// simulations.
 fn replay_links(path: &Path, viewer: &str) -> Result<Vec<String>, Failure> {
-    let record: ReplayRecord = read_json(path, LONGEST_TREE)?;
+    let record: ReplayRecord = read_json(path, MAX_TREE_BYTES)?;
     let Some(ReplayedRun { run, sections }) = record.replay else {
         return Ok(Vec::new());
     };

@@ -5,16 +5,16 @@ use serde::Serialize;
 
 use crate::results::{Packed, pack};
 
-/// Fields of a map as the page's scripts read them.
+/// Fields of a map in the form that scripts of pages read.
 #[derive(Clone, Debug, Serialize)]
 pub struct PackedGrid {
-    /// Columns.
+    /// Number of columns.
     pub nx: usize,
-    /// Rows.
+    /// Number of rows.
     pub ny: usize,
-    /// First column [m].
+    /// Coordinate of the first column [m].
     pub x0: f64,
-    /// First row [m].
+    /// Coordinate of the first row [m].
     pub y0: f64,
     /// Spacing of the columns [m].
     pub dx: f64,
@@ -29,17 +29,15 @@ pub struct PackedGrid {
 }
 
 impl PackedGrid {
-    /// At most about `most` columns and rows of a map, every k-th of them and the ones of the peak
-    /// among them.
+    /// Every k-th column and row of a map, about `max_points` at most, including those of the peak.
     ///
-    /// Values are taken, not averaged: what the page shows at a grid point is what the file
-    /// contains there.
-    pub fn thinned(map: &PressureMap, most: [usize; 2]) -> PackedGrid {
+    /// Values are selected, not averaged: at a grid point the page shows the value of the file.
+    pub fn thinned(map: &PressureMap, max_points: [usize; 2]) -> PackedGrid {
         let peak = (0..map.nx * map.ny)
             .max_by(|&a, &b| map.pressure[a].total_cmp(&map.pressure[b]))
             .unwrap_or(0);
-        let (columns, dx) = every(map.nx, most[0], peak % map.nx.max(1));
-        let (rows, dy) = every(map.ny, most[1], peak / map.nx.max(1));
+        let (columns, dx) = every(map.nx, max_points[0], peak % map.nx.max(1));
+        let (rows, dy) = every(map.ny, max_points[1], peak / map.nx.max(1));
         let taken = |values: &[f64]| {
             let rows = rows.iter();
             pack(rows.flat_map(|&j| columns.iter().map(move |&i| values[j * map.nx + i])))
@@ -59,9 +57,9 @@ impl PackedGrid {
     }
 }
 
-/// Every k-th of `0..count` with `retained` among them, at most `most` of them; and k.
-fn every(count: usize, most: usize, retained: usize) -> (Vec<usize>, usize) {
-    let stride = count.div_ceil(most.max(1)).max(1);
+/// Every k-th of `0..count`, at most `max_points` of them and including `retained`; and k.
+fn every(count: usize, max_points: usize, retained: usize) -> (Vec<usize>, usize) {
+    let stride = count.div_ceil(max_points.max(1)).max(1);
     ((retained % stride..count).step_by(stride).collect(), stride)
 }
 

@@ -1,11 +1,11 @@
-//! Parts of HTML that pages are composed of.
+//! HTML elements of pages.
 
 use crate::plot::{Figure, escape};
 
-/// Width of a picture on a phone.
+/// Width of a picture on a phone [pixels].
 const PHONE: f64 = 400.0;
 
-/// A picture for a page and for a phone: the page shows the one that fits.
+/// A picture in two widths, for wide pages and for phones; the page shows the one that fits.
 pub fn for_both(page: f64, figure: Figure) -> String {
     let svg = |width| {
         Figure {
@@ -18,7 +18,7 @@ pub fn for_both(page: f64, figure: Figure) -> String {
     format!("<div class=\"page\">{page}</div><div class=\"phone\">{phone}</div>\n")
 }
 
-/// Small print, a paragraph of text.
+/// A paragraph in small print.
 pub fn small(text: &str) -> String {
     format!("<p><small>{}</small></p>\n", escape(text))
 }
@@ -34,7 +34,7 @@ pub fn fold_with(attributes: &str, title: &str, inner: &str) -> String {
     format!("<details{attributes}><summary>{title}</summary>\n{inner}</details>\n")
 }
 
-/// Figures side by side, each with what it is.
+/// Figures side by side, each with its description.
 pub fn tiles<T: AsRef<str>>(figures: impl IntoIterator<Item = (T, T)>) -> String {
     let tile = |(figure, what): (T, T)| {
         let [figure, what] = [figure, what].map(|text| escape(text.as_ref()));
@@ -44,7 +44,7 @@ pub fn tiles<T: AsRef<str>>(figures: impl IntoIterator<Item = (T, T)>) -> String
     format!("<div class=\"tiles\">\n{tiles}</div>\n")
 }
 
-/// Columns of a table, `NAME|#NAME|..`: each name, and whether its `#` marks a column of numbers.
+/// Columns of a table from `NAME|#NAME|..`: each name, and whether a `#` marks a column of numbers.
 pub fn columns(names: &str) -> Vec<(&str, bool)> {
     let names = names.split('|');
     names
@@ -52,7 +52,7 @@ pub fn columns(names: &str) -> Vec<(&str, bool)> {
         .collect()
 }
 
-/// A table of cells in HTML; there is no head without `columns`.
+/// A table of HTML cells; without `columns` it has no header.
 pub fn table(
     columns: &[(&str, bool)],
     rows: impl IntoIterator<Item = impl AsRef<[String]>>,
@@ -90,7 +90,7 @@ pub fn shaded_table(
 
 /// A page of text, tables and pictures without scripts; `body` is HTML.
 ///
-/// Its content security policy permits what is in it.
+/// Its content security policy permits only its own styles and pictures.
 pub fn plain_page(title: &str, body: &str) -> String {
     const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; \
         base-uri 'none'; form-action 'none'";

@@ -9,7 +9,7 @@ use crate::jobs::gather::UNNAMED;
 use crate::report::results::results_page;
 use crate::results::{Data, Datum};
 
-/// A run as the page lists it; what an index does not state is absent.
+/// A row of the page; values that the index does not state are absent.
 #[derive(Serialize)]
 struct IndexRow<'a> {
     run: &'a str,
@@ -48,14 +48,14 @@ impl<'a> IndexRow<'a> {
     }
 }
 
-/// The page of the runs of an index in `folder`, called `name`: sessions, tracks and drivers with
-/// their numbers of runs, and each run.
+/// The page of the index `name` in `folder`: sessions, tracks and drivers with their numbers of
+/// runs, and each run.
 ///
 /// # Errors
-/// Those of a number that JSON cannot state.
+/// Those of a number that cannot be written as JSON.
 pub fn index_page(name: &str, folder: &Path, entries: &[Entry]) -> serde_json::Result<String> {
     let rows = entries.iter().map(|entry| IndexRow::new(entry, folder));
-    let counts = |key, of| counts(entries, key, of);
+    let counts = |key, field| counts(entries, key, field);
     let documents = [
         ("sessions", counts("session", |entry| &entry.session)),
         ("tracks", counts("track", |entry| &entry.track)),
@@ -69,15 +69,15 @@ pub fn index_page(name: &str, folder: &Path, entries: &[Entry]) -> serde_json::R
     Ok(results_page([&title, ""], &[], &[], &documents))
 }
 
-/// Names in the order in which they come, each with its number of runs.
-fn counts(entries: &[Entry], key: &str, of: fn(&Entry) -> &String) -> Datum {
+/// Distinct values of a field in the order of their first run, each with its number of runs.
+fn counts(entries: &[Entry], key: &str, field: fn(&Entry) -> &String) -> Datum {
     let row = |name: &String| {
-        let count = entries.iter().filter(|entry| of(entry) == name).count();
+        let count = entries.iter().filter(|entry| field(entry) == name).count();
         Datum::Group(Data::from([
             (key.to_owned(), Datum::Text(name.clone())),
             ("runs".to_owned(), Datum::Whole(count as i64)),
         ]))
     };
-    let names = distinct(entries.iter().map(of));
+    let names = distinct(entries.iter().map(field));
     Datum::List(names.into_iter().map(row).collect())
 }

@@ -1,19 +1,19 @@
 //! Results as one self-contained page.
 //!
-//! A page is one HTML file that needs no network: its data, style, scripts and, where it turns
-//! bodies in space, the library three.js are all in it. Text of users and files becomes text: in
-//! HTML, in SVG and within the script of the data it passes one escaping function. The content
-//! security policy allows the page's own script alone.
+//! A page is one HTML file that needs no network: it contains its data, style, scripts and, for
+//! three-dimensional views, the library three.js. Text of users and files is escaped in HTML, in
+//! SVG and within the script of the data. The content security policy allows only the script of the
+//! page.
 //!
 //! | item | purpose |
 //! |---|---|
 //! | [`page`] | the whole page of one [`Kind`] from its title and data |
-//! | [`discovery_page`] | the findings of a search for missing effects: tables and diagrams without scripts |
-//! | [`results_page`] | any other document: its pictures, and its figures as tables |
+//! | [`discovery_page`] | findings of a search for missing effects: tables and diagrams without scripts |
+//! | [`results_page`] | any other document: pictures, and figures as tables |
 //! | [`result_page`] | the page of a folder that a command has written, or of a lookup table |
 //! | [`ViewedPart`] | a link into the page of recorded runs |
-//! | [`record_page`] | faults and oddities of recorded runs, worst first, without scripts |
-//! | [`run_findings`] | each fault and oddity once, with its runs |
+//! | [`record_page`] | faults and anomalies of recorded runs, worst first, without scripts |
+//! | [`run_findings`] | each fault and anomaly once, with its runs |
 //! | [`index_page`] | an index of runs |
 //! | [`PackedGrid`] | fields on a regular grid, thinned and packed for a page |
 //! | [`ContactPage`], [`SeriesPage`], [`TablePage`], [`RunsPage`] | the data of four kinds |
@@ -41,7 +41,7 @@ mod viewer;
 
 pub use contact::{ContactPage, PackedHull, SeriesPage};
 pub use discovery::discovery_page;
-pub use folder::{LONGEST_TREE, PAGE, ResultPage, TABLE_PICTURES, read_json, result_page};
+pub use folder::{MAX_TREE_BYTES, PAGE, ResultPage, TABLE_PICTURES, read_json, result_page};
 pub use grid::PackedGrid;
 pub use index::index_page;
 pub use page::{Kind, page};

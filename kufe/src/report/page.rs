@@ -1,4 +1,4 @@
-//! The page itself.
+//! Pages with scripts: template, style, scripts and data in one HTML file.
 
 use std::sync::OnceLock;
 
@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::plot::escape;
 
-/// What a page shows; each kind has its script.
+/// Kind of a page; each kind has its script.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// One solved contact.
@@ -42,7 +42,7 @@ const RUNS: &str = include_str!("../../assets/runs.js");
 const VIEW: &str = include_str!("../../assets/view.js");
 
 impl Kind {
-    /// The scripts in the order in which they need each other.
+    /// The scripts in the order of their dependencies.
     fn scripts(self) -> &'static [&'static str] {
         match self {
             Kind::Press => &[THREE, BASE, CHART, HEAT_MAP, SCENE, CONTACT, PRESS],
@@ -61,8 +61,8 @@ impl Kind {
 
     /// The content security policy of the page.
     ///
-    /// It allows the page's own script by its digest, and no other: neither an inline event
-    /// handler nor a script that data bring in. The page may ask the server that it came from.
+    /// It allows only the page's script, by its digest: no inline event handler and no script
+    /// within the data. The page may send requests to its own server.
     pub fn policy(self) -> String {
         static DIGESTS: [OnceLock<String>; 6] = [const { OnceLock::new() }; 6];
         let digest = DIGESTS[self as usize].get_or_init(|| {
@@ -90,7 +90,7 @@ const VERSION: &str = concat!("kufe ", env!("CARGO_PKG_VERSION"));
 pub fn page(kind: Kind, title: &str, data: &impl Serialize) -> String {
     let (script, policy) = (kind.script(), kind.policy());
     let style = [STYLE, PICTURE].concat();
-    // The data come last: a text in them that has the form of a slot is not filled.
+    // The data are the last slot: a text in them that has the form of a slot is not replaced.
     let slots = [
         ("{{policy}}", policy.as_str()),
         ("{{title}}", &escape(title)),
@@ -113,7 +113,7 @@ pub fn page(kind: Kind, title: &str, data: &impl Serialize) -> String {
     html + rest
 }
 
-/// JSON within a script element: no text in it ends the element or begins another.
+/// JSON for a script element, escaped so that no text ends the element or begins another.
 fn embedded(data: &impl Serialize) -> String {
     let text = serde_json::to_string(data).expect("data of a page are plain structs");
     text.replace('<', "\\u003c").replace('>', "\\u003e")

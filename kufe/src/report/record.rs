@@ -1,5 +1,5 @@
-//! The page of recorded runs: what is wrong, what is odd, what to do, and the properties of every
-//! channel.
+//! The page of a check of recorded runs: faults, anomalies and remedies, and the properties of
+//! every channel.
 
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
@@ -12,9 +12,9 @@ use crate::report::html::{columns, fold, fold_with, for_both, plain_page, small,
 use crate::report::viewer::{Stretch, ViewedPart, viewer_links};
 use crate::results::RunCheck;
 
-/// The page of `check.json`: one HTML file without scripts. A summary comes first, each finding
-/// once with the runs that it is in, then the runs, the worst first. `curves` are those of each
-/// run. `viewer` is the address of the page that shows the runs, where there is one.
+/// The page of `check.json`: one HTML file without scripts. It begins with a summary, which lists
+/// each finding once with its runs; the runs follow, the worst first. `curves` are the curves of
+/// each run. `viewer` is the address of the page of the runs, if it exists.
 pub fn record_page(check: &RunCheck, curves: &[Vec<OddCurve>], viewer: Option<&str>) -> String {
     let count = check.runs.len();
     let verdict = match check.wrong {
@@ -66,7 +66,7 @@ pub fn record_page(check: &RunCheck, curves: &[Vec<OddCurve>], viewer: Option<&s
     plain_page("Recorded runs", &out)
 }
 
-/// A link to what is odd in a run, as its curve shows it, or to the whole run.
+/// A link to the stretch of a run that its curve shows, or to the whole run.
 fn finding_link(
     viewer: &str,
     run: &str,
@@ -84,21 +84,21 @@ fn finding_link(
     part.link(viewer, run)
 }
 
-/// A finding and the runs that have it.
+/// A finding with its runs.
 pub struct RunFinding<'a> {
-    /// Wrong or odd.
+    /// "wrong" or "odd".
     pub class: &'static str,
-    /// The first channel, none of the whole run.
+    /// The first channel; `None` for a finding about the whole run.
     pub column: Option<&'a String>,
-    /// The channels and what they are.
+    /// Heading: the channels and what they resemble.
     pub head: String,
     /// The evidence in the first run.
     pub what: &'a str,
-    /// What to do.
+    /// Remedy.
     pub mend: &'a str,
-    /// The part of a run that it costs, about; 1 of faults.
+    /// Approximate fraction of the run that is lost; 1 for faults.
     pub weight: f64,
-    /// Places in the list of runs, the worst first.
+    /// Indices of the runs, the worst first.
     pub runs: Vec<usize>,
 }
 
@@ -142,8 +142,8 @@ fn findings_of(number: usize, run: &Examination) -> Vec<RunFinding<'_>> {
     refused.chain(faults).chain(notes).collect()
 }
 
-/// Findings of all runs, those that differ only in their numbers as one; what is wrong comes first,
-/// then what is in most runs.
+/// Findings of all runs; findings that differ only in their numbers are merged. Faults come first,
+/// then the findings with most runs.
 pub fn run_findings(runs: &[Examination]) -> Vec<RunFinding<'_>> {
     let words = |text: &str| text.replace(|c: char| c.is_ascii_digit() || c == '.', "");
     let mut all: Vec<RunFinding> = Vec::new();
@@ -164,7 +164,7 @@ pub fn run_findings(runs: &[Examination]) -> Vec<RunFinding<'_>> {
     all
 }
 
-/// A run: its findings in a line each, and its channels, folded.
+/// A folded section of a run: its findings, one per line, and a table of its channels.
 fn one_run(number: usize, run: &Examination, viewer: Option<&str>) -> String {
     let own = findings_of(number, run);
     let wrong = own.iter().filter(|one| one.class == "wrong").count();
@@ -233,10 +233,10 @@ fn row(name: &str, channel: &Profile) -> [String; 10] {
     ]
 }
 
-/// Most names of runs that are shown at once.
-const MOST_NAMES: usize = 6;
+/// Largest number of run names that are shown unfolded.
+const MAX_NAMES: usize = 6;
 
-/// A finding with its runs and the curve of its channel in the first of them.
+/// A finding with its runs, and the curve of its channel in the first run.
 fn entry(
     finding: &RunFinding,
     runs: &[Examination],
@@ -254,7 +254,7 @@ fn entry(
     let (first, count) = (name(finding.runs[0]), links.len());
     let links = links.join(", ");
     out += &match count {
-        ..=MOST_NAMES => format!("<p>In {links}</p>\n"),
+        ..=MAX_NAMES => format!("<p>In {links}</p>\n"),
         _ => {
             let title = format!("In {count} runs; the numbers are those of {first}");
             fold(&title, &format!("<p>{links}</p>"))

@@ -24,11 +24,11 @@ struct Channel {
     key: String,
     label: String,
     unit: String,
-    /// Shown units in one of the column.
+    /// Number of display units in one unit of the column.
     times: f64,
 }
 
-/// Channels that come first: what a driver reads.
+/// Channels that are listed first, as the most relevant for drivers.
 const FIRST: [&str; 6] = [
     "v_mps",
     "delta_rad",
@@ -39,17 +39,17 @@ const FIRST: [&str; 6] = [
 ];
 
 impl RunsPage {
-    /// Most values of a page of 15 MB: of 16 bits each, in base64.
-    pub const MOST_VALUES: usize = 5_500_000;
+    /// Largest number of values of a page of 15 MB: 16 bits each, in base64.
+    pub const MAX_VALUES: usize = 5_500_000;
 
-    /// Of the runs with these channels.
+    /// The data of the page of these runs.
     pub fn new(viewed: ViewedRuns) -> RunsPage {
         let runs = viewed.runs.iter();
         let keys = runs.flat_map(|run| run.columns.keys().chain(run.model.keys()));
-        let there: BTreeSet<&str> = keys.map(String::as_str).collect();
+        let present: BTreeSet<&str> = keys.map(String::as_str).collect();
         let known = FIRST.into_iter().chain(COLUMNS).chain([BEHIND]);
-        let known = known.filter(|key| there.contains(key));
-        let keys = distinct(known.chain(there.iter().copied()));
+        let known = known.filter(|key| present.contains(key));
+        let keys = distinct(known.chain(present.iter().copied()));
         RunsPage {
             channels: keys.into_iter().map(channel).collect(),
             viewed,

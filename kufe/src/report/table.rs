@@ -9,12 +9,12 @@ use serde::Serialize;
 use crate::plot::{Scale, shown_unit};
 use crate::results::{AxisRange, CaseRecord, Description};
 
-/// Most forces, curvatures and layers (rocker radii, speeds, temperatures of the ice) that the page
-/// carries; more are thinned.
-const MOST: [usize; 3] = [60, 60, 30];
+/// Largest numbers of forces, curvatures and layers (rocker radii, speeds, temperatures of the ice)
+/// of the page; longer axes are thinned.
+const MAX_SIZES: [usize; 3] = [60, 60, 30];
 
-/// Most checks that the page carries: those with the largest errors.
-const MOST_CHECKS: usize = 300;
+/// Largest number of checks of the page: those with the largest errors.
+const MAX_CHECKS: usize = 300;
 
 /// Data of the page of a table.
 #[derive(Clone, Debug, Serialize)]
@@ -48,14 +48,14 @@ pub struct TablePage<'a> {
 struct QuantityData {
     name: &'static str,
     label: &'static str,
-    /// What the page shows its numbers in, and how many of it make one SI unit.
+    /// Display unit, and the number of display units in one SI unit.
     unit: String,
     times: f64,
     /// Largest measured error by mode.
     errors: BTreeMap<&'static str, Option<f64>>,
     /// Values by layer, force and curvature.
     values: Vec<Vec<Vec<f64>>>,
-    /// Relative errors of the solver in the same order, where they are known.
+    /// Relative errors of the solver in the order of `values`, if they are known.
     solver: Option<Vec<Vec<Vec<f64>>>>,
     /// Relative error of smooth interpolation at the checks of the page.
     check_errors: Vec<Option<f64>>,
@@ -69,7 +69,7 @@ struct AxisData {
     range: AxisRange,
 }
 
-/// Where a check is.
+/// Coordinates of a check.
 #[derive(Clone, Debug, Serialize)]
 struct CheckPlace {
     fz: f64,
@@ -79,23 +79,23 @@ struct CheckPlace {
 }
 
 impl<'a> TablePage<'a> {
-    /// Of a table that is shown by this name.
+    /// The data of a table; `name` is its name on the page.
     ///
     /// # Errors
     /// Those of the interpolation at the checks.
     pub fn new(table: &'a Table, name: &'a str) -> Result<Self, Error> {
         let axes = table.axes();
         let taken = [
-            thinned(axes.fz().len(), MOST[0]),
-            thinned(axes.curvature().len(), MOST[1]),
-            thinned(axes.layers(), MOST[2]),
+            thinned(axes.fz().len(), MAX_SIZES[0]),
+            thinned(axes.curvature().len(), MAX_SIZES[1]),
+            thinned(axes.layers(), MAX_SIZES[2]),
         ];
         let pick = |values: &[f64], which: &[usize]| which.iter().map(|&k| values[k]).collect();
         let (layered, layers) = layers(axes, &taken[2]).unzip();
         let judged = table.check_errors(table.judged(), Mode::Smooth)?;
         let mut worst: Vec<usize> = (0..judged.len()).collect();
         worst.sort_by(|&a, &b| judged[b].partial_cmp(&judged[a]).unwrap_or(Ordering::Equal));
-        worst.truncate(MOST_CHECKS);
+        worst.truncate(MAX_CHECKS);
         let checks = worst.iter().map(|&k| table.checks()[k].point);
         let checks = checks.map(|point| CheckPlace {
             fz: point.fz,
@@ -155,7 +155,8 @@ impl<'a> TablePage<'a> {
     }
 }
 
-/// Names of the axes besides force and curvature, and of each of their combinations that is taken.
+/// Names of the axes other than force and curvature, and the name of each selected combination of
+/// their coordinates.
 fn layers(axes: &Axes, taken: &[usize]) -> Option<(String, Vec<String>)> {
     let titles = [
         ("rocker radius", axes.rocker_radius()),

@@ -9,19 +9,19 @@ use crate::plot::escape;
 /// The page of recorded runs, in the folder of the pages that link to it.
 pub const VIEWER: &str = "view.html";
 
-/// Characters that an address states by their bytes: it then has none that HTML would read.
+/// Characters that are percent-encoded in addresses, among them all that are special in HTML.
 const ENCODED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'.').remove(b'_');
 
 /// A part of the page of recorded runs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ViewedPart<'a> {
-    /// The runs; those that the page selects where empty.
+    /// The runs; if empty, the page selects them.
     pub runs: &'a [&'a str],
-    /// The track, where no run is stated.
+    /// The track, if no run is stated.
     pub track: Option<&'a str>,
-    /// A channel that is shown first.
+    /// The channel that is shown first.
     pub channel: Option<&'a str>,
-    /// What is shown; the whole runs where absent.
+    /// The stretch that is shown; `None` shows the whole runs.
     pub stretch: Option<Stretch>,
 }
 
@@ -35,11 +35,11 @@ pub enum Stretch {
 }
 
 impl Stretch {
-    /// Distances [m] and what lies before and after them.
+    /// A stretch from `from` to `to` [m] with margins of its own length, at least 10 m.
     pub fn around(from: f64, to: f64) -> Stretch {
-        const LEAST_M: f64 = 10.0;
-        let more = (to - from).max(LEAST_M);
-        Stretch::Distance(from - more, to + more)
+        const MIN_MARGIN_M: f64 = 10.0;
+        let margin = (to - from).max(MIN_MARGIN_M);
+        Stretch::Distance(from - margin, to + margin)
     }
 }
 

@@ -18,7 +18,7 @@ pub struct HullCheck {
     pub up: String,
     /// The file's axis that points forward, or backward: the shape does not show which.
     pub forward: String,
-    /// Rotation about z into runner axes; `None` where the shape does not determine it [rad].
+    /// Rotation about z into runner axes; `None` if the shape does not determine it [rad].
     pub yaw_rad: Option<Estimate>,
     /// Rotation about y [rad].
     pub pitch_rad: Option<Estimate>,
@@ -50,7 +50,7 @@ pub struct HullCheck {
     pub noise_m: f64,
     /// Standard deviation of the noise that would not be detected [m].
     pub unseen_noise_m: f64,
-    /// Results for each load; `None` where no smooth underside could be fitted.
+    /// Results for each load; `None` if no smooth underside could be fitted.
     pub loads: Option<Vec<ResolvedLoad>>,
     /// Why no smooth underside could be fitted.
     pub no_underside: Option<String>,
@@ -75,7 +75,7 @@ pub struct ResolvedLoad {
     pub p_max_error: f64,
     /// Estimated error of the surface within the contact [m].
     pub error_m: f64,
-    /// The sampling that would suffice; `None` where the present one does.
+    /// The sampling that would suffice; `None` if the present one does.
     pub enough: Option<Sampling>,
     /// The sampling that would halve the error of the peak.
     pub halves: Sampling,

@@ -309,7 +309,7 @@ pub struct SubsurfaceResult {
     pub x_m: f64,
     /// Position of the line across the runner [m].
     pub y_m: f64,
-    /// The largest shear stress; absent where it does not lie under the surface.
+    /// The largest shear stress; absent if it does not lie under the surface.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub shear: Option<ShearResult>,
     /// Largest shear stress on the finest mesh [Pa].

@@ -77,7 +77,7 @@ impl Datum {
         }
     }
 
-    /// The data by key; `None` where it is not a group.
+    /// The data by key; `None` if it is not a group.
     pub fn group(&self) -> Option<&Data> {
         match self {
             Datum::Group(data) => Some(data),

@@ -105,7 +105,7 @@ pub struct Step {
     pub law: Option<String>,
     /// p-value, corrected for all effects that were tested.
     pub p_value: f64,
-    /// p-value if runs are independent; absent where it was computed otherwise.
+    /// p-value if runs are independent; absent if it was computed otherwise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub p_runs: Option<f64>,
     /// p-value if sessions are independent and the runs of a session may share a fault; absent with
@@ -348,7 +348,7 @@ pub struct ByRun {
     /// p-value of the difference between sessions before any effect was added; 1 where it is
     /// unknown.
     pub sessions_differ_before: f64,
-    /// p-value of the difference between sessions after the last step; 1 where it is unknown.
+    /// p-value of the difference between sessions after the last step; 1 if it is unknown.
     pub sessions_differ_after: f64,
     /// Runs, session by session.
     pub runs: Vec<RunMean>,
@@ -462,7 +462,7 @@ pub struct NextRuns {
     pub air_c: f64,
     /// Air pressure \[Pa\].
     pub air_pa: f64,
-    /// Relative humidity \[%\], where it is known.
+    /// Relative humidity \[%\], if it is known.
     pub humidity_pct: Option<f64>,
     /// Noise of the sensors, if a better sensor is proposed.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -480,7 +480,7 @@ pub struct NextRuns {
 pub struct Picture {
     /// Title.
     pub title: String,
-    /// Meaning of the marks; empty where the legend states it.
+    /// Meaning of the marks; empty if the legend states it.
     pub caption: String,
     /// Contents.
     pub plot: Plot,
@@ -545,7 +545,7 @@ pub struct Maps {
     pub measured: Map,
     /// Simulation before any effect was added [Pa].
     pub before: Vec<f64>,
-    /// Simulation after the last step [Pa]; empty where no effect was added.
+    /// Simulation after the last step [Pa]; empty if no effect was added.
     pub after: Vec<f64>,
 }
 
@@ -562,7 +562,7 @@ pub struct Peak {
     pub sd: f64,
     /// Simulation before any effect was added [Pa].
     pub before: f64,
-    /// Simulation after the last step [Pa]; `None` where no effect was added.
+    /// Simulation after the last step [Pa]; `None` if no effect was added.
     pub after: Option<f64>,
 }
 
@@ -597,7 +597,7 @@ pub struct Series {
     pub name: String,
     /// Values.
     pub y: Vec<f64>,
-    /// Standard deviations of the values; empty where they are not drawn.
+    /// Standard deviations of the values; empty if they are not drawn.
     pub sd: Vec<f64>,
 }
 

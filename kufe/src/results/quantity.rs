@@ -34,7 +34,7 @@ pub trait ResultQuantity: Copy {
 pub struct Measured<Q> {
     /// The value, in SI units.
     pub value: f64,
-    /// The error, in SI units; NaN where it is unknown.
+    /// The error, in SI units; NaN if it is unknown.
     pub error: f64,
     quantity: PhantomData<Q>,
 }

@@ -18,7 +18,7 @@ pub struct SeriesRow {
     /// The varied keys of the case.
     #[serde(flatten)]
     pub varied: VariedKeys,
-    /// The numbers of the contact; absent where it has no solution.
+    /// The numbers of the contact; absent if it has no solution.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub result: Option<SeriesResult>,
     /// Why there is no solution, or why the requested accuracy was not reached.

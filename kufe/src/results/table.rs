@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 
 use crate::plot::extent;
 
-/// Largest relative error of an interpolation; `None` where it was not measured.
+/// Largest relative error of an interpolation; `None` if it was not measured.
 fn error(table: &Table, quantity: Quantity, mode: Mode) -> Result<Option<f64>, Error> {
     let measured = table.interpolation_error(quantity, mode)?;
     Ok(measured.map(|measured| measured.max))
@@ -24,11 +24,11 @@ pub struct TableSummary {
     pub fz_values: usize,
     /// Breakpoints of the curvature.
     pub curvature_values: usize,
-    /// Breakpoints of the rocker radius, where it is an axis.
+    /// Breakpoints of the rocker radius, if it is an axis.
     pub rocker_radius_values: Option<usize>,
-    /// Breakpoints of the speed, where it is an axis.
+    /// Breakpoints of the speed, if it is an axis.
     pub v_values: Option<usize>,
-    /// Breakpoints of the temperature of the ice, where it is an axis.
+    /// Breakpoints of the temperature of the ice, if it is an axis.
     pub ice_values: Option<usize>,
     /// Points between the nodes at which the interpolation was measured.
     pub checks: usize,
@@ -161,10 +161,10 @@ pub struct QuantityRange {
     pub min: f64,
     /// Largest value at a node.
     pub max: f64,
-    /// Error of smooth interpolation; `None` where it was not measured.
+    /// Error of smooth interpolation; `None` if it was not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub smooth_error: Option<f64>,
-    /// Error of bilinear interpolation; `None` where it was not measured.
+    /// Error of bilinear interpolation; `None` if it was not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bilinear_error: Option<f64>,
 }
@@ -226,10 +226,10 @@ pub struct TableLookup {
     pub fz_n: f64,
     /// Curvature of the track [1/m].
     pub curvature_1pm: f64,
-    /// Speed, where it is an axis [m/s].
+    /// Speed, if it is an axis [m/s].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub v_mps: Option<f64>,
-    /// Temperature of the ice, where it is an axis [deg C].
+    /// Temperature of the ice, if it is an axis [deg C].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ice_c: Option<f64>,
     /// The interpolation.

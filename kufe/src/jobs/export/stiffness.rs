@@ -42,7 +42,7 @@ impl AssembledStiffness {
     /// accuracy.
     ///
     /// # Errors
-    /// Those of the solver; [`Failure::BadInput`] where the matrix is too large.
+    /// Those of the solver; [`Failure::BadInput`] if the matrix is too large.
     pub fn solve(loaded: &LoadedCase, cells: Option<usize>) -> Result<Self, Failure> {
         let options = Options {
             cells,

@@ -110,7 +110,7 @@ fn sort_attributes(bytes: &mut [u8]) {
 /// Reads the channels `p`, `gap` and `uz` with their place in metres.
 ///
 /// # Errors
-/// [`Failure::BadInput`] where the file is no EXR image with a place, has fewer than 2 x 2 pixels,
+/// [`Failure::BadInput`] if the file is no EXR image with a place, has fewer than 2 x 2 pixels,
 /// lacks a channel or an attribute, or has values that are not finite numbers.
 pub fn read_map(path: &Path) -> Result<PressureMap, Failure> {
     let image = ExrImage::load(path)?;

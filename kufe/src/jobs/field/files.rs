@@ -40,7 +40,7 @@ impl NewFiles<'_> {
     /// Writes the file `name` with a function that takes the file.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] with the path where the file cannot be written, its name is not plain,
+    /// [`Failure::BadInput`] with the path if the file cannot be written, its name is not plain,
     /// or it was written before.
     pub fn write<E: Display>(
         &self,

@@ -122,7 +122,7 @@ impl Contact {
     /// The solution, to the requested accuracy.
     ///
     /// # Errors
-    /// As [`best`](Self::best); [`Failure::NotConverged`] where the accuracy is not reached.
+    /// As [`best`](Self::best); [`Failure::NotConverged`] if the accuracy is not reached.
     pub fn solve(self) -> Result<SolvedContact, Failure> {
         let mut solved = self.best(&Watch::default())?;
         solved.short.take().map_or(Ok(solved), Err)
@@ -133,7 +133,7 @@ impl Contact {
     ///
     /// # Errors
     /// [`Failure::BadInput`] for the case and a hull that is too coarse for its load,
-    /// [`Failure::NotConverged`] where there is no solution, [`Failure::Partial`] where it was
+    /// [`Failure::NotConverged`] if there is no solution, [`Failure::Partial`] if it was
     /// stopped.
     pub fn best(self, watch: &Watch) -> Result<SolvedContact, Failure> {
         let Contact { loaded, options } = self;
@@ -162,14 +162,14 @@ pub struct SolvedContact {
     pub spacing_error: Option<HullError>,
     /// The stress under the peak, where [`Options::subsurface`] requests it.
     pub line: Option<CentreLine>,
-    /// The contact by boundary elements; `None` where the runner slides.
+    /// The contact by boundary elements; `None` if the runner slides.
     pub check: Option<Check>,
     /// Groove, film and friction, where the case slides.
     pub sliding: Option<SolvedSliding>,
     /// Wall time of the solve [s].
     pub seconds: f64,
     /// Why the requested accuracy was not reached; the solution is then the best one, with its
-    /// error. `None` where it was reached.
+    /// error. `None` if it was reached.
     pub short: Option<Failure>,
     /// The content of the case's files: [`LoadedCase::content`].
     pub content: String,
@@ -193,7 +193,7 @@ impl Prepared {
     /// Reads the case's files and fits its hull.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the hull cannot be obtained, or the case is out of range.
+    /// [`Failure::BadInput`] if the hull cannot be obtained, or the case is out of range.
     pub fn of(loaded: &LoadedCase, watch: &Watch) -> Result<Self, Failure> {
         let content = loaded.content()?;
         if loaded.case.runner.hull.is_some() || loaded.case.runner.mesh.is_some() {
@@ -212,7 +212,7 @@ impl Prepared {
     /// The problem of a case with this runner.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the case is out of range.
+    /// [`Failure::BadInput`] if the case is out of range.
     pub fn problem(&self, loaded: &LoadedCase) -> Result<Problem, Failure> {
         loaded.valid(loaded.case.problem_of(self.runner.clone(), &loaded.base))
     }

@@ -25,7 +25,7 @@ pub struct HullError {
 }
 
 /// Undersides of simulated scans: vertices on the hull's fitted surface, displaced by noise and
-/// fitted on the knots of the scan. `None` where there is no scan, or a fit fails.
+/// fitted on the knots of the scan. `None` if there is no scan, or a fit fails.
 ///
 /// The noise is the largest of the noise found in the hull, the noise that its spacing may hide,
 /// and the residual of its fit.

@@ -101,7 +101,7 @@ pub struct SolvedGroove {
     pub solution: SlidingSolution,
     /// Pressure at which the ice yields.
     pub hardness: Hardness,
-    /// Why the requested accuracy was not reached; `None` where it was reached.
+    /// Why the requested accuracy was not reached; `None` if it was reached.
     pub short: Option<Failure>,
 }
 
@@ -227,7 +227,7 @@ impl<'a> Ploughing<'a> {
     }
 
     /// The groove in ice of another hardness [Pa], and why the requested accuracy was not reached
-    /// (`None` where it was).
+    /// (`None` if it was).
     ///
     /// # Errors
     /// As [`groove`](Self::groove).

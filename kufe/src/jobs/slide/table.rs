@@ -26,8 +26,8 @@ pub struct SolvedTable {
 /// conditions are those of the case's `[sliding]`, or its defaults.
 ///
 /// # Errors
-/// [`Failure::BadInput`] for the case, a speed and a temperature, [`Failure::NotConverged`] where a
-/// groove or a film has no solution, [`Failure::Partial`] where it was stopped.
+/// [`Failure::BadInput`] for the case, a speed and a temperature, [`Failure::NotConverged`] if a
+/// groove or a film has no solution, [`Failure::Partial`] if it was stopped.
 pub fn friction_table(
     loaded: &LoadedCase,
     speeds: &[f64],

@@ -1,4 +1,4 @@
-//! Lookup tables: the file that specifies one, and the contacts that fill it.
+//! Lookup tables: the file that specifies a table, and the solver of its points.
 
 mod plan_file;
 mod points;

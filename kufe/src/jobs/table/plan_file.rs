@@ -1,5 +1,5 @@
-//! The folder of a plan: `plan.json` with the points of one round, the scripts that run its shards,
-//! and `points/` with their results.
+//! The folder of a plan: `plan.json` with the points of one round, the scripts that run the shards,
+//! and the folder `points` with the results.
 
 use std::path::Path;
 
@@ -10,10 +10,10 @@ use crate::jobs::failure::{Failure, Located};
 
 /// The value of the key `format`.
 const FORMAT: &str = "kufe-lut-plan";
-/// Most bytes of `plan.json`.
+/// Maximum size of `plan.json` [bytes].
 const MAX_BYTES: u64 = 256 << 20;
 
-/// The points of one round of a sweep, as `plan.json` has them.
+/// The content of `plan.json`: the points of one round of a sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanFile {
@@ -22,7 +22,7 @@ pub struct PlanFile {
     pub origin: Origin,
     /// The table file that was planned.
     pub table: String,
-    /// Number of the round, from 1; given points need one.
+    /// Number of the round, from 1. Axes of given values need one round.
     pub round: usize,
     /// Number of shards into which the scripts cut the points.
     pub shards: usize,
@@ -31,10 +31,10 @@ pub struct PlanFile {
 }
 
 impl PlanFile {
-    /// Names of the files of a plan.
+    /// Names of the files of a plan: the points and the scripts for Slurm and GNU parallel.
     pub const NAMES: [&str; 3] = ["plan.json", "slurm.sh", "parallel.sh"];
 
-    /// A round of a sweep.
+    /// The plan of one round of a sweep.
     pub fn new(
         origin: Origin,
         table: String,
@@ -52,10 +52,11 @@ impl PlanFile {
         }
     }
 
-    /// Names and texts of `plan.json` and the scripts that run the shards of a folder.
+    /// Names and texts of `plan.json` and of the scripts that run the shards in a folder.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the folder does not exist or the scripts cannot name it.
+    /// [`Failure::BadInput`] if the folder does not exist or its name cannot be written in a
+    /// script.
     pub fn files(&self, folder: &Path) -> Result<[(&'static str, String); 3], Failure> {
         let absolute = folder.canonicalize().in_file(folder)?;
         let kufe = std::env::current_exe().in_file(folder)?;
@@ -66,7 +67,7 @@ impl PlanFile {
         Ok([(first, plan), (second, slurm), (third, parallel)])
     }
 
-    /// Reads `plan.json` of a folder.
+    /// Reads `plan.json` in a folder.
     ///
     /// # Errors
     /// [`Failure::BadInput`] with the file and the place in it.
@@ -83,18 +84,18 @@ impl PlanFile {
         Ok(plan)
     }
 
-    /// The points of shard `index` (from 1) of `count`: neighbours stay together.
+    /// The points of shard `index` (from 1) of `count`; a shard is a run of consecutive points.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where `index` is not within 1 to `count`.
+    /// [`Failure::BadInput`] if `index` is not within 1 to `count`.
     pub fn shard(&self, index: usize, count: usize) -> Result<&[Point], Failure> {
         if index == 0 || index > count {
             return Err(Failure::BadInput(format!(
                 "shard {index}/{count}: expected 1/{count} to {count}/{count}"
             )));
         }
-        let at = |n: usize| (n as u128 * self.points.len() as u128 / count as u128) as usize;
-        Ok(&self.points[at(index - 1)..at(index)])
+        let start = |n: usize| (n as u128 * self.points.len() as u128 / count as u128) as usize;
+        Ok(&self.points[start(index - 1)..start(index)])
     }
 }
 

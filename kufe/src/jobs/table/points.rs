@@ -1,8 +1,8 @@
-//! Solved points of a sweep on disk: an append-only file, a JSON line a point.
+//! Solved points of a sweep on disk: a file to which one line of JSON per point is appended.
 //!
-//! A line is written in one piece and flushed to the disk, so that a process that dies keeps every
-//! finished point. Each line has its origin and a checksum. A last line without its end was
-//! interrupted and is not counted.
+//! Each line is written at once and flushed to the disk, so that no finished point is lost when the
+//! process is killed. A line contains the origin and a checksum. A last line without line end was
+//! interrupted and is ignored.
 
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions};
@@ -17,12 +17,12 @@ use serde_json::value::RawValue;
 
 use crate::jobs::failure::{Failure, Located};
 
-/// Most bytes of a line.
-const LONGEST_LINE: u64 = 1 << 14;
-/// How a file of points begins.
-const BEGINNING: &[u8] = br#"{"origin":{"#;
-/// Ending of the files of points in a folder.
-const ENDING: &str = "jsonl";
+/// Maximum length of a line [bytes].
+const MAX_LINE_BYTES: u64 = 1 << 14;
+/// The first bytes of every file of points.
+const PREFIX: &[u8] = br#"{"origin":{"#;
+/// Filename extension of the files of points in a folder.
+const EXTENSION: &str = "jsonl";
 
 /// A line of a file of points.
 #[derive(Serialize, Deserialize)]
@@ -34,10 +34,10 @@ struct Line {
     solve: Box<RawValue>,
 }
 
-/// A point by the bits of its coordinates.
+/// The bits of the coordinates of a point, as a key of maps.
 pub(super) type Key = [u64; AxisKind::ALL.len()];
 
-/// The key of a point; -0 has that of 0.
+/// The key of a point; -0 and 0 have the same key.
 pub(super) fn key(point: &Point) -> Key {
     let bits = |value: f64| (value + 0.0).to_bits();
     AxisKind::ALL.map(|kind| point.get(kind).map_or(u64::MAX, bits))
@@ -46,9 +46,10 @@ pub(super) fn key(point: &Point) -> Key {
 /// The solved points of one sweep.
 #[derive(Debug)]
 pub struct PointStore {
-    /// The file that points are appended to.
+    /// The file to which points are appended.
     path: PathBuf,
     origin: Origin,
+    /// Messages about damaged lines.
     damaged: Vec<String>,
     state: Mutex<State>,
 }
@@ -56,15 +57,15 @@ pub struct PointStore {
 #[derive(Debug, Default)]
 struct State {
     solved: HashMap<Key, Figures>,
-    /// Opened when the first point is appended.
+    /// The file, opened when the first point is appended.
     file: Option<File>,
 }
 
 impl PointStore {
-    /// The points of one file, which need not exist.
+    /// Reads the points of one file, which need not exist.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the file cannot be read or has points of another version or
+    /// [`Failure::BadInput`] if the file cannot be read or contains points of another version or
     /// case.
     pub fn of_file(path: &Path, origin: Origin) -> Result<Self, Failure> {
         let mut store = PointStore {
@@ -79,8 +80,8 @@ impl PointStore {
         Ok(store)
     }
 
-    /// The points of all files of a folder, which need not exist; new ones are appended to its file
-    /// `name`.
+    /// Reads the points of all files of a folder, which need not exist. New points are appended to
+    /// the file `name` in it.
     ///
     /// # Errors
     /// As [`of_file`](Self::of_file).
@@ -88,8 +89,8 @@ impl PointStore {
         if folder.is_symlink() {
             return Err(link(folder));
         }
-        let own = folder.join(name).with_extension(ENDING);
-        let mut store = PointStore::of_file(&own, origin)?;
+        let appended = folder.join(name).with_extension(EXTENSION);
+        let mut store = PointStore::of_file(&appended, origin)?;
         let mut files = Vec::new();
         if folder.exists() {
             for entry in folder.read_dir().readable(folder)? {
@@ -98,7 +99,10 @@ impl PointStore {
         }
         files.sort();
         for file in files {
-            if file != own && file.extension().is_some_and(|ending| ending == ENDING) {
+            let is_points = file
+                .extension()
+                .is_some_and(|extension| extension == EXTENSION);
+            if file != appended && is_points {
                 store.read(&file)?;
             }
         }
@@ -110,14 +114,14 @@ impl PointStore {
             return Err(link(path));
         }
         let file = match kufe_files::open_regular(path) {
-            // An equal command has finished and removed it.
+            // Another process with the same command has finished and removed the file.
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
             opened => opened.in_file(path)?,
         };
         let mut reader = BufReader::new(file);
-        let beginning = reader.fill_buf().readable(path)?;
-        let length = beginning.len().min(BEGINNING.len());
-        if beginning[..length] != BEGINNING[..length] {
+        let start = reader.fill_buf().readable(path)?;
+        let length = start.len().min(PREFIX.len());
+        if start[..length] != PREFIX[..length] {
             let reason = "kufe did not write it; expected a file of solved points, or none";
             return Err(Failure::in_file(path, reason));
         }
@@ -138,7 +142,7 @@ impl PointStore {
         Ok(())
     }
 
-    /// The file that points are appended to.
+    /// The file to which points are appended.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -148,12 +152,12 @@ impl PointStore {
         &self.origin
     }
 
-    /// The damaged lines, each with its file and the reason.
+    /// A message for each damaged line, with the file, the line and the reason.
     pub fn damaged(&self) -> &[String] {
         &self.damaged
     }
 
-    /// The figures of a point, where it is solved.
+    /// The results at a point, if it is solved.
     pub fn get(&self, point: &Point) -> Option<Figures> {
         self.lock().solved.get(&key(point)).copied()
     }
@@ -161,7 +165,7 @@ impl PointStore {
     /// Appends a solved point.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] with the file where it cannot be written, on a full disk for one.
+    /// [`Failure::BadInput`] with the file if it cannot be written, for example on a full disk.
     pub fn append(&self, solve: &Solve) -> Result<(), Failure> {
         let text = serde_json::to_string(solve)?;
         let line = Line {
@@ -183,11 +187,11 @@ impl PointStore {
         Ok(())
     }
 
-    /// Opens the file to append, without an interrupted last line.
+    /// Opens the file for appending and removes an interrupted last line.
     fn open_to_append(&self) -> Result<File, Failure> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         std::fs::create_dir_all(folder).writable(folder)?;
-        // A link may have been put in the way since the file was read.
+        // A symbolic link may have been created since the file was read.
         if folder.is_symlink() || self.path.is_symlink() {
             return Err(link(&self.path));
         }
@@ -206,14 +210,14 @@ impl PointStore {
         whole.writable(&self.path)
     }
 
-    /// Removes the file: its points are no longer needed.
+    /// Removes the file.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where it exists and cannot be removed.
+    /// [`Failure::BadInput`] if the file exists and cannot be removed.
     pub fn remove(&self) -> Result<(), Failure> {
         self.lock().file = None;
         match std::fs::remove_file(&self.path) {
-            // No point was appended, or an equal command has removed it.
+            // No point was appended, or another process with the same command has removed the file.
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
             removed => removed.writable(&self.path),
         }
@@ -224,12 +228,12 @@ impl PointStore {
     }
 }
 
-/// Reads a line, or as much of it as a line may have; false for what an interrupt left of the last
-/// one, and at the end.
+/// Reads a line, up to the maximum length. Returns false at the end of the file and for a last line
+/// that was interrupted.
 fn next_line(reader: &mut impl BufRead, line: &mut Vec<u8>) -> std::io::Result<bool> {
     line.clear();
-    reader.take(LONGEST_LINE).read_until(b'\n', line)?;
-    Ok(line.ends_with(b"\n") || line.len() as u64 == LONGEST_LINE)
+    reader.take(MAX_LINE_BYTES).read_until(b'\n', line)?;
+    Ok(line.ends_with(b"\n") || line.len() as u64 == MAX_LINE_BYTES)
 }
 
 fn read_line(line: &[u8]) -> Result<(Origin, Solve), String> {
@@ -243,10 +247,10 @@ fn read_line(line: &[u8]) -> Result<(Origin, Solve), String> {
     Ok((line.origin, solve))
 }
 
-/// Checks that stored results are of this program and case.
+/// Checks that stored results were made by this version for this case.
 ///
 /// # Errors
-/// [`Failure::BadInput`] with the place of the results.
+/// [`Failure::BadInput`] with `place`, which says where the results are stored.
 pub fn same_origin(place: &str, stored: &Origin, now: &Origin) -> Result<(), Failure> {
     for (what, stored, now) in [
         ("version", stored.version(), now.version()),
@@ -262,6 +266,7 @@ pub fn same_origin(place: &str, stored: &Origin, now: &Origin) -> Result<(), Fai
     Ok(())
 }
 
+/// The failure for a symbolic link, which is not followed.
 fn link(path: &Path) -> Failure {
     Failure::in_file(
         path,

@@ -1,4 +1,4 @@
-//! The contact solver of a sweep: solves points of one case, and fills a table with them.
+//! Solves the points of a sweep for one case, and fills a table with the results.
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -26,40 +26,41 @@ use crate::jobs::table::spec::TableSpec;
 use crate::jobs::watch::Watch;
 use crate::results::{CaseRecord, Friction};
 
-/// Largest estimated error of the peak pressure of a point short of its tolerance, relative.
-const LARGEST_ERROR: f64 = 0.2;
+/// Relative error of the peak pressure up to which a point that misses its tolerance is accepted.
+const MAX_RELATIVE_ERROR: f64 = 0.2;
 
 /// Solves points of one case.
 pub struct Solver {
     loaded: LoadedCase,
     prepared: Prepared,
-    /// The problem of the case as it is stated.
+    /// The problem of the case, with the load and the track that it states.
     base: Problem,
     tolerance: f64,
-    /// The rules of the table's axes.
+    /// The rules of the axes for inputs outside.
     outside: Vec<(AxisKind, Outside)>,
     /// The points at the ends of the plan's axes.
     ends: Vec<Point>,
     anchors: OnceLock<Anchors>,
 }
 
-/// Verification of boundary elements by finite elements at the ends of the axes.
+/// Verification of the boundary elements by finite elements at the ends of the axes.
 #[derive(Debug, Default)]
 struct Anchors {
-    /// The points at the ends, by finite elements; none where each point is solved by itself.
+    /// The points at the ends, solved by finite elements; empty if all points are solved by finite
+    /// elements.
     solved: Vec<(Point, Figures)>,
     verified: Option<VerifiedBem>,
 }
 
 impl Solver {
-    /// The solver for a table: its case, at the tolerance that the table requests.
+    /// The solver of a table.
     ///
-    /// The tolerance is `accuracy.p_max` of the table's file; without it the case's own, and at
-    /// most half of the requested interpolation error, so that refinement does not chase the
-    /// solver's error.
+    /// The tolerance is `accuracy.p_max` of the table file. Without that key it is the tolerance of
+    /// the case, and at most half of the requested interpolation error, so that no nodes are added
+    /// because of the solver's error.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the case cannot be obtained or has no rocker radius to sweep.
+    /// [`Failure::BadInput`] if the case cannot be read or an axis does not apply to it.
     pub fn new(spec: &TableSpec, watch: &Watch) -> Result<Solver, Failure> {
         let loaded = LoadedCase::read(&spec.case)?;
         let case = spec.case.display();
@@ -93,15 +94,15 @@ impl Solver {
         })
     }
 
-    /// Relative error of the peak pressure that is requested of every point.
+    /// Requested relative error of the peak pressure at every point.
     pub fn tolerance(&self) -> f64 {
         self.tolerance
     }
 
-    /// Every file that the table is made from: the table's own, the case and what it names.
+    /// All input files: the table file, the case file and the files that the case names.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where a hull that names further files cannot be read.
+    /// [`Failure::BadInput`] if a hull that names further files cannot be read.
     pub fn inputs(&self, spec: &TableSpec) -> Result<Vec<PathBuf>, Failure> {
         let files = self.loaded.files()?.into_iter().map(|(_, path)| path);
         Ok(files
@@ -109,13 +110,13 @@ impl Solver {
             .collect())
     }
 
-    /// The origin of every result: this version, the case with the content of its files, and the
-    /// tolerance.
+    /// The origin of every result: the version of kufe and a checksum of the case, the content of
+    /// its files and the tolerance.
     ///
     /// # Errors
-    /// None for a version that is made of letters, digits, dots and signs.
+    /// None, since the version consists of letters, digits, dots and signs.
     pub fn origin(&self) -> Result<Origin, Failure> {
-        // Load and track are replaced point by point: results do not have them in common.
+        // Each point replaces load and track, so they are not part of the origin.
         let mut case = self.loaded.case.clone();
         case.load.fz_n = 1.0;
         case.track = TrackTable::default();
@@ -134,6 +135,7 @@ impl Solver {
         Ok(Origin::new(version, sha256(marks.as_bytes()))?)
     }
 
+    /// The contact at rest at a point.
     fn press(&self, point: &Point, watch: &Watch) -> Result<Figures, Failure> {
         watch.check()?;
         let anchors = self.anchors.get_or_init(Anchors::default);
@@ -163,7 +165,7 @@ impl Solver {
         Ok(problem)
     }
 
-    /// A contact by finite elements.
+    /// Solves a contact by finite elements.
     fn solution(&self, problem: &Problem, watch: &Watch) -> Result<Solution, Failure> {
         watch.check()?;
         let options = Options {
@@ -176,7 +178,7 @@ impl Solver {
         Ok(solution)
     }
 
-    /// Solves the ends of the axes, once; a runner that slides has none.
+    /// Solves the points at the ends of the axes once; not for a case with `[sliding]`.
     fn anchor(&self, watch: &Watch) -> Result<(), Failure> {
         if self.anchors.get().is_some() || self.loaded.case.sliding.is_some() {
             return Ok(());
@@ -204,14 +206,15 @@ impl Solver {
         Ok(())
     }
 
-    /// Points that differ in speed alone; after a failure the rest is omitted.
+    /// Solves points that differ only in speed; stops after the first failure.
     fn slide(&self, points: &[Point], watch: &Watch) -> Vec<Result<Figures, Failure>> {
-        // A hardness that depends on contact time depends on the speed: the groove is not reused.
-        let of_time = sliding_table(&self.loaded).hardness.is_some();
+        // A hardness that depends on the contact time depends on the speed, so the groove is solved
+        // for each point.
+        let depends_on_speed = sliding_table(&self.loaded).hardness.is_some();
         let mut last: Option<SolvedGroove> = None;
         let mut solved = Vec::with_capacity(points.len());
         for point in points {
-            let groove = last.take().filter(|_| !of_time);
+            let groove = last.take().filter(|_| !depends_on_speed);
             match groove.map_or_else(|| self.solved_groove(point, watch), Ok) {
                 Ok(groove) => {
                     solved.push(self.film(&groove, point));
@@ -226,7 +229,7 @@ impl Solver {
         solved
     }
 
-    /// The groove at a point.
+    /// Solves the groove at a point.
     fn solved_groove(&self, point: &Point, watch: &Watch) -> Result<SolvedGroove, Failure> {
         watch.check()?;
         let case = case_at(&self.loaded, point)?;
@@ -240,18 +243,18 @@ impl Solver {
             p_max_tolerance: self.tolerance,
             ..case.case.options()
         };
-        let found = ploughing.groove(&options)?;
-        // The best answer that there is, with its error, as of contacts at rest.
-        if let Some(short) = &found.short
-            && found.solution.relative_error >= LARGEST_ERROR
+        let groove = ploughing.groove(&options)?;
+        // A groove that misses its tolerance is accepted with its error, as a contact at rest is.
+        if let Some(short) = &groove.short
+            && groove.solution.relative_error >= MAX_RELATIVE_ERROR
         {
             return Err(short.clone());
         }
-        case.fine_enough(self.prepared.hull.as_ref(), &found.solution.contact)?;
-        Ok(found)
+        case.fine_enough(self.prepared.hull.as_ref(), &groove.solution.contact)?;
+        Ok(groove)
     }
 
-    /// The film on a groove, at a point's speed.
+    /// The results with the water film of a groove at the speed of a point.
     fn film(&self, groove: &SolvedGroove, point: &Point) -> Result<Figures, Failure> {
         let case = case_at(&self.loaded, point)?;
         let solution = &groove.solution;
@@ -267,15 +270,15 @@ impl Solver {
             .with(Quantity::FilmMean, along.film.totals.mean_thickness))
     }
 
-    /// Solves the points that have no result in the store, in parallel, and stores each as soon as
-    /// it is solved; reports progress, and returns how many were solved.
+    /// Solves the points that have no result in the store in parallel, stores each result and
+    /// reports progress. Returns how many were solved.
     ///
-    /// Points that differ in speed alone are solved together, since they have their groove in
-    /// common. A group that fails does not keep the others from being solved and stored; after a
-    /// point that cannot be stored no further group is begun.
+    /// Points that differ only in speed are solved together, since they share a groove. If a group
+    /// fails, the others are still solved and stored. If a point cannot be stored, no further group
+    /// is started.
     ///
     /// # Errors
-    /// [`Failure::Partial`] where the watch stops it, [`Failure::NotConverged`] and
+    /// [`Failure::Partial`] if the watch stops the work, [`Failure::NotConverged`] and
     /// [`Failure::BadInput`] with the first failed point.
     pub fn solve_missing(
         &self,
@@ -299,9 +302,9 @@ impl Solver {
         let solved = AtomicUsize::new(0);
         let show = |n: usize| watch.progress(&format!("{label}: {n} of {} points", points.len()));
         show(0);
-        let broken = AtomicBool::new(false);
+        let store_failed = AtomicBool::new(false);
         let outcomes = each(&groups, |group| {
-            if broken.load(Ordering::Relaxed) {
+            if store_failed.load(Ordering::Relaxed) {
                 return Ok(0);
             }
             let results = match self.loaded.case.sliding {
@@ -314,7 +317,7 @@ impl Solver {
                 let figures = result.map_err(at_point(&point)).map_err(interrupted)?;
                 check_finite(&point, &figures)?;
                 let stored = store.append(&Solve { point, figures });
-                broken.fetch_or(stored.is_err(), Ordering::Relaxed);
+                store_failed.fetch_or(stored.is_err(), Ordering::Relaxed);
                 stored?;
             }
             Ok(count)
@@ -322,7 +325,7 @@ impl Solver {
         outcomes.into_iter().sum()
     }
 
-    /// The table of a finished sweep, with its case, origin and rules.
+    /// Adds the case, the origin and the rules of the axes to the table of a finished sweep.
     ///
     /// # Errors
     /// As [`origin`](Self::origin).
@@ -337,21 +340,21 @@ impl Solver {
     }
 }
 
-/// A filled table, and the points on disk that it makes needless.
+/// A filled table and its points on disk, which are no longer needed once the table is written.
 pub struct FilledTable {
-    /// The table and whether its interpolation is as accurate as requested.
+    /// The table, and by how much its interpolation misses the requested accuracy.
     pub swept: SweepResult,
-    /// Contacts solved now; the others were on disk.
+    /// Number of points solved by this call; the others were on disk.
     pub solves: usize,
     store: PointStore,
 }
 
 /// Solves every point that is not on disk yet. Points are stored in `OUT.points` until
-/// [`FilledTable::clear`], so that the same call resumes after an interrupt.
+/// [`FilledTable::clear`], so that the same call resumes after an interruption.
 ///
 /// # Errors
-/// [`Failure::BadInput`] for files and cases, [`Failure::NotConverged`] where a contact stays far
-/// from its accuracy, [`Failure::Partial`] where the watch stops it.
+/// [`Failure::BadInput`] for invalid files and cases, [`Failure::NotConverged`] if a contact misses
+/// its accuracy by far, [`Failure::Partial`] if the watch stops the work.
 pub fn fill(
     spec: &TableSpec,
     solver: &Solver,
@@ -382,24 +385,21 @@ pub fn fill(
 }
 
 impl FilledTable {
-    /// Removes the points on disk: the table is written.
+    /// Removes the points on disk, once the table is written.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] where the file cannot be removed.
+    /// [`Failure::BadInput`] if the file cannot be removed.
     pub fn clear(&self) -> Result<(), Failure> {
         self.store.remove()
     }
 }
 
-/// The solution at this tolerance or, where the largest mesh does not reach it, the best available
-/// one.
-///
-/// Its `p_max_error` shows which of the two it is. Refusing such a point would refuse the whole
-/// table.
+/// The solution at the tolerance of `options` or, if the largest mesh does not reach it, the best
+/// available one, with its error in `p_max_error`. An error here would fail the whole table.
 fn best(problem: &Problem, options: &Options) -> Result<Solution, kufe_contact::Error> {
     match kufe_contact::solve(problem, options) {
         Err(kufe_contact::Error::AccuracyNotReached { best, estimate, .. })
-            if estimate < LARGEST_ERROR =>
+            if estimate < MAX_RELATIVE_ERROR =>
         {
             Ok(*best)
         }
@@ -407,7 +407,7 @@ fn best(problem: &Problem, options: &Options) -> Result<Solution, kufe_contact::
     }
 }
 
-/// The figures of a contact.
+/// The results of a contact.
 fn figures(found: &Solution) -> Figures {
     at_rest([
         [found.p_max, found.p_max_error],
@@ -419,7 +419,7 @@ fn figures(found: &Solution) -> Figures {
     ])
 }
 
-/// The figures of a contact by boundary elements.
+/// The results of a contact solved by boundary elements.
 fn by_boundary_elements(point: &Point, found: &BoundaryElements) -> Figures {
     let p_mean = point.fz / found.area;
     let figures = at_rest([
@@ -433,16 +433,16 @@ fn by_boundary_elements(point: &Point, found: &BoundaryElements) -> Figures {
     figures.by(Method::BoundaryElements)
 }
 
-/// The values and errors of the first six quantities.
-fn at_rest(measured: [[f64; 2]; 6]) -> Figures {
-    let figures = Figures::at_rest(measured.map(|[value, _]| value));
-    let errors = Quantity::ALL.into_iter().zip(measured);
+/// Results from the value and error of each of the first six quantities.
+fn at_rest(pairs: [[f64; 2]; 6]) -> Figures {
+    let figures = Figures::at_rest(pairs.map(|[value, _]| value));
+    let errors = Quantity::ALL.into_iter().zip(pairs);
     errors.fold(figures, |figures, (quantity, [_, error])| {
         figures.with_error(quantity, error)
     })
 }
 
-/// The case at a point.
+/// The case with the load, track and sliding conditions of a point.
 fn case_at(loaded: &LoadedCase, point: &Point) -> Result<LoadedCase, Failure> {
     let mut loaded = loaded.clone();
     loaded.case.load.fz_n = point.fz;
@@ -453,49 +453,50 @@ fn case_at(loaded: &LoadedCase, point: &Point) -> Result<LoadedCase, Failure> {
     if let (Some(shape), Some(radius)) = (&mut loaded.case.runner.shape, point.rocker_radius) {
         *shape.rocker_radius_m() = radius;
     }
-    if let Some(own) = &loaded.case.sliding {
-        let speed = point.speed.unwrap_or(own.v_mps);
-        return with_speed_and_temperature(&loaded, speed, point.ice_c.unwrap_or(own.ice_c));
+    if let Some(sliding) = &loaded.case.sliding {
+        let speed = point.speed.unwrap_or(sliding.v_mps);
+        let ice_c = point.ice_c.unwrap_or(sliding.ice_c);
+        return with_speed_and_temperature(&loaded, speed, ice_c);
     }
     loaded.valid(loaded.case.check())?;
     Ok(loaded)
 }
 
-/// Checks that the case is one at every end and value of the axes, and has a runner there.
+/// Checks that the case is valid, and has a runner, at every value, or at both ends, of each axis.
 fn check_axes(spec: &TableSpec, loaded: &LoadedCase) -> Result<(), Failure> {
-    let own = Point {
+    let stated = Point {
         fz: loaded.case.load.fz_n,
         curvature: loaded.case.track.curvature(),
         ..Point::default()
     };
     for kind in AxisKind::ALL {
         for value in spec.plan.get(kind).iter().flat_map(|axis| axis.ends()) {
-            let case = case_at(loaded, &own.with(kind, value));
-            let found = case.and_then(|case| match kind {
+            let case = case_at(loaded, &stated.with(kind, value));
+            let checked = case.and_then(|case| match kind {
                 AxisKind::RockerRadius => case.valid(case.case.problem(&case.base)).map(|_| ()),
                 _ => Ok(()),
             });
             let place = format_args!("axes.{} = {value}", kind.key());
-            found.map_err(|failure| failure.within(place).within(spec.path.display()))?;
+            checked.map_err(|failure| failure.within(place).within(spec.path.display()))?;
         }
     }
     Ok(())
 }
 
-/// Points that differ in speed alone, together, in the order of their first ones.
+/// Groups points that differ only in speed, in the order of the first point of each group.
 fn groups<'a>(points: impl Iterator<Item = &'a Point>) -> Vec<Vec<Point>> {
     let mut groups: IndexMap<Key, Vec<Point>> = IndexMap::new();
     for &point in points {
-        let alike = Point {
+        let without_speed = Point {
             speed: None,
             ..point
         };
-        groups.entry(key(&alike)).or_default().push(point);
+        groups.entry(key(&without_speed)).or_default().push(point);
     }
     groups.into_values().collect()
 }
 
-/// Says at which point a failure happened.
+/// Adds the point to the text of a failure.
 fn at_point(point: &Point) -> impl Fn(Failure) -> Failure {
     move |mut failure| {
         *failure.text() += &format!(", at {point}");
@@ -527,7 +528,7 @@ mod tests {
         };
         let solution = best(&paraboloid(), &small).expect("an answer");
         let error = solution.p_max_error / solution.p_max;
-        assert!(error > tolerance && error < LARGEST_ERROR, "{error}");
+        assert!(error > tolerance && error < MAX_RELATIVE_ERROR, "{error}");
         // Hertz's peak of this contact.
         assert!((solution.p_max / 138.52e6 - 1.0).abs() < error);
     }

@@ -11,29 +11,29 @@ use serde::Deserialize;
 
 use crate::jobs::failure::{Failure, Located};
 
-/// A table file is a page of text; a longer file is something else [bytes].
-const LONGEST: u64 = 1 << 20;
+/// Maximum size of a table file [bytes]: it is about a page of text, so a larger file is something
+/// else.
+const MAX_BYTES: u64 = 1 << 20;
 
-/// Relative errors of the interpolation that can be requested: finer ones would chase the solver's
-/// own error.
+/// Relative errors of the interpolation that can be requested; with a smaller one, nodes would be
+/// added because of the solver's error.
 const INTERPOLATIONS: RangeInclusive<f64> = 5e-4..=0.5;
 
-/// A table file, key by key.
+/// The keys of a table file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "table.toml")]
 struct TableToml {
-    /// The case's file; its load and track, and its speed and temperature of the ice, are replaced
-    /// by the axes.
+    /// The case file. The axes replace its load and track, and its speed and ice temperature.
     case: PathBuf,
-    /// The axes.
+    /// The axes of the table.
     axes: AxesToml,
-    /// The accuracy.
+    /// The requested accuracy.
     #[serde(default)]
     accuracy: AccuracyToml,
 }
 
-/// Normal force, and the track as a curvature or as a radius; further axes as the runner has them.
+/// Axes: the normal force, the track as a curvature or as a radius, and optional further ones.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct AxesToml {
@@ -51,52 +51,54 @@ struct AxesToml {
     ice_c: Option<AxisToml>,
 }
 
-/// Given values, or a range that the sweep fills.
+/// An axis: given values, or a range in which the sweep chooses the values.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct AxisToml {
-    /// The values, and no others.
+    /// The only values of the axis.
     values: Option<Vec<f64>>,
-    /// Where the range begins.
+    /// Start of the range.
     from: Option<f64>,
-    /// Where it ends.
+    /// End of the range.
     to: Option<f64>,
-    /// Rule for inputs outside: the end of the axis takes the input's place, the interpolant
-    /// continues straight, or there is no value; `hold` where absent.
+    /// Rule for inputs outside the axis: the end of the axis is used, the interpolant is continued
+    /// linearly, or the input is an error. Without this key: `hold`.
     #[schemars(with = "Option<String>", extend("enum" = Outside::ALL.map(Outside::name)))]
     outside: Option<Outside>,
-    /// Of curvatures alone: where the runner lies flush on the track. The table is made over
-    /// reduced curvatures then.
+    /// Only for `curvature_1pm`: the curvature at which the runner lies flush on the track. The
+    /// table then uses reduced curvatures.
     flush: Option<FlushToml>,
 }
 
-/// What reduced curvatures are made of.
+/// Parameters of reduced curvatures.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct FlushToml {
     /// The rocker's curvature [1/m].
     curvature_1pm: f64,
-    /// Width of the peak pressure's minimum over the load, about 10 / (E* L^3) for a half-length L
-    /// [1/(m N)].
+    /// Width, in curvature, of the minimum of the peak pressure, per newton of load; about
+    /// 10 / (E* L^3) for a half-length L [1/(m N)].
     scale_1pm_per_n: f64,
 }
 
-/// How accurate the table must be.
+/// The requested accuracy of the table.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct AccuracyToml {
-    /// Relative error requested of the peak pressure, or of the friction of a case that slides,
-    /// between nodes of axes given as ranges.
+    /// Requested relative error of the interpolation between the nodes of axes given as ranges: of
+    /// the peak pressure, or of the coefficient of friction for a case with `[sliding]`.
     interpolation: Option<f64>,
-    /// Which modes must be that good; both where absent.
+    /// Evaluation modes that must be this accurate. Without this key: both.
     evaluation: Option<Evaluation>,
-    /// Tolerance of the solver; the case's, and at most half of `interpolation`, where absent.
+    /// Tolerance of the solver. Without this key: that of the case, and at most half of
+    /// `interpolation`.
     p_max: Option<f64>,
-    /// Solves spread over the table that measure the interpolation.
+    /// Number of contacts, spread over the table, that are solved to measure the interpolation
+    /// error.
     checks: Option<usize>,
-    /// Where refinement gives up.
+    /// Maximum number of nodes; refinement stops there.
     max_nodes: Option<usize>,
-    /// Part of an axis below which nothing is halved.
+    /// Smallest interval between nodes, as a part of the axis.
     smallest_interval: Option<f64>,
 }
 
@@ -108,7 +110,7 @@ enum Evaluation {
     Bilinear,
 }
 
-/// The table file as a JSON schema.
+/// The JSON schema of a table file.
 pub fn schema(generator: &mut SchemaGenerator) -> Schema {
     generator.root_schema_for::<TableToml>()
 }
@@ -116,15 +118,15 @@ pub fn schema(generator: &mut SchemaGenerator) -> Schema {
 /// The content of a table file.
 #[derive(Clone, Debug)]
 pub struct TableSpec {
-    /// The file.
+    /// The table file.
     pub path: PathBuf,
-    /// The case's file.
+    /// The case file.
     pub case: PathBuf,
-    /// The points and their accuracy.
+    /// The axes and the requested accuracy.
     pub plan: Plan,
-    /// Solver tolerance of the peak pressure, where the file states one.
+    /// Solver tolerance of the peak pressure, if the file states one.
     pub p_max: Option<f64>,
-    /// Rule for inputs outside, for the axes of which the file states it.
+    /// Rules for inputs outside, for the axes for which the file states one.
     pub outside: Vec<(AxisKind, Outside)>,
 }
 
@@ -132,9 +134,9 @@ impl TableSpec {
     /// Reads a table file.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] naming the file, the key, what was found and what was expected.
+    /// [`Failure::BadInput`] with the file, the key, what was found and what was expected.
     pub fn read(path: &Path) -> Result<TableSpec, Failure> {
-        let text = text_of_regular(path, LONGEST).in_file(path)?;
+        let text = text_of_regular(path, MAX_BYTES).in_file(path)?;
         TableSpec::parse(path, &text).in_file(path)
     }
 
@@ -160,8 +162,8 @@ impl TableSpec {
 }
 
 impl AxesToml {
-    /// The axis of a kind, where there is one: its key and what is stated of it. Curvatures may be
-    /// given as radii.
+    /// The key and the content of the axis of a kind, if there is one. The curvature may be given
+    /// as a radius.
     fn get(&self, kind: AxisKind) -> Option<(&'static str, &AxisToml)> {
         let (key, axis) = match kind {
             AxisKind::Fz => ("fz_n", Some(&self.fz_n)),
@@ -174,7 +176,7 @@ impl AxesToml {
         Some((key, axis?))
     }
 
-    /// The rules of the axes that state one.
+    /// The rules for inputs outside, for the axes that state one.
     fn outside(&self) -> Result<Vec<(AxisKind, Outside)>, String> {
         let mut rules = Vec::new();
         for kind in AxisKind::ALL {
@@ -195,12 +197,12 @@ impl AxesToml {
     }
 }
 
-/// The line of the axis that an error is about.
+/// The line number of the axis that an error is about.
 fn line_of(text: &str, error: &Error) -> Option<usize> {
     let Error::Axis { axis, .. } = error else {
         return None;
     };
-    // Curvatures may be given as radii.
+    // The curvature may be given as a radius.
     let keys = match *axis {
         "curvature_1pm" => ["curvature_1pm", "radius_m"],
         axis => [axis; 2],
@@ -239,7 +241,8 @@ fn plan(file: &TableToml) -> Result<Plan, String> {
         Evaluation::Bilinear => vec![Mode::Bilinear],
     };
     if plan.is_sliding() && plan.is_fixed() {
-        // An eighth of the grooves, as of the nodes of a table of contacts at rest.
+        // An eighth of the number of grooves, as for a table of contacts at rest an eighth of the
+        // number of nodes.
         let kinds = [AxisKind::Fz, AxisKind::Curvature, AxisKind::IceTemperature];
         let count = |kind| plan.get(kind).map_or(1, |spacing| spacing.ends().len());
         let grooves: usize = kinds.into_iter().map(count).product();
@@ -247,8 +250,13 @@ fn plan(file: &TableToml) -> Result<Plan, String> {
     }
     let checks = within("accuracy.checks", "a number", accuracy.checks, 0..=100_000)?;
     plan.checks = checks.unwrap_or(plan.checks);
-    let most = 0..=kufe_lut::MAX_NODES;
-    let nodes = within("accuracy.max_nodes", "a number", accuracy.max_nodes, most)?;
+    let allowed = 0..=kufe_lut::MAX_NODES;
+    let nodes = within(
+        "accuracy.max_nodes",
+        "a number",
+        accuracy.max_nodes,
+        allowed,
+    )?;
     plan.max_nodes = nodes.unwrap_or(plan.max_nodes);
     let (key, smallest) = ("accuracy.smallest_interval", accuracy.smallest_interval);
     let smallest = within(key, "a part of an axis", smallest, 1e-6..=0.25)?;
@@ -256,7 +264,7 @@ fn plan(file: &TableToml) -> Result<Plan, String> {
     Ok(plan)
 }
 
-/// A stated value, which must be in its range.
+/// Checks that a value, if stated, lies in a range.
 fn within<T: Display + PartialOrd>(
     key: &str,
     what: &str,
@@ -283,8 +291,8 @@ fn spacing(key: &str, axis: &AxisToml) -> Result<Spacing, String> {
     }
 }
 
-/// Radii as curvatures, increasing: `inf` is 0, a straight, and a range from a crest to a valley
-/// passes it.
+/// Converts radii to curvatures in increasing order. The radius `inf`, a straight, is the curvature
+/// 0; a range from a crest to a valley contains it.
 fn as_curvature(radii: Spacing) -> Result<Spacing, String> {
     let invert = |radius: f64| {
         if radius == 0.0 || radius.is_nan() {
@@ -292,7 +300,7 @@ fn as_curvature(radii: Spacing) -> Result<Spacing, String> {
                 "axes.radius_m: found {radius}, expected a radius other than 0, or inf"
             ));
         }
-        // Adding 0 makes the curvature of -inf a plain 0.
+        // Adding 0 turns the -0 of a radius of -inf into 0.
         Ok(1.0 / radius + 0.0)
     };
     Ok(match radii {

@@ -1,4 +1,4 @@
-//! What a search for missing effects has found, as a page without scripts.
+//! The page of a search for missing effects, without scripts.
 
 mod page;
 mod parts;

@@ -1,4 +1,4 @@
-//! The page: what to act on first, then each effect, then tables folded.
+//! Structure of the page: summary, pictures, each effect, and folded tables.
 
 use crate::plot::escape;
 use crate::plot::quantity;
@@ -11,7 +11,7 @@ use crate::report::viewer::{Stretch, ViewedPart, viewer_links};
 use crate::results::finding::{Picture, Plot, Report, Strip};
 
 /// The page of a search for missing effects: one HTML file without scripts. `viewer` is the address
-/// of the page that shows the runs, where there is one.
+/// of the page of the runs, if it exists.
 pub fn discovery_page(report: &Report, viewer: Option<&str>) -> String {
     let steps = tested(report).iter().enumerate();
     let parts = [
@@ -28,7 +28,7 @@ pub fn discovery_page(report: &Report, viewer: Option<&str>) -> String {
     plain_page("What the model does not explain", &parts.concat())
 }
 
-/// Residuals along the track with most effects; along the others, folded.
+/// Residuals along the tracks: that with most effects open, the others folded.
 fn along_tracks(report: &Report, viewer: Option<&str>) -> String {
     let pictures = report.pictures.iter();
     let strips = pictures.filter_map(|picture| match &picture.plot {
@@ -51,10 +51,10 @@ fn along_tracks(report: &Report, viewer: Option<&str>) -> String {
     drawn.collect()
 }
 
-/// Links to a track, to the places of effects on it, and to runs that met each place.
+/// Links to a track, to the places of effects on it, and to the runs that hit a wall at each place.
 fn strip_links(strip: &Strip, report: &Report, viewer: &str) -> Vec<String> {
-    /// Runs that are shown over one another.
-    const MOST_RUNS: usize = 4;
+    /// Largest number of runs that are shown together.
+    const MAX_RUNS: usize = 4;
     let part = ViewedPart {
         track: Some(&strip.track),
         ..ViewedPart::default()
@@ -73,10 +73,11 @@ fn strip_links(strip: &Strip, report: &Report, viewer: &str) -> Vec<String> {
         link(&place.effect, [place.from, place.to], &[]);
     }
     for step in &report.steps {
-        for met in step.contacts.iter().filter(|met| met.track == strip.track) {
-            let runs = met.contacts.iter().map(|contact| contact.run.as_str());
-            let runs: Vec<&str> = runs.take(MOST_RUNS).collect();
-            link(&step.effect, [met.from_m, met.to_m], &runs);
+        let places = step.contacts.iter();
+        for place in places.filter(|place| place.track == strip.track) {
+            let runs = place.contacts.iter().map(|contact| contact.run.as_str());
+            let runs: Vec<&str> = runs.take(MAX_RUNS).collect();
+            link(&step.effect, [place.from_m, place.to_m], &runs);
         }
     }
     links
@@ -110,7 +111,7 @@ fn figures(pictures: &[Picture]) -> String {
     }
 }
 
-/// Tables of numbers, folded; those without numbers are omitted.
+/// Folded tables of numbers; empty tables are omitted.
 fn details(report: &Report, viewer: Option<&str>) -> String {
     let held_out = &report.held_out;
     let seen = "On the data it was fitted to";

@@ -1,16 +1,16 @@
-//! Parts of the page that all sections use.
+//! Formatting of values and tables for all sections of the page.
 
 use crate::plot::{Scale, escape, quantity, unit_of};
 use crate::report::html::{self, fold};
 use crate::results::finding::{Bin, Fitted};
 
-/// Values in one unit, which suits the largest of them, and that unit.
+/// Values in the display unit of the largest of them, and this unit.
 pub fn alike<const N: usize>(values: [f64; N], unit: &str) -> ([String; N], Scale) {
     let scale = Scale::of_all(unit, values);
     (values.map(|value| scale.number(value)), scale)
 }
 
-/// `column from to unit`; a place is one on a track, as `s_m on east`.
+/// A bin as `column from to unit`; the column may name a track, as `s_m on east`.
 pub fn range(bin: &Bin) -> String {
     let column = bin.column.split(' ').next().unwrap_or_default();
     let ([from, to], scale) = alike([bin.from, bin.to], &unit_of(column));
@@ -33,12 +33,12 @@ pub fn size(parameter: &Fitted) -> String {
     if unit != "1/Pa" {
         return text;
     }
-    // The hardness of ice is known, its inverse is not.
+    // Readers know the hardness of ice, not its inverse.
     let inverse = quantity(1.0 / parameter.value, "Pa");
     format!("{text}, the inverse of {inverse}")
 }
 
-/// The meaning of a parameter whose name does not show it.
+/// Explanation of a parameter whose name is not self-explanatory.
 pub fn meaning(effect: &str, parameter: &str) -> Option<&'static str> {
     match (effect, parameter) {
         ("wall-contact", "lever_m") => Some(
@@ -51,7 +51,7 @@ pub fn meaning(effect: &str, parameter: &str) -> Option<&'static str> {
     }
 }
 
-/// Content that is folded; nothing where it is empty.
+/// A fold with content; empty without content.
 pub fn folded(title: &str, inner: String) -> String {
     match &*inner {
         "" => inner,
@@ -59,7 +59,7 @@ pub fn folded(title: &str, inner: String) -> String {
     }
 }
 
-/// A folded list of texts; nothing where it is empty.
+/// A folded list of texts; empty without items.
 pub fn list(title: &str, items: impl Iterator<Item = String>) -> String {
     let items: String = items
         .map(|text| format!("<li>{}</li>\n", escape(&text)))
@@ -70,8 +70,7 @@ pub fn list(title: &str, items: impl Iterator<Item = String>) -> String {
     }
 }
 
-/// A table of texts with the columns `NAME|NAME|..`, of which those with a `#` are numbers; nothing
-/// without rows.
+/// A table of texts with the columns `NAME|#NAME|..`, where `#` marks numbers; empty without rows.
 pub fn table<const N: usize>(names: &str, rows: impl IntoIterator<Item = [String; N]>) -> String {
     headed_table("", names, rows.into_iter().map(|cells| (false, cells)))
 }
@@ -93,17 +92,17 @@ pub fn headed_table<const N: usize>(
 
 /// A p-value as `= 0.012` or `< 1e-6`.
 pub fn p_is(p: f64) -> String {
-    let sign = if p < LEAST_P { "" } else { "= " };
+    let sign = if p < MIN_P { "" } else { "= " };
     format!("{sign}{}", p_value(p))
 }
 
-/// Tails below it are not known any better.
-const LEAST_P: f64 = 1e-6;
+/// Smallest p-value that is stated: smaller tails are not known more accurately.
+const MIN_P: f64 = 1e-6;
 
 /// A p-value.
 pub fn p_value(p: f64) -> String {
     match p {
-        ..LEAST_P => "< 1e-6".to_owned(),
+        ..MIN_P => "< 1e-6".to_owned(),
         ..1e-3 => format!("{p:.0e}"),
         _ => format!("{p:.3}"),
     }

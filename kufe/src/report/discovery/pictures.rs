@@ -1,4 +1,4 @@
-//! Pictures of the page. Each is drawn for a page and for a phone.
+//! Pictures of the page, each in two widths: for wide pages and for phones.
 
 use kufe_sled::distinct;
 
@@ -12,23 +12,23 @@ use crate::results::finding::{
     Baseline, Bin, ByRun, ChannelGap, Maps, Peak, Plot, Scatter, Strip, StripRun,
 };
 
-/// Widths of a map, of a picture next to another, of one that is alone, and of one as wide as the
-/// page.
+// Widths [pixels] of a map, of one of two pictures side by side, of a single picture, and of a
+// picture over the whole width.
 const MAP: f64 = 290.0;
 const HALF: f64 = 480.0;
 const ALONE: f64 = 640.0;
 const WHOLE: f64 = 940.0;
 
-/// Colour of what is neither before nor after.
+/// Colour of values that are neither before nor after.
 const NEUTRAL: Colour = Colour::new(140, 140, 140);
 /// Colour of places of effects.
 const PLACES: Colour = Colour::new(224, 168, 0).alpha(0.3);
-/// Bins that a picture shows, and sessions that a legend names.
-const MOST_BINS: usize = 12;
-const MOST_SESSIONS: usize = 10;
+/// Largest number of bins of a picture.
+const MAX_BINS: usize = 12;
+/// Largest number of sessions in a legend.
+const MAX_SESSIONS: usize = 10;
 
-/// A figure of panels one below the other, without a title; `label` is read to those who do not
-/// see it.
+/// A figure of panels one below the other, without a title; `label` is the alternative text.
 fn column(width: f64, label: &str, height: f64, panels: Vec<Panel>) -> Figure {
     let mut figure = Figure::new(width, "").column(height, panels);
     figure.letters = 13.0;
@@ -36,7 +36,7 @@ fn column(width: f64, label: &str, height: f64, panels: Vec<Panel>) -> Figure {
     figure
 }
 
-/// The picture of a plot; a diagram has half the width of the page where it is one of a pair.
+/// The picture of a plot; a diagram that is one of a pair has half the width of the page.
 pub fn picture(plot: &Plot, is_one_of_a_pair: bool) -> String {
     let figure = match plot {
         Plot::Scatter(plot) => column(HALF, &plot.label, 230.0, vec![diagram(plot)]),
@@ -113,11 +113,11 @@ fn strip(plot: &Strip, after: bool) -> Panel {
         let session = session.unwrap_or(0);
         let colour = Colour::hue(session, sessions.len()).alpha(0.6);
         let layer = line(values(run), 0.9, colour).hinted(&*run.run);
-        let is_named = session < MOST_SESSIONS;
+        let is_named = session < MAX_SESSIONS;
         layers.push(named(layer, if is_named { &run.session } else { "" }));
     }
-    if sessions.len() > MOST_SESSIONS {
-        let more = format!("and {} sessions", sessions.len() - MOST_SESSIONS);
+    if sessions.len() > MAX_SESSIONS {
+        let more = format!("and {} sessions", sessions.len() - MAX_SESSIONS);
         layers.push(named(line(Vec::new(), 1.0, INK.alpha(0.0)), &more));
     }
     let runs: Vec<Vec<f64>> = plot.runs.iter().map(values).collect();
@@ -173,7 +173,8 @@ fn peaks(rows: &[Peak]) -> Panel {
     Panel::new(x, Axis::names("", names).reversed(), layers)
 }
 
-/// Measured pressure, and measured less simulated before and, where that is another one, after.
+/// Maps of the measured pressure, and of measured less simulated pressure before and, if effects
+/// were added, after.
 fn maps(plot: &Maps) -> String {
     let measured = &plot.measured;
     let less = |simulated: &[f64]| -> Vec<f64> {
@@ -214,7 +215,7 @@ fn maps(plot: &Maps) -> String {
     out
 }
 
-/// A panel of bars for each quantity in its own scale, each bar with its value.
+/// One panel of bars per quantity, each with its own scale, and each bar with its value.
 fn bars<'a>(
     title: &str,
     quantities: impl Iterator<Item = (&'a str, &'a str, Vec<(&'a str, f64, Colour)>)>,
@@ -241,7 +242,7 @@ fn bars<'a>(
     for_both(ALONE, figure)
 }
 
-/// The misfit of each channel before and after, and what the sensors' noise alone would give.
+/// The misfit of each channel before and after, and the misfit that sensor noise alone would cause.
 pub fn gaps(title: &str, channels: &[ChannelGap]) -> String {
     let values = channels.iter().map(|c| {
         let values = vec![
@@ -269,7 +270,7 @@ pub fn models(title: &str, baselines: &[Baseline]) -> String {
 /// Mean residuals with two standard errors, relative to the largest of their channel, most
 /// significant bins first.
 pub fn bins(bins: &[Bin]) -> String {
-    let bins = &bins[..bins.len().min(MOST_BINS)];
+    let bins = &bins[..bins.len().min(MAX_BINS)];
     let mut layers = vec![Layer::upright(0.0, INK.alpha(0.4))];
     for (k, bin) in bins.iter().enumerate() {
         let same = bins.iter().filter(|other| other.channel == bin.channel);
@@ -287,7 +288,7 @@ pub fn bins(bins: &[Bin]) -> String {
     for_both(ALONE, figure)
 }
 
-/// A channel's mean residual run by run, every second session shaded.
+/// A channel's mean residual by run, with every second session shaded.
 pub fn runs(of: &ByRun) -> String {
     let means = of.runs.iter().flat_map(|run| [run.before, run.after]);
     let scale = Scale::of_all(&of.unit, means);
@@ -426,7 +427,7 @@ mod tests {
     fn a_legend_names_some_of_many_sessions_and_counts_the_others() {
         let runs = (0..30).map(|k| run(&format!("session {k}"), vec![1.0], vec![0.5]));
         let html = along(Vec::new(), runs.collect());
-        assert_eq!(html.matches(">session ").count(), 2 * MOST_SESSIONS);
+        assert_eq!(html.matches(">session ").count(), 2 * MAX_SESSIONS);
         assert_eq!(html.matches(">and 20 sessions<").count(), 2);
     }
 

@@ -1,4 +1,4 @@
-//! Sections of the page: each effect with its rivals, and the tables.
+//! Sections of the page: each effect with its rivals, and tables.
 
 use std::collections::BTreeSet;
 
@@ -11,10 +11,10 @@ use crate::results::finding::{
     Bin, ByRun, Detectable, Fitted, NextRuns, OfKind, Report, Rival, Step,
 };
 
-/// Bins of a table.
-const MOST_BINS: usize = 15;
+/// Largest number of bins of a table.
+const MAX_BINS: usize = 15;
 
-/// One effect: how far the misfit falls, its sizes, its rivals.
+/// One effect: reduction of the misfit, parameters, and rivals.
 pub fn step(number: usize, step: &Step, report: &Report) -> String {
     let shared = match report.steps.len() {
         1 => "",
@@ -40,8 +40,9 @@ pub fn step(number: usize, step: &Step, report: &Report) -> String {
     out + &folded(&title, rivals(&step.rivals))
 }
 
-/// How far the misfit falls on the data that were fitted: of a single effect as the bars show it, from
-/// the model as given to the next one; of several, effect by effect after the base was refitted.
+/// Reduction of the misfit on the fitted data. For a single effect it is that of the bars, from the
+/// given to the next model; for several effects it is that of each effect after the base was
+/// refitted.
 fn fitted_gap(step: &Step, report: &Report) -> String {
     let bars = report.training.iter().find(|c| c.channel == step.channel);
     let text = if let (1, Some(bars)) = (report.steps.len(), bars) {
@@ -89,7 +90,7 @@ fn sized(p: &Fitted) -> [String; 3] {
     [value, format!("{low} to {high}"), scale.unit]
 }
 
-/// Sizes with their intervals.
+/// A table of parameters with their intervals.
 pub fn parameters(fitted: &[Fitted]) -> String {
     let row = |p: &Fitted| {
         let [value, interval, unit] = sized(p);
@@ -99,7 +100,7 @@ pub fn parameters(fitted: &[Fitted]) -> String {
     table(columns, fitted.iter().map(row))
 }
 
-/// The size of an effect by each kind of data of a campaign.
+/// The parameters of an effect from each kind of data of a campaign.
 fn evidence(kinds: &[OfKind]) -> String {
     let message = match (kinds.len(), kinds.iter().all(|kind| kind.agrees)) {
         (0, _) => return String::new(),
@@ -161,11 +162,11 @@ pub fn bins(bins: &[Bin]) -> String {
         [b.channel.clone(), range(b), mean, p]
     };
     let columns = "channel|bin|#mean residual, ± standard error|#p over all bins";
-    let mut out = pictures::bins(bins) + &table(columns, bins.iter().take(MOST_BINS).map(row));
-    if bins.len() > MOST_BINS {
+    let mut out = pictures::bins(bins) + &table(columns, bins.iter().take(MAX_BINS).map(row));
+    if bins.len() > MAX_BINS {
         let count = bins.len();
         out += &small(&format!(
-            "The most significant {MOST_BINS} of {count}; all are in report.json."
+            "The most significant {MAX_BINS} of {count}; all are in report.json."
         ));
     }
     out
@@ -190,7 +191,7 @@ pub fn runs(by_run: &[ByRun], viewer: Option<&str>) -> String {
     out
 }
 
-/// What would be found, and what it would be confused with.
+/// A table of the smallest detectable effects, and of the effects that resemble them most.
 pub fn detectable(effects: &[Detectable]) -> String {
     let row = |d: &Detectable| {
         let cells = [

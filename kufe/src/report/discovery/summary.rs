@@ -1,12 +1,12 @@
-//! The first screen: what is missing, how large, where, how certain, what remains, what to measure
-//! next.
+//! Summary of the page: missing effects with size, place and certainty, the remaining misfit, and
+//! the next measurement.
 
 use crate::plot::{escape, quantity};
 use crate::report::discovery::parts::{alike, meaning, p_is, size};
 use crate::report::html::tiles;
 use crate::results::finding::{ChannelGap, HeldOut, ModelKind, Report, Step, Verdict};
 
-/// The effects that were fitted and tested: a quick search selects one and does neither.
+/// The effects that were fitted and tested; a quick search only selects one.
 pub fn tested(report: &Report) -> &[Step] {
     match report.verdict {
         Verdict::NotIdentifiable => &[],
@@ -14,7 +14,7 @@ pub fn tested(report: &Report) -> &[Step] {
     }
 }
 
-/// The verdict as a heading, the effects one a line, figures to act on, and what to do next.
+/// The verdict as a heading, the effects, one per line, the main figures, and the next steps.
 pub fn summary(report: &Report) -> String {
     let mut out = format!("<h1>{}</h1>\n", in_words(report));
     if !report.explained.is_empty() {
@@ -38,7 +38,7 @@ pub fn summary(report: &Report) -> String {
         figures.push((format!("p {}", p_is(step.p_value)), why.to_owned()));
         figures.push(remaining(report));
     }
-    // A moment's unit is not broken in two.
+    // Prevents a line break within the unit of a moment.
     let whole = |text: String| text.replace("N m", "N\u{a0}m");
     let figures = figures.into_iter();
     out += &tiles(figures.map(|(figure, why)| (whole(figure), whole(why))));
@@ -47,7 +47,7 @@ pub fn summary(report: &Report) -> String {
     out
 }
 
-/// What is not written, what is implausible, and what to measure next.
+/// Notes on models that are not written, implausible parameters, and the next measurement.
 fn notes(report: &Report) -> Vec<(&'static str, String)> {
     let mut notes = Vec::new();
     for withheld in &report.withheld {
@@ -74,14 +74,14 @@ fn notes(report: &Report) -> Vec<(&'static str, String)> {
         );
         notes.push(("Implausible", text));
     }
-    // Where nothing is identified it is the reason, which the sentence states.
+    // Without an identified effect the sentence may state the next experiment already.
     if !report.next_experiment.is_empty() && !report.sentence.contains(&report.next_experiment) {
         notes.push(("What to measure next", report.next_experiment.clone()));
     }
     notes
 }
 
-/// The effects of the model that is written in place of one with more of them.
+/// The effects of the model that is written instead of the withheld one.
 fn written(report: &Report) -> String {
     let effects: Vec<&str> = report.steps.iter().map(|s| s.effect.as_str()).collect();
     match report.written {
@@ -110,10 +110,10 @@ fn in_words(report: &Report) -> String {
     format!("{words}{more}")
 }
 
-/// Name, what it means, size with interval, place.
+/// One effect: name, meaning, parameters with intervals, and place.
 fn effect(step: &Step) -> String {
     let mut text = format!("<b>{}</b>", escape(&step.effect));
-    // A part of the text within its marks; nothing where it is empty.
+    // Appends a part of the text between its marks; an empty part is omitted.
     let mut add = |before: &str, part: &str, after: &str| {
         if !part.is_empty() {
             text += &[before, &escape(part), after].concat();
@@ -138,8 +138,8 @@ fn effect(step: &Step) -> String {
     text
 }
 
-/// Places along tracks, each track named once: `s 10-20 m on track a; s 30-40 m on track a` is
-/// `track a at 10-20, 30-40 m`.
+/// Merges places along tracks: `s 10-20 m on track a; s 30-40 m on track a` becomes `track a at
+/// 10-20, 30-40 m`.
 fn places(text: &str) -> String {
     let mut parts: Vec<(&str, Vec<&str>)> = Vec::new();
     for part in text.split("; ") {
@@ -161,30 +161,30 @@ fn places(text: &str) -> String {
     texts.collect::<Vec<_>>().join("; ")
 }
 
-/// How many runs met how many places and how hard, of an effect that varies from run to run.
+/// Numbers of contacts and places, and the range of forces, of an effect that varies between runs.
 fn contacts(step: &Step) -> Option<String> {
-    let met = step.contacts.iter().flat_map(|place| &place.contacts);
-    let forces: Vec<f64> = met.map(|one| one.force_n.abs()).collect();
-    let least = forces.iter().copied().reduce(f64::min)?;
-    let most = forces.iter().copied().fold(least, f64::max);
+    let contacts = step.contacts.iter().flat_map(|place| &place.contacts);
+    let forces: Vec<f64> = contacts.map(|one| one.force_n.abs()).collect();
+    let min = forces.iter().copied().reduce(f64::min)?;
+    let max = forces.iter().copied().fold(min, f64::max);
     Some(format!(
-        "{} contacts at {} places, {least:.0} to {most:.0} N: each by the side force of its own run, judged by runs that hit the same places and by how the sled then turns and brakes",
+        "{} contacts at {} places, {min:.0} to {max:.0} N: each by the side force of its own run, judged by runs that hit the same places and by how the sled then turns and brakes",
         forces.len(),
         step.contacts.len(),
     ))
 }
 
-/// A figure, and what it is.
+/// A figure and its description.
 type Tile = (String, String);
 
-/// Misfits one after another in one unit, from which none is broken off.
+/// Misfits with arrows between them, in one unit and without line breaks.
 fn arrow<const N: usize>(gaps: [f64; N], unit: &str) -> String {
     let (gaps, scale) = alike(gaps, unit);
     let text = scale.with_unit(&gaps.join("→"));
     text.replace(' ', "\u{a0}").replace('→', " → ")
 }
 
-/// The misfit before and after, on held-out data where there are any.
+/// The misfit before and after, on held-out data if there are any.
 fn misfit(report: &Report) -> Option<Tile> {
     let held_out = &report.held_out;
     if held_out.runs.is_empty() {
@@ -224,7 +224,7 @@ fn judged(held_out: &HeldOut) -> Option<&ChannelGap> {
     channels.find(|c| c.before == held_out.gap_before)
 }
 
-/// Whether what remains is noise.
+/// Whether the remaining misfit is noise.
 fn remaining(report: &Report) -> Tile {
     let held_out = &report.held_out;
     let gap = match report.training.first() {
@@ -249,7 +249,7 @@ fn remaining(report: &Report) -> Tile {
     (figure.to_owned(), why)
 }
 
-/// What remains in excess of the sensors' noise, where that is more than the noise.
+/// Remaining misfit in excess of the sensor noise; `None` if it is below the noise.
 fn scatter(held_out: &HeldOut) -> Option<String> {
     let noise = judged(held_out)?.noise;
     let square = held_out.gap_after * held_out.gap_after - noise * noise;
@@ -257,7 +257,7 @@ fn scatter(held_out: &HeldOut) -> Option<String> {
     (excess > noise).then(|| quantity(excess, &held_out.unit))
 }
 
-/// The share of the explainable misfit that is explained, where it is known.
+/// The fraction of the explainable misfit that is explained; `None` if it is unknown.
 fn explained(step: &Step, report: &Report) -> Option<Tile> {
     let closed = &step.explainable_gap_closed;
     let [value, low, high] = [closed.value, closed.low, closed.high].map(|share| 100.0 * share);

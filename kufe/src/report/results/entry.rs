@@ -1,4 +1,4 @@
-//! One figure of a document: its name, and how it is written.
+//! One figure of a document: its name and its format.
 
 use std::borrow::Cow;
 
@@ -6,8 +6,8 @@ use crate::plot::{Scale, escape, shown_unit};
 use crate::results::Datum;
 use crate::results::label::{error_keys, name_of};
 
-/// Most values of a list that are shown at once.
-const MOST_VALUES: usize = 8;
+/// Largest number of values of a list that are shown unfolded.
+const MAX_VALUES: usize = 8;
 
 /// HTML of a number with the unit of this scale.
 pub fn with_unit(scale: &Scale, number: &str) -> String {
@@ -15,28 +15,27 @@ pub fn with_unit(scale: &Scale, number: &str) -> String {
     Scale { unit, ..*scale }.with_unit(number)
 }
 
-/// A figure, which may be part of others.
+/// A figure of a document.
 #[derive(Clone)]
 pub struct Entry<'a> {
-    /// Its name, after the names of what it is part of.
+    /// Name, preceded by the names of the groups that contain it.
     pub name: String,
-    /// Its own key.
+    /// Key without those of its groups.
     pub key: &'a str,
-    /// A number, a word, a flag, an interval or a list of such.
+    /// A number, text, flag or interval, or a list of these.
     pub value: &'a Datum,
-    /// Its error, where the document states one.
+    /// Error, if the document states one.
     pub error: Option<f64>,
 }
 
-/// The figures of a group, and those of the groups in it after their names; tables and empty
-/// figures are omitted.
+/// The figures of a group and of its subgroups. Tables and empty figures are omitted.
 pub fn entries<'a>(figures: impl IntoIterator<Item = (&'a String, &'a Datum)>) -> Vec<Entry<'a>> {
     let mut all = Vec::new();
     collect(&mut all, "", &figures.into_iter().collect::<Vec<_>>());
     all
 }
 
-fn collect<'a>(all: &mut Vec<Entry<'a>>, of: &str, figures: &[(&'a String, &'a Datum)]) {
+fn collect<'a>(all: &mut Vec<Entry<'a>>, prefix: &str, figures: &[(&'a String, &'a Datum)]) {
     let number_of = |key: &String| {
         let found = figures.iter().find(|(known, _)| *known == key);
         found.and_then(|(_, value)| value.number())
@@ -49,7 +48,7 @@ fn collect<'a>(all: &mut Vec<Entry<'a>>, of: &str, figures: &[(&'a String, &'a D
     let errors: Vec<String> = figures.iter().filter_map(error_of).collect();
     for figure in figures {
         let (key, value) = *figure;
-        let name = format!("{of}{}", name_of(key));
+        let name = format!("{prefix}{}", name_of(key));
         match value {
             Datum::Group(inner) if value.interval().is_none() => {
                 collect(all, &format!("{name}: "), &inner.iter().collect::<Vec<_>>());
@@ -71,18 +70,18 @@ fn is_number(figure: &Datum) -> bool {
 }
 
 impl Entry<'_> {
-    /// Its numbers: that of a value, those of an interval, or of a list.
+    /// The numbers of a value, an interval or a list.
     fn numbers(&self) -> Vec<f64> {
         let values = self.value.list().iter().chain([self.value]);
         let interval = self.value.interval().map(|interval| interval.to_vec());
         interval.unwrap_or_else(|| values.filter_map(Datum::number).collect())
     }
 
-    /// The size of its largest number; 0 where there is none.
+    /// Largest magnitude of its numbers; 0 without numbers.
     pub fn largest(&self) -> f64 {
         self.numbers()
             .into_iter()
-            .fold(0.0, |most, x| x.abs().max(most))
+            .fold(0.0, |max, x| x.abs().max(max))
     }
 
     /// Whether it is a number, with or without an interval.
@@ -90,12 +89,12 @@ impl Entry<'_> {
         is_number(self.value)
     }
 
-    /// The unit that its key ends in.
+    /// Display unit of its key.
     pub fn unit(&self) -> Cow<'static, str> {
         shown_unit(self.key)
     }
 
-    /// The figure in the unit that suits it, as HTML.
+    /// The figure in the display unit that suits its size, as HTML.
     pub fn shown(&self) -> String {
         self.in_unit(&Scale::of(&self.unit(), self.largest()))
     }
@@ -126,7 +125,7 @@ impl Entry<'_> {
                 .collect();
             let (count, all) = (all.len(), all.join(", "));
             return match count {
-                ..=MOST_VALUES => all,
+                ..=MAX_VALUES => all,
                 _ => format!(
                     "<details class=\"values\"><summary>{count} values</summary>{all}</details>"
                 ),
@@ -145,7 +144,7 @@ impl Entry<'_> {
             // A text of such a column is itself the name of a column or key.
             Datum::Text(text) if ["column", "key"].contains(&self.key) => escape(&name_of(text)),
             Datum::Number(number) => scale.number(*number),
-            // Counts and seeds that are longer than a number's digits are shown in full.
+            // Large counts and seeds are shown in full.
             other => match other.number() {
                 Some(number) if number.abs() < 1e7 || scale.times != 1.0 => scale.number(number),
                 _ => escape(&other.to_string()),

@@ -1,5 +1,4 @@
-//! A page of what any command has written: its pictures, and its figures as tables that an engineer
-//! reads.
+//! The page of any document: pictures, and figures as tables.
 
 mod entry;
 mod page;

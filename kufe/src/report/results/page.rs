@@ -1,4 +1,4 @@
-//! The page of any document: its pictures and its figures.
+//! The page of any document: title, pictures, links and tables.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -11,21 +11,22 @@ use crate::results::Datum;
 
 /// A picture of a page.
 pub struct Picture {
-    /// What it shows.
+    /// Name, which is the alternative text.
     pub name: String,
-    /// Its PNG file.
+    /// Bytes of the PNG file.
     pub png: Vec<u8>,
 }
 
-/// A PNG file as the address of a picture in the page itself.
+/// A PNG file as a data URL.
 pub fn picture_url(png: &[u8]) -> String {
     format!("data:image/png;base64,{}", STANDARD.encode(png))
 }
 
-/// Pictures that are shown before the figures; more are folded behind them.
+/// Number of pictures before the figures; further pictures are folded after them.
 const FIRST_PICTURES: usize = 3;
 
-/// The page of documents, each with what it is, under a title and a headline; `links` are links into the page of the runs.
+/// The page of documents, each with the name of its kind, under a title and a headline. `links` are
+/// links into the page of the runs.
 pub fn results_page(
     [title, headline]: [&str; 2],
     pictures: &[Picture],
@@ -52,7 +53,7 @@ pub fn results_page(
     plain_page(title, &out)
 }
 
-/// A picture in its frame; a box that a click ticks shows it at its own size, without a script.
+/// A framed picture. A checkbox without a script switches it to full size on a click.
 fn shown(Picture { name, png }: &Picture) -> String {
     let (name, url) = (escape(name), picture_url(png));
     format!(

@@ -1,4 +1,4 @@
-//! A document as tables: what matters most first and open, the rest folded.
+//! A document as tables: important figures first, further figures folded.
 
 use indexmap::IndexMap;
 use kufe_sled::distinct;
@@ -9,16 +9,17 @@ use crate::report::results::entry::{Entry, entries, with_unit};
 use crate::results::label::{is_named, name_of, unit_in};
 use crate::results::{Data, Datum};
 
-/// Most rows of a table that a page shows, and of one that is open.
-const MOST_ROWS: usize = 200;
-const OPEN_ROWS: usize = 40;
-/// So many further figures need no fold.
-const FEW: usize = 2;
-/// An end of a section that is less of its length than this is its beginning.
-const NOTHING: f64 = 1e-5;
+/// Largest number of rows of a table.
+const MAX_ROWS: usize = 200;
+/// Largest number of rows of a table that is initially unfolded.
+const MAX_OPEN_ROWS: usize = 40;
+/// Largest number of further figures that are not folded.
+const MAX_UNFOLDED: usize = 2;
+/// Fraction of a section's length below which one of its ends is shown as 0.
+const ROUNDING: f64 = 1e-5;
 
-/// What a page shows elsewhere, or what concerns files rather than their content.
-const ASIDE: [&str; 3] = ["version", "files", "content_sha256"];
+/// Keys that are omitted: they are shown elsewhere, or concern files.
+const OMITTED: [&str; 3] = ["version", "files", "content_sha256"];
 /// Cases are shown as their file states them.
 const CASES: [&str; 2] = ["case", "cases"];
 
@@ -34,11 +35,11 @@ pub fn document(document: &Datum) -> String {
 /// A key and its datum.
 type Figure<'a> = (&'a String, &'a Datum);
 
-/// The figures of a group, then its parts, then the further figures.
+/// The important figures of a group, then its subgroups and tables, then the further figures.
 fn top(figures: &Data) -> String {
     let (cases, shown): (Vec<Figure>, Vec<Figure>) = figures
         .iter()
-        .filter(|(key, value)| !ASIDE.contains(&&***key) && **value != Datum::Absent(()))
+        .filter(|(key, value)| !OMITTED.contains(&&***key) && **value != Datum::Absent(()))
         .partition(|(key, _)| CASES.contains(&&***key));
     let (nested, single): (Vec<Figure>, Vec<Figure>) = shown
         .into_iter()
@@ -54,7 +55,7 @@ fn top(figures: &Data) -> String {
         rest += &format!("<p>{}</p>\n", escape(&none));
     }
     let is_alone = first.is_empty() && nested.is_empty();
-    if !(rest.is_empty() || is_alone || further.len() <= FEW) {
+    if !(rest.is_empty() || is_alone || further.len() <= MAX_UNFOLDED) {
         rest = fold("Further figures", &rest);
     }
     let cases = cases.into_iter().map(|(key, value)| {
@@ -74,10 +75,10 @@ fn has_parts(figure: &Datum) -> bool {
     group.is_some_and(|figures| !figures.contains_key("value"))
 }
 
-/// Groups and tables under their names, long ones last; groups of the same keys side by side.
+/// Groups and tables under their names, long ones last; groups with equal keys are side by side.
 fn parts(mut nested: Vec<Figure>) -> String {
-    nested.sort_by_key(|(_, value)| value.list().len() > OPEN_ROWS);
-    // Tables have no keys, and are alone.
+    nested.sort_by_key(|(_, value)| value.list().len() > MAX_OPEN_ROWS);
+    // Tables have no keys and are not combined.
     let mut alike: IndexMap<(Vec<&String>, &str), Vec<Figure>> = IndexMap::new();
     for (key, value) in nested {
         let keys = value.group().map(|group| group.keys().collect::<Vec<_>>());
@@ -89,7 +90,7 @@ fn parts(mut nested: Vec<Figure>) -> String {
         [(key, Datum::Group(figures))] => folded(&name_of(key), is_named(key), &top(figures)),
         [(key, value)] => {
             let rows = value.list();
-            folded(&name_of(key), rows.len() <= OPEN_ROWS, &list(rows))
+            folded(&name_of(key), rows.len() <= MAX_OPEN_ROWS, &list(rows))
         }
         _ => {
             let names: Vec<String> = group.iter().map(|(key, _)| name_of(key)).collect();
@@ -99,37 +100,37 @@ fn parts(mut nested: Vec<Figure>) -> String {
     alike.values().map(part).collect()
 }
 
-/// Records, and the tables within them, folded.
+/// A table of records, and the folded tables within them.
 fn list(rows: &[Datum]) -> String {
     let inner = within(rows).into_iter();
     let inner = inner.map(|(key, rows)| folded(&name_of(key), false, &list(&rows)));
     records(rows) + &inner.collect::<String>()
 }
 
-/// Content under a name that opens and closes it.
+/// A fold with a name.
 fn folded(name: &str, is_open: bool, inner: &str) -> String {
     fold_with(if is_open { " open" } else { "" }, &capital(name), inner)
 }
 
-/// Words with a capital letter at their head.
+/// Capitalises the first letter.
 pub fn capital(name: &str) -> String {
     let mut letters = name.chars();
     let first = letters.next().map(char::to_uppercase);
     first.into_iter().flatten().chain(letters).collect()
 }
 
-/// Data as rows of name and value with its unit; nothing without data.
+/// A table of names and values with units; empty without data.
 fn pairs(figures: &[Entry]) -> String {
     if figures.is_empty() {
         return String::new();
     }
     let row = |figure: &Entry| {
-        // Both ends of a section in one unit.
+        // Both ends of a section are shown in one unit.
         let end = figure.key.replacen("from", "to", 1);
         let ends = figures.iter().filter(|other| other.key == end);
         let length = ends.map(Entry::largest).fold(figure.largest(), f64::max);
         let scale = Scale::of(&figure.unit(), length);
-        let text = if figure.largest() < NOTHING * length {
+        let text = if figure.largest() < ROUNDING * length {
             with_unit(&scale, "0")
         } else {
             figure.in_unit(&scale)
@@ -139,7 +140,7 @@ fn pairs(figures: &[Entry]) -> String {
     table(&[], figures.iter().map(row))
 }
 
-/// Groups of the same figures, a column each.
+/// Groups with equal figures, one column per group.
 fn side_by_side(heads: &[String], group: &[Figure]) -> String {
     let columns = group.iter().filter_map(|(_, value)| value.group());
     let columns: Vec<Vec<Entry>> = columns.map(entries).collect();
@@ -156,11 +157,11 @@ fn side_by_side(heads: &[String], group: &[Figure]) -> String {
     table(&heads, names.into_iter().map(row))
 }
 
-/// Records as rows of one table, whose columns are all their figures; tables within rows are those
-/// of [`within`].
+/// Records as rows of one table; its columns are all figures of the records except the tables
+/// within them (see [`within`]).
 fn records(rows: &[Datum]) -> String {
     let rows: Vec<&Data> = rows.iter().filter_map(Datum::group).collect();
-    let shown = &rows[..rows.len().min(MOST_ROWS)];
+    let shown = &rows[..rows.len().min(MAX_ROWS)];
     let cells: Vec<Vec<Entry>> = shown.iter().map(|row| entries(*row)).collect();
     let mut heads = Vec::new();
     let mut texts = vec![Vec::new(); shown.len()];
@@ -171,14 +172,14 @@ fn records(rows: &[Datum]) -> String {
         let present = || column.iter().flatten();
         let unit = present().next().map_or("".into(), |entry| entry.unit());
         let scale = Scale::of_all(&unit, present().map(|entry| entry.largest()));
-        // Rows that name a column or key have units of their own.
+        // The unit of a row that names a column or key is that of this column or key.
         let names_key = |row: &&Data| row.get("column").or(row.get("key")).is_some();
         let is_own = unit.is_empty() && shown.iter().any(names_key);
         let rows = shown.iter().zip(&cells);
         for ((entry, (row, all)), texts) in column.iter().zip(rows).zip(&mut texts) {
             texts.push(match entry {
                 Some(entry) if is_own => {
-                    // The row's figures of this unit are compared with one another.
+                    // Figures of the row with equal units get the same display unit.
                     let unit = unit_in(row, entry.key);
                     let alike = all.iter().filter(|other| unit_in(row, other.key) == unit);
                     entry.in_unit(&Scale::of_all(&unit, alike.map(Entry::largest)))
@@ -191,14 +192,14 @@ fn records(rows: &[Datum]) -> String {
     }
     let heads: Vec<(&str, bool)> = heads.iter().map(|(name, n)| (&**name, *n)).collect();
     let mut out = table(&heads, texts);
-    if rows.len() > MOST_ROWS {
-        out += &small(&format!("The first {MOST_ROWS} of {}.", rows.len()));
+    if rows.len() > MAX_ROWS {
+        out += &small(&format!("The first {MAX_ROWS} of {}.", rows.len()));
     }
     out
 }
 
-/// The tables within rows, those of one key as one table: each of their rows begins with the first
-/// text of the row that it belongs to.
+/// The tables within rows, merged by key. Each row of a merged table begins with the first text of
+/// the row that contains it.
 fn within(rows: &[Datum]) -> IndexMap<&String, Vec<Datum>> {
     let mut tables: IndexMap<&String, Vec<Datum>> = IndexMap::new();
     for row in rows.iter().filter_map(Datum::group) {
@@ -235,7 +236,7 @@ fn stated(rows: &mut Vec<[String; 2]>, path: &str, value: &Datum) {
             let places = values.iter().enumerate();
             places.for_each(|(k, value)| stated(rows, &format!("{path}[{k}]"), value));
         }
-        // As someone would have typed it.
+        // In the notation of a typed number.
         single => {
             let text = match single.number() {
                 Some(x) if x.abs() >= 1e6 => format!("{x:e}"),
