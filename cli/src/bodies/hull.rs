@@ -7,8 +7,8 @@ use kufe::jobs::{ExaminedHull, Failure, check_hull};
 use kufe::plot::{measured, percent, quantity};
 use kufe::results::{ResolvedLoad, Sampling};
 use kufe_mesh::{
-    BobRunner, Estimate, HullFormat, LugeSteel, MeshError, Rocker, Section, Swept, load_points,
-    strips_warning, tessellate, tessellate_turning,
+    BobRunner, Estimate, Hull, HullFormat, LugeSteel, MeshError, Rocker, Section, Swept, load_points,
+    strips_warning, tessellate, tessellate_steel,
 };
 use serde::Serialize;
 
@@ -92,10 +92,6 @@ struct File {
     edge_length_m: f64,
 }
 
-/// Largest turn over one facet of a steel on its edge, whose radius is of the size of the contact
-/// [rad].
-const EDGE_TURN: f64 = 0.01;
-
 /// A hull that was written.
 #[derive(Serialize)]
 struct WrittenHull<'a> {
@@ -110,9 +106,10 @@ struct WrittenHull<'a> {
 /// [`Failure::BadInput`] for dimensions that do not fit and a file that cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let none = None;
-    let (name, swept, out, points, turn) = match &args.kind {
-        Kind::Bob(bob) => ("bob", bob.swept(), &bob.file, &bob.rocker_points, None),
-        Kind::Luge(luge) => ("luge", luge.swept(), &luge.file, &none, Some(EDGE_TURN)),
+    type Tessellate = fn(&Swept, f64) -> Result<Hull, MeshError>;
+    let (name, swept, out, points, make): (_, _, _, _, Tessellate) = match &args.kind {
+        Kind::Bob(bob) => ("bob", bob.swept(), &bob.file, &bob.rocker_points, tessellate),
+        Kind::Luge(luge) => ("luge", luge.swept(), &luge.file, &none, tessellate_steel),
         Kind::Check(check) => return examine(check, global),
     };
     let File {
@@ -124,11 +121,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let swept = swept.map_err(refuse)?;
     let outputs = std::slice::from_ref(file);
     let files = OutputFiles::begin("hull", points.as_slice(), outputs, global.force)?;
-    let hull = match turn {
-        Some(turn) => tessellate_turning(&swept, *edge_length_m, turn),
-        None => tessellate(&swept, *edge_length_m),
-    };
-    let hull = hull.map_err(refuse)?;
+    let hull = make(&swept, *edge_length_m).map_err(refuse)?;
     files.write(file, |writer| format.write(&hull, writer))?;
     files.commit()?;
     let written = WrittenHull {
