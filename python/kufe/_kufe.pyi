@@ -157,7 +157,7 @@ class Contact:
     def result(self) -> dict[str, Any]:
         """
         What the command writes to `result.json`, the case and the history included. Keys that only
-        written files have, such as `p_max_map_pa`, are absent.
+        written files have, `p_max_map_pa` and `stress_max_pa`, are absent.
         """
     def map(self) -> dict[str, NDArray[np.float64]]:
         """

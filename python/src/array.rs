@@ -10,7 +10,7 @@ use crate::error::InputError;
 pub fn numbers<'py>(given: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
     let masked = given.py().import("numpy.ma")?;
     let array = masked.call_method1("asarray", (given, "float64", "C"))?;
-    Ok(array.call_method1("filled", (f64::NAN,))?.extract()?)
+    array.call_method1("filled", (f64::NAN,))?.extract()
 }
 
 /// Whole numbers as an array; masked ones are -1.
@@ -27,7 +27,7 @@ pub fn integers<'py>(
         return Err(PyTypeError::new_err(text));
     }
     let array = array.call_method1("astype", ("int64",))?;
-    Ok(array.call_method1("filled", (-1,))?.extract()?)
+    array.call_method1("filled", (-1,))?.extract()
 }
 
 /// One number, or a list of them.

@@ -514,7 +514,7 @@ impl Contact {
     }
 
     /// What the command writes to `result.json`, the case and the history included. Keys that only
-    /// written files have, such as `p_max_map_pa`, are absent.
+    /// written files have, `p_max_map_pa` and `stress_max_pa`, are absent.
     #[getter]
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.solved().result)

@@ -9,9 +9,7 @@ use kufe_mesh::{
     Axis, BobRunner, HullFormat, HullOptions, HullReport, LugeSteel, MeshError, load_hull,
     tessellate, tessellate_steel,
 };
-use numpy::{
-    PyArray1, PyArray2, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
-};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
 use crate::array::{integers, list, numbers};

@@ -96,7 +96,13 @@ impl Table {
             return Err(InputError::new_err(text));
         }
         let nothing = f64::NAN.into_pyobject(py)?.into_any();
-        let given = [Some(fz_n), Some(curvature_1pm), v_mps, ice_c, rocker_radius_m];
+        let given = [
+            Some(fz_n),
+            Some(curvature_1pm),
+            v_mps,
+            ice_c,
+            rocker_radius_m,
+        ];
         let inputs = broadcast(py, given.map(|given| given.unwrap_or(&nothing)))?;
         let shape = inputs[0].shape().to_vec();
         let [fz, curvature, speed, ice, radius] = &inputs;

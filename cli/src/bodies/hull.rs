@@ -7,7 +7,7 @@ use kufe::jobs::{ExaminedHull, Failure, check_hull};
 use kufe::plot::{measured, percent, quantity};
 use kufe::results::{ResolvedLoad, Sampling};
 use kufe_mesh::{
-    BobRunner, Estimate, Hull, HullFormat, LugeSteel, MeshError, Rocker, Section, Swept, load_points,
+    BobRunner, Estimate, HullFormat, LugeSteel, MeshError, Rocker, Section, Swept, load_points,
     strips_warning, tessellate, tessellate_steel,
 };
 use serde::Serialize;
@@ -106,10 +106,9 @@ struct WrittenHull<'a> {
 /// [`Failure::BadInput`] for dimensions that do not fit and a file that cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let none = None;
-    type Tessellate = fn(&Swept, f64) -> Result<Hull, MeshError>;
-    let (name, swept, out, points, make): (_, _, _, _, Tessellate) = match &args.kind {
-        Kind::Bob(bob) => ("bob", bob.swept(), &bob.file, &bob.rocker_points, tessellate),
-        Kind::Luge(luge) => ("luge", luge.swept(), &luge.file, &none, tessellate_steel),
+    let (name, swept, out, points) = match &args.kind {
+        Kind::Bob(bob) => ("bob", bob.swept(), &bob.file, &bob.rocker_points),
+        Kind::Luge(luge) => ("luge", luge.swept(), &luge.file, &none),
         Kind::Check(check) => return examine(check, global),
     };
     let File {
@@ -121,7 +120,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let swept = swept.map_err(refuse)?;
     let outputs = std::slice::from_ref(file);
     let files = OutputFiles::begin("hull", points.as_slice(), outputs, global.force)?;
-    let hull = make(&swept, *edge_length_m).map_err(refuse)?;
+    let hull = match args.kind {
+        Kind::Luge(_) => tessellate_steel(&swept, *edge_length_m),
+        _ => tessellate(&swept, *edge_length_m),
+    };
+    let hull = hull.map_err(refuse)?;
     files.write(file, |writer| format.write(&hull, writer))?;
     files.commit()?;
     let written = WrittenHull {
