@@ -39,7 +39,7 @@ pub use hexahedra::{
 pub use hull::{
     Axis, Hull, HullFormat, HullOptions, HullReport, check_hull, checked_runner, hull_files,
     load_hull, read_3mf, read_gltf, read_obj, read_stl, size_warnings, tessellate,
-    tessellate_turning,
+    tessellate_steel,
 };
 pub use ice::{ExrImage, HeightMap, IceSurface, Waviness, load_height_map};
 pub use scan::{

@@ -10,17 +10,15 @@ Units are SI, and every name carries its unit: ``fz_n``, ``p_max_pa``, ``curvatu
 The number of threads is that of the cores, or ``RAYON_NUM_THREADS``.
 """
 
+from ._errors import Error, InputError, NotConvergedError
 from ._kufe import (
     Case,
     Contact,
     Discovery,
-    Error,
     Evaluation,
     Fit,
     Hull,
     HullCheck,
-    InputError,
-    NotConvergedError,
     Replay,
     Simulation,
     Table,

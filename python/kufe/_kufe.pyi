@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
-from typing import Any, Literal, final
+from typing import Any, Literal, SupportsFloat, SupportsIndex, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,24 +10,15 @@ from numpy.typing import ArrayLike, NDArray
 __version__: str
 
 _Path = str | PathLike[str]
+_Float = SupportsFloat | SupportsIndex
+_Names = str | Sequence[str] | None
+_Value = float | bool | str | np.generic | Sequence[Any] | NDArray[Any] | None
 _Progress = Callable[[str], object] | None
 _Quantity = Literal[
     "p_max", "p_mean", "area", "length", "width", "approach",
     "mu", "mu_ploughing", "mu_viscous", "mu_boundary", "groove_depth", "film_mean",
 ]
 _Mode = Literal["smooth", "bilinear"]
-
-class Error(Exception):
-    """Base class of all failures of this package; the text is that of the command."""
-
-class InputError(Error):
-    """A file, or a value in it, is wrong, or a file cannot be written."""
-
-class NotConvergedError(Error):
-    """An iteration stopped short of the requested accuracy."""
-
-    best: Contact | list[dict[str, Any]] | None
-    """The best available result, with its errors, or None."""
 
 @final
 class Case:
@@ -42,7 +33,7 @@ class Case:
         """
     @staticmethod
     def of(
-        hull: Hull, values: Mapping[str, float | int | bool | str] | None = None
+        hull: Hull, values: Mapping[str, _Value] | None = None
     ) -> Case:
         """
         A hull on the ice of the example under 1 kN, with other values by dotted key: `Case.of(hull,
@@ -57,8 +48,11 @@ class Case:
         The case that the command solves where none is given: a bobsled runner on flat ice under 1
         kN.
         """
-    def replace(self, values: Mapping[str, float | int | bool | str]) -> Case:
-        """The case with other values, by dotted key: `case.replace({"load.fz_n": 2000.0})`."""
+    def replace(self, values: Mapping[str, _Value]) -> Case:
+        """
+        The case with other values, by dotted key: `case.replace({"load.fz_n": 2000.0})`. None
+        removes a key.
+        """
     def to_toml(self) -> str:
         """The case as TOML."""
     @property
@@ -143,10 +137,13 @@ class Contact:
         """Node coordinates across the runner, increasing [m]."""
     @property
     def pressure_pa(self) -> NDArray[np.float64]:
-        """Contact pressure at the nodes, `len(y_m)` rows of `len(x_m)` [Pa]."""
+        """
+        Contact pressure at the nodes, `len(y_m)` rows of `len(x_m)` [Pa]. The nodes are not evenly
+        spaced; `map` has the pressure on an even grid, whose sum is the force.
+        """
     @property
     def gap_m(self) -> NDArray[np.float64]:
-        """Gap at the nodes, 0 in contact, infinite where there is no hull [m]."""
+        """Gap at the nodes, 0 within rounding in contact, infinite where there is no hull [m]."""
     @property
     def uz_m(self) -> NDArray[np.float64]:
         """Vertical displacement of the ice's surface at the nodes, upwards positive [m]."""
@@ -158,7 +155,16 @@ class Contact:
         """Warnings and remarks."""
     @property
     def result(self) -> dict[str, Any]:
-        """Content of `result.json`, including the case and the history."""
+        """
+        What the command writes to `result.json`, the case and the history included. Keys that only
+        written files have, `p_max_map_pa` and `stress_max_pa`, are absent.
+        """
+    def map(self) -> dict[str, NDArray[np.float64]]:
+        """
+        Arrays by name on an even grid around the contact, as in `result.mat`: `x_m`, `y_m`, and
+        `len(y_m)` rows of `len(x_m)` of `pressure_pa`, `gap_m` and `uz_m`. The sum of `pressure_pa`
+        times the area of a pixel is `fz_n`. A contact from a pickle has no map.
+        """
     def write(self, folder: _Path, *, mat: bool = False) -> None:
         """
         Writes what `kufe press` writes into `folder`, which must be new or empty; all files or
@@ -188,15 +194,15 @@ class Hull:
         """
     @staticmethod
     def from_heights(
-        x_m: ArrayLike, y_m: ArrayLike, heights_m: NDArray[np.float64]
+        x_m: ArrayLike, y_m: ArrayLike, heights_m: ArrayLike
     ) -> Hull:
         """
         The underside of a measured height map: `heights_m` has `len(y_m)` rows of `len(x_m)`, z up;
-        NaN where nothing was measured.
+        what is masked or not finite was not measured.
         """
     @staticmethod
     def read(
-        path: _Path, *, scale: float = 1.0, up: str | None = None, forward: str = "x"
+        path: _Path, *, scale: _Float = 1.0, up: str | None = None, forward: str = "x"
     ) -> Hull:
         """
         Reads and checks an OBJ, glTF, STL or 3MF file; `scale` is metres a unit of the file (0.001
@@ -206,12 +212,12 @@ class Hull:
     @staticmethod
     def bob(
         *,
-        length_m: float = 1.0,
-        rocker_radius_m: float = 30.0,
-        section_radius_m: float = 0.005,
-        width_m: float = 0.010,
-        height_m: float = 0.030,
-        edge_length_m: float = 0.0005,
+        length_m: _Float = 1.0,
+        rocker_radius_m: _Float = 30.0,
+        section_radius_m: _Float = 0.005,
+        width_m: _Float = 0.010,
+        height_m: _Float = 0.030,
+        edge_length_m: _Float = 0.0005,
     ) -> Hull:
         """
         A bobsled runner: a round section swept along a rocker, with rounded ends; `edge_length_m`
@@ -220,13 +226,13 @@ class Hull:
     @staticmethod
     def luge(
         *,
-        length_m: float = 0.6,
-        rocker_radius_m: float = 25.0,
-        edge_radius_m: float = 0.0003,
-        tilt_rad: float = 0.02,
-        width_m: float = 0.020,
-        height_m: float = 0.008,
-        edge_length_m: float = 0.0005,
+        length_m: _Float = 0.6,
+        rocker_radius_m: _Float = 25.0,
+        edge_radius_m: _Float = 0.0003,
+        tilt_rad: _Float = 0.02,
+        width_m: _Float = 0.020,
+        height_m: _Float = 0.008,
+        edge_length_m: _Float = 0.0005,
     ) -> Hull:
         """A luge steel on its rounded edge."""
     def write(self, path: _Path) -> None:
@@ -289,12 +295,13 @@ class Table:
         v_mps: ArrayLike | None = None,
         ice_c: ArrayLike | None = None,
         mode: _Mode = "smooth",
-        rocker_radius_m: float | None = None,
+        rocker_radius_m: ArrayLike | None = None,
     ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
         """
         One quantity at forces [N], curvatures [1/m] and, where the table has those axes, speeds
-        [m/s] and temperatures of the ice [C], which are broadcast, and where an input was outside
-        the table; the rules of the axes then replace it. NaN gives NaN and the flag.
+        [m/s], temperatures of the ice [C] and rocker radii [m], which are broadcast, and where an
+        input was outside the table; the rules of the axes then replace it. NaN and masked inputs
+        give NaN and the flag. A rocker radius outside is refused.
         """
     def interpolation_error(
         self, quantity: _Quantity = "p_max", *, mode: _Mode = "smooth"
@@ -308,7 +315,13 @@ class Table:
         """Breakpoints of the normal force [N]."""
     @property
     def curvature_1pm(self) -> NDArray[np.float64]:
-        """Breakpoints of the track's curvature, positive in a valley [1/m]."""
+        """
+        Track curvatures of the nodes, positive in a valley [1/m]: breakpoints, or `len(fz_n)` rows
+        where the table's axis is the reduced curvature, whose track curvature depends on the force.
+        """
+    @property
+    def reduced_curvature(self) -> NDArray[np.float64] | None:
+        """Breakpoints of the reduced curvature, from 0 to 1, where the table has that axis."""
     @property
     def rocker_radius_m(self) -> NDArray[np.float64] | None:
         """Breakpoints of the rocker radius, if the table has that axis [m]."""
@@ -331,14 +344,18 @@ class Table:
         and for a table that was read.
         """
     @property
-    def quantities(self) -> list[str]:
-        """Names of the quantities in the table."""
+    def quantities(self) -> list[_Quantity]:
+        """Names of the quantities that the table holds."""
     def to_xarray(self, quantity: _Quantity = "p_max") -> Any:
         """
-        One quantity at the nodes as an `xarray.DataArray` over the table's axes; needs xarray.
+        One quantity at the nodes as an `xarray.DataArray` over the table's axes, with the track
+        curvatures of the nodes as a coordinate; needs xarray.
         """
     def to_dataframe(self) -> Any:
-        """Every quantity as a `pandas.DataFrame`, one row per node; needs pandas."""
+        """
+        Every quantity as a `pandas.DataFrame`, one row a node, with the track curvature of each;
+        needs pandas.
+        """
 
 @final
 class Simulation:
@@ -509,7 +526,7 @@ class Discovery:
 def press(
     case: Case | Hull | _Path,
     *,
-    accuracy: float | None = None,
+    accuracy: _Float | None = None,
     subsurface: bool = False,
     progress: _Progress = None,
 ) -> Contact:
@@ -517,10 +534,10 @@ def press(
 
 def slide(
     case: Case | Hull | _Path,
-    v_mps: float,
-    ice_c: float,
+    v_mps: _Float,
+    ice_c: _Float,
     *,
-    accuracy: float | None = None,
+    accuracy: _Float | None = None,
     progress: _Progress = None,
 ) -> Contact:
     """Solve steady sliding on ice that yields: groove, melt film and friction."""
@@ -532,9 +549,9 @@ def fill_table(
 
 def check_hull(
     path: _Path,
-    fz_n: Sequence[float] = ...,
+    fz_n: ArrayLike = (250.0, 500.0, 1000.0, 2000.0, 4000.0),
     *,
-    p_max: float | None = None,
+    p_max: _Float | None = None,
     progress: _Progress = None,
 ) -> HullCheck:
     """
@@ -544,22 +561,22 @@ def check_hull(
 
 def friction(
     case: Case | Hull | _Path,
-    v_mps: float,
+    v_mps: _Float,
     *,
-    alpha_rad: float = 0.0,
+    alpha_rad: _Float = 0.0,
     model: _Path | None = None,
-    ice_c: float | None = None,
-    air_c: float | None = None,
-    air_pa: float | None = None,
-    humidity_pct: float | None = None,
+    ice_c: _Float | None = None,
+    air_c: _Float | None = None,
+    air_pa: _Float | None = None,
+    humidity_pct: _Float | None = None,
     progress: _Progress = None,
 ) -> dict[str, Any]:
     """Solve a contact and evaluate a friction law at its peak pressure."""
 
 def friction_table(
     case: Case | Hull | _Path,
-    v_mps: Sequence[float] | NDArray[np.float64],
-    ice_c: Sequence[float] | NDArray[np.float64],
+    v_mps: ArrayLike,
+    ice_c: ArrayLike,
     *,
     progress: _Progress = None,
 ) -> list[dict[str, Any]]:
@@ -573,20 +590,20 @@ def simulate(
     model: _Path,
     track: _Path,
     *,
-    runs: int = 1,
+    runs: SupportsIndex = 1,
     driver: str | None = None,
-    skill: float = 0.9,
-    seed: int = 1,
+    skill: _Float = 0.9,
+    seed: SupportsIndex = 1,
     noise: bool = True,
-    start_speed_mps: float = 10.0,
-    rate_hz: float = 500.0,
-    step_s: float = 0.001,
-    most_s: float = 600.0,
-    ice_c: float = -8.0,
-    air_c: float = 0.0,
-    air_pa: float = 95000.0,
-    humidity_pct: float | None = None,
-    distance_m: float | None = None,
+    start_speed_mps: _Float = 10.0,
+    rate_hz: _Float = 500.0,
+    step_s: _Float = 0.001,
+    most_s: _Float = 600.0,
+    ice_c: _Float = -8.0,
+    air_c: _Float = 0.0,
+    air_pa: _Float = 95000.0,
+    humidity_pct: _Float | None = None,
+    distance_m: _Float | None = None,
     session: str = "1",
     progress: _Progress = None,
 ) -> Simulation:
@@ -599,9 +616,9 @@ def replay(
     *,
     run: str,
     strict: bool = False,
-    rate_hz: float = 500.0,
-    step_s: float = 0.001,
-    most_s: float = 600.0,
+    rate_hz: _Float = 500.0,
+    step_s: _Float = 0.001,
+    most_s: _Float = 600.0,
     progress: _Progress = None,
 ) -> Replay:
     """
@@ -622,11 +639,11 @@ def fit(
     model: _Path,
     *,
     keep_contacts: bool = False,
-    session: Sequence[str] = (),
-    track: Sequence[str] = (),
+    session: _Names = None,
+    track: _Names = None,
     leave_out_bad_runs: bool = False,
     strict: bool = False,
-    cutoff_hz: float = 20.0,
+    cutoff_hz: _Float = 20.0,
     progress: _Progress = None,
 ) -> Fit:
     """Fit the lateral friction of both runners to recorded runs."""
@@ -636,11 +653,11 @@ def validate(
     model: _Path,
     *,
     fit: Fit | _Path | None = None,
-    session: Sequence[str] = (),
-    track: Sequence[str] = (),
+    session: _Names = None,
+    track: _Names = None,
     leave_out_bad_runs: bool = False,
     strict: bool = False,
-    cutoff_hz: float = 20.0,
+    cutoff_hz: _Float = 20.0,
     progress: _Progress = None,
 ) -> Validation:
     """
@@ -658,12 +675,12 @@ def evaluate(
     runs: _Path,
     model: _Path,
     *,
-    session: Sequence[str] = (),
-    track: Sequence[str] = (),
+    session: _Names = None,
+    track: _Names = None,
     leave_out_bad_runs: bool = False,
     strict: bool = False,
-    cutoff_hz: float = 20.0,
-    seed: int = 1,
+    cutoff_hz: _Float = 20.0,
+    seed: SupportsIndex = 1,
     progress: _Progress = None,
 ) -> Evaluation:
     """Evaluate recorded runs."""
@@ -672,10 +689,10 @@ def discover(
     data: _Path,
     model: _Path | None = None,
     *,
-    seed: int = 1,
-    twins: int = 40,
+    seed: SupportsIndex = 1,
+    twins: SupportsIndex = 40,
     channels: Literal["all", "lateral", "longitudinal"] = "all",
-    only: Sequence[str] = (),
+    only: _Names = None,
     quick: bool = False,
     progress: _Progress = None,
 ) -> Discovery:

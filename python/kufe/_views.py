@@ -7,7 +7,7 @@ import numpy as np
 from ._kufe import Contact, Table
 
 FIELDS = {"pressure_pa": "Pa", "gap_m": "m", "uz_m": "m", "groove_m": "m"}
-AXES = {"rocker_radius_m": "m", "v_mps": "m/s", "ice_c": "degC"}
+AXES = ("rocker_radius_m", "v_mps", "ice_c")
 FIGURES = [
     ("peak pressure", "p_max", "pa", 1e-6, "MPa"),
     ("mean pressure", "p_mean", "pa", 1e-6, "MPa"),
@@ -77,8 +77,9 @@ def contact_to_dataframe(contact):
 
 
 def table_axes(table):
-    """Breakpoints of each axis, in the order of the dimensions of the values."""
-    axes = {"fz_n": table.fz_n, "curvature_1pm": table.curvature_1pm}
+    """Breakpoints by axis, in the order of the values."""
+    second = "curvature_1pm" if table.reduced_curvature is None else "reduced_curvature"
+    axes = {"fz_n": table.fz_n, second: getattr(table, second)}
     found = {name: getattr(table, name) for name in AXES}
     axes.update((name, values) for name, values in found.items() if values is not None)
     return axes
@@ -89,7 +90,10 @@ def table_to_xarray(table, quantity):
     import xarray
 
     axes = table_axes(table)
-    return xarray.DataArray(table.values(quantity), axes, list(axes), quantity)
+    array = xarray.DataArray(table.values(quantity), axes, list(axes), quantity)
+    if table.reduced_curvature is None:
+        return array
+    return array.assign_coords(curvature_1pm=(("fz_n", "reduced_curvature"), table.curvature_1pm))
 
 
 def table_to_dataframe(table):
@@ -97,8 +101,10 @@ def table_to_dataframe(table):
     import pandas
 
     axes = table_axes(table)
-    grids = np.meshgrid(*axes.values(), indexing="ij")
-    columns = {name: grid.ravel() for name, grid in zip(axes, grids)}
+    places = np.meshgrid(*axes.values(), indexing="ij")
+    columns = {name: place.ravel() for name, place in zip(axes, places)}
+    curvature = np.broadcast_to(table.curvature_1pm, places[0].shape[:2])
+    columns["curvature_1pm"] = np.repeat(curvature.ravel(), places[0].size // curvature.size)
     columns.update((quantity, table.values(quantity).ravel()) for quantity in table.quantities)
     return pandas.DataFrame(columns)
 

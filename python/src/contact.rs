@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use kufe::jobs::field::write_contact;
-use kufe::jobs::{SolvedContact, case_file::LoadedCase, with_progress};
-use kufe_contact::Options;
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
+use kufe::jobs::{Failure, SolvedContact, case_file::LoadedCase, with_progress};
+use kufe_contact::{Options, PressureMap};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt};
 use serde_json::Value;
@@ -29,7 +29,10 @@ impl Case {
     /// A case from TOML; a hull's path starts from `folder`. `hull` replaces the file that
     /// `runner.hull` names; messages call the case `name`.
     #[new]
-    #[pyo3(signature = (text, folder = PathBuf::new(), *, name = "the case", hull = None))]
+    #[pyo3(
+        signature = (text, folder = PathBuf::new(), *, name = "the case", hull = None),
+        text_signature = "(text, folder='', *, name='the case', hull=None)"
+    )]
     fn new(
         text: &str,
         folder: PathBuf,
@@ -73,12 +76,13 @@ impl Case {
         Ok(Case { loaded })
     }
 
-    /// The case with other values, by dotted key: `case.replace({"load.fz_n": 2000.0})`.
+    /// The case with other values, by dotted key: `case.replace({"load.fz_n": 2000.0})`. `None`
+    /// removes a key.
     fn replace(&self, values: &Bound<'_, PyDict>) -> PyResult<Case> {
         let values = values.iter().map(|(key, value)| {
             let key: String = key.extract()?;
-            let value = toml_value(&key, &value)?;
-            Ok((key, value))
+            let value = (!value.is_none()).then(|| toml_value(&key, &value));
+            Ok((key, value.transpose()?))
         });
         let values = values.collect::<PyResult<Vec<_>>>()?;
         Ok(Case {
@@ -104,7 +108,8 @@ impl Case {
         let keywords = PyDict::new(py);
         keywords.set_item("name", self.name())?;
         let hull = self.loaded.hull.as_deref().cloned();
-        let hull = hull.map(Hull::checked).transpose().map_err(bad_input)?;
+        let hull = hull.map(|hull| work(py, None, |_, _| Hull::checked(hull)));
+        let hull = hull.transpose()?;
         keywords.set_item("hull", hull)?;
         Ok(((self.to_toml()?, self.loaded.base.clone()), keywords))
     }
@@ -115,26 +120,37 @@ impl Case {
 }
 
 fn toml_value(key: &str, value: &Bound<'_, PyAny>) -> PyResult<toml::Value> {
-    if value.is_instance_of::<PyBool>() {
+    if let Ok(value) = value.call_method0("tolist") {
+        // NumPy's scalars and arrays.
+        toml_value(key, &value)
+    } else if value.is_instance_of::<PyBool>() {
         Ok(toml::Value::Boolean(value.extract()?))
     } else if value.is_instance_of::<PyInt>() || value.is_instance_of::<PyFloat>() {
         Ok(toml::Value::Float(value.extract()?))
     } else if let Ok(text) = value.extract::<String>() {
-        Ok(toml::Value::String(text))
-    } else if let Ok(number) = value.extract::<f64>() {
-        // NumPy's scalars.
-        Ok(toml::Value::Float(number))
+        // As results, which are JSON, spell it.
+        Ok(match text.as_str() {
+            "inf" => f64::INFINITY.into(),
+            _ => text.into(),
+        })
+    } else if let Ok(values) = value.extract::<Vec<Bound<'_, PyAny>>>() {
+        let values = values.iter().map(|value| toml_value(key, value));
+        Ok(toml::Value::Array(values.collect::<PyResult<_>>()?))
     } else {
         Err(InputError::new_err(format!(
-            "{key}: found {}, expected a number, a truth value or a text",
+            "{key}: found {}, expected a number, a truth value, a text or a list",
             value.get_type().name()?
         )))
     }
 }
 
-fn set(table: &mut toml::Table, key: &str, value: toml::Value) -> PyResult<()> {
+/// Sets the value at a dotted key, or removes it.
+fn set(table: &mut toml::Table, key: &str, value: Option<toml::Value>) -> PyResult<()> {
     let (mut table, mut last) = (table, key);
     while let Some((first, rest)) = last.split_once('.') {
+        if value.is_none() && !table.contains_key(first) {
+            return Ok(());
+        }
         let inner = table
             .entry(first)
             .or_insert_with(|| toml::Table::new().into());
@@ -143,7 +159,10 @@ fn set(table: &mut toml::Table, key: &str, value: toml::Value) -> PyResult<()> {
         })?;
         last = rest;
     }
-    table.insert(last.to_owned(), value);
+    match value {
+        Some(value) => table.insert(last.to_owned(), value),
+        None => table.remove(last),
+    };
     Ok(())
 }
 
@@ -292,7 +311,7 @@ pub fn press(
     subsurface: bool,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Contact> {
-    let keys: Vec<(&str, toml::Value)> = accuracy.map(accuracy_key).into_iter().collect();
+    let keys: Vec<_> = accuracy.map(accuracy_key).into_iter().collect();
     let options = Options {
         subsurface,
         ..Options::default()
@@ -318,16 +337,16 @@ pub fn slide(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Contact> {
     let mut keys = vec![
-        ("sliding.v_mps", v_mps.into()),
-        ("sliding.ice_c", ice_c.into()),
+        ("sliding.v_mps", Some(v_mps.into())),
+        ("sliding.ice_c", Some(ice_c.into())),
     ];
     keys.extend(accuracy.map(accuracy_key));
     let loaded = replaced(&loaded_case(case)?, &keys)?;
     solved(py, loaded, Options::default(), progress)
 }
 
-fn accuracy_key(accuracy: f64) -> (&'static str, toml::Value) {
-    ("accuracy.p_max", accuracy.into())
+fn accuracy_key(accuracy: f64) -> (&'static str, Option<toml::Value>) {
+    ("accuracy.p_max", Some(accuracy.into()))
 }
 
 /// The case of a `Case`, of a `Hull` on the ice of the example, or of the file at a path.
@@ -342,7 +361,10 @@ pub fn loaded_case(case: &Bound<'_, PyAny>) -> PyResult<LoadedCase> {
 }
 
 /// The case with these keys replaced.
-fn replaced<K: AsRef<str>>(loaded: &LoadedCase, keys: &[(K, toml::Value)]) -> PyResult<LoadedCase> {
+fn replaced<K: AsRef<str>>(
+    loaded: &LoadedCase,
+    keys: &[(K, Option<toml::Value>)],
+) -> PyResult<LoadedCase> {
     if keys.is_empty() {
         return Ok(loaded.clone());
     }
@@ -399,13 +421,14 @@ impl Contact {
         PyArray1::from_slice(py, self.array(Field::Y))
     }
 
-    /// Contact pressure at the nodes, `len(y_m)` rows of `len(x_m)` [Pa].
+    /// Contact pressure at the nodes, `len(y_m)` rows of `len(x_m)` [Pa]. The nodes are not evenly
+    /// spaced; `map` has the pressure on an even grid, whose sum is the force.
     #[getter]
     fn pressure_pa<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         self.on_surface(py, Field::Pressure)
     }
 
-    /// Gap at the nodes, 0 in contact, infinite where there is no hull [m].
+    /// Gap at the nodes, 0 within rounding in contact, infinite where there is no hull [m].
     #[getter]
     fn gap_m<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         self.on_surface(py, Field::Gap)
@@ -425,6 +448,30 @@ impl Contact {
         groove.transpose()
     }
 
+    /// Arrays by name on an even grid around the contact, as in `result.mat`: `x_m`, `y_m`, and
+    /// `len(y_m)` rows of `len(x_m)` of `pressure_pa`, `gap_m` and `uz_m`. The sum of `pressure_pa`
+    /// times the area of a pixel is `fz_n`. A contact from a pickle has no map.
+    fn map<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let contact = self.meshes("map")?;
+        let map = work(py, None, move |_, _| {
+            Ok::<_, Failure>(PressureMap::of(&contact.solution))
+        })?;
+        let place = |from: f64, step: f64, count: usize| {
+            PyArray1::from_iter(py, (0..count).map(|k| from + k as f64 * step))
+        };
+        let arrays = PyDict::new(py);
+        arrays.set_item("x_m", place(map.x0, map.dx, map.nx))?;
+        arrays.set_item("y_m", place(map.y0, map.dy, map.ny))?;
+        for (name, values) in [
+            ("pressure_pa", map.pressure),
+            ("gap_m", map.gap),
+            ("uz_m", map.uz),
+        ] {
+            arrays.set_item(name, values.into_pyarray(py).reshape([map.ny, map.nx])?)?;
+        }
+        Ok(arrays)
+    }
+
     /// Warnings and remarks.
     #[getter]
     fn warnings(&self) -> Vec<String> {
@@ -435,11 +482,7 @@ impl Contact {
     /// none. `mat` adds `result.mat`. A contact from a pickle has no meshes to write.
     #[pyo3(signature = (folder, *, mat = false))]
     fn write(&self, py: Python<'_>, folder: PathBuf, mat: bool) -> PyResult<()> {
-        let Some(pressed) = self.solved().contact.clone() else {
-            return Err(InputError::new_err(
-                "a contact from a pickle has no meshes: expected one that was solved in this process (write it before, or solve its case again)",
-            ));
-        };
+        let pressed = self.meshes("write")?;
         work(py, None, move |watch, _| {
             write_folder(&folder, watch, |files| write_contact(files, &pressed, mat))
         })?;
@@ -471,7 +514,8 @@ impl Contact {
         view(slf.py(), "contact_to_html", (slf,))
     }
 
-    /// Content of `result.json`, including the case and the history.
+    /// What the command writes to `result.json`, the case and the history included. Keys that only
+    /// written files have, `p_max_map_pa` and `stress_max_pa`, are absent.
     #[getter]
     fn result<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.solved().result)
@@ -537,6 +581,15 @@ pub fn view<'py>(
 }
 
 impl Contact {
+    /// The solution with its meshes, for the method of this name.
+    fn meshes(&self, method: &str) -> PyResult<Arc<SolvedContact>> {
+        self.solved().contact.clone().ok_or_else(|| {
+            InputError::new_err(format!(
+                "a contact from a pickle has no meshes: expected one that was solved in this process (call {method} before, or solve its case again)",
+            ))
+        })
+    }
+
     fn array(&self, field: Field) -> &[f64] {
         &self.solved().arrays[field as usize]
     }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use kufe_discover::{Options, Report};
 use pyo3::prelude::*;
 
+use crate::array::{self, Names, names};
 use crate::error::InputError;
 use crate::json::to_python;
 use crate::work::work;
@@ -27,20 +28,20 @@ pub struct Discovery {
 /// for pressures the `case.toml`. A `campaign.toml` names several of them and their model itself.
 ///
 /// `only` names the effects to look for, and `"unknown"` for what is outside the catalogue; all
-/// where it is empty.
+/// where it is absent.
 ///
 /// `quick` fits the base and screens the effects once: nothing is tested on held-out data.
 #[allow(clippy::too_many_arguments)] // keywords in Python
 #[pyfunction]
-#[pyo3(signature = (data, model = None, *, seed = 1, twins = 40, channels = "all", only = Vec::new(), quick = false, progress = None))]
+#[pyo3(signature = (data, model = None, *, seed = 1, twins = 40, channels = "all", only = None, quick = false, progress = None))]
 pub fn discover(
     py: Python<'_>,
     data: PathBuf,
     model: Option<PathBuf>,
-    seed: u64,
-    twins: u64,
+    seed: i128,
+    twins: i64,
     channels: &str,
-    only: Vec<String>,
+    only: Option<Names>,
     quick: bool,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Discovery> {
@@ -55,11 +56,11 @@ pub fn discover(
         )));
     }
     let options = Options {
-        seed,
-        twins,
+        seed: array::seed(seed)?,
+        twins: twins.unsigned_abs(),
         longitudinal: channels != "lateral",
         lateral: channels != "longitudinal",
-        only,
+        only: names(only),
         quick,
         ..Options::default()
     };

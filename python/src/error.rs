@@ -1,27 +1,11 @@
 //! Failures as exceptions, with the texts of the command.
 
 use kufe::jobs::Failure;
-use pyo3::exceptions::{PyException, PyKeyboardInterrupt};
-use pyo3::{PyErr, PyResult, create_exception};
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::{PyErr, PyResult, import_exception};
 
-create_exception!(
-    kufe,
-    Error,
-    PyException,
-    "Base class of all failures of this package; the text is that of the command."
-);
-create_exception!(
-    kufe,
-    InputError,
-    Error,
-    "A file, or a value in it, is wrong, or a file cannot be written."
-);
-create_exception!(
-    kufe,
-    NotConvergedError,
-    Error,
-    "An iteration stopped short of the requested accuracy; `best` is the best available result, with its errors, or None."
-);
+import_exception!(kufe._errors, InputError);
+import_exception!(kufe._errors, NotConvergedError);
 
 /// Converts a failure into an exception.
 pub fn raised(failure: Failure) -> PyErr {

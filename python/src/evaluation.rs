@@ -8,6 +8,7 @@ use kufe_sled::DrivingForce;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::array::{self, Names, names};
 use crate::error::named_run;
 use crate::json::{Column, arrays, to_python};
 use crate::work::work_with_warnings;
@@ -27,8 +28,8 @@ pub struct Evaluation {
     runs,
     model,
     *,
-    session = Vec::new(),
-    track = Vec::new(),
+    session = None,
+    track = None,
     leave_out_bad_runs = false,
     strict = false,
     cutoff_hz = 20.0,
@@ -40,19 +41,20 @@ pub fn evaluate(
     py: Python<'_>,
     runs: PathBuf,
     model: PathBuf,
-    session: Vec<String>,
-    track: Vec<String>,
+    session: Option<Names>,
+    track: Option<Names>,
     leave_out_bad_runs: bool,
     strict: bool,
     cutoff_hz: f64,
-    seed: u64,
+    seed: i128,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Evaluation> {
+    let seed = array::seed(seed)?;
     let selection = RunSelection {
         runs,
         model,
-        session,
-        track,
+        session: names(session),
+        track: names(track),
         leave_out_bad_runs,
         strict,
         cutoff_hz,

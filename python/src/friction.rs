@@ -8,6 +8,7 @@ use kufe::jobs::{DrivingConditions, FrictionLaw};
 use kufe_contact::Options;
 use pyo3::prelude::*;
 
+use crate::array::list;
 use crate::contact::loaded_case;
 use crate::error::raised;
 use crate::json::to_python;
@@ -72,11 +73,12 @@ pub fn friction<'py>(
 pub fn friction_table<'py>(
     py: Python<'py>,
     case: &Bound<'py, PyAny>,
-    v_mps: Vec<f64>,
-    ice_c: Vec<f64>,
+    v_mps: &Bound<'py, PyAny>,
+    ice_c: &Bound<'py, PyAny>,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let loaded = loaded_case(case)?;
+    let (v_mps, ice_c) = (list(v_mps, "v_mps")?, list(ice_c, "ice_c")?);
     let table = work(py, progress, move |watch, reporter| {
         let options = Options {
             stop: Some(reporter.stop.clone()),

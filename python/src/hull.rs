@@ -7,13 +7,12 @@ use kufe::jobs::case_file::LoadedCase;
 use kufe::jobs::{ExaminedHull, write_whole};
 use kufe_mesh::{
     Axis, BobRunner, HullFormat, HullOptions, HullReport, LugeSteel, MeshError, load_hull,
-    tessellate,
+    tessellate, tessellate_steel,
 };
-use numpy::{
-    PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods,
-};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
+use crate::array::{integers, list, numbers};
 use crate::contact::Case;
 use crate::error::{InputError, bad_input, raised};
 use crate::json::to_python;
@@ -36,8 +35,8 @@ impl Hull {
         vertices_m: &Bound<'_, PyAny>,
         triangles: &Bound<'_, PyAny>,
     ) -> PyResult<Hull> {
-        let positions = array_of_rows::<f64>(vertices_m, "vertices_m", "float64")?;
-        let triangles = array_of_rows::<i64>(triangles, "triangles", "int64")?;
+        let positions = triples(&numbers(vertices_m)?, "vertices_m")?;
+        let triangles = triples(&integers(triangles, "triangles")?, "triangles")?;
         let index = |k: i64| match usize::try_from(k) {
             Ok(number) if number < positions.len() => Ok(number as u32),
             _ => Err(InputError::new_err(format!(
@@ -55,19 +54,20 @@ impl Hull {
     }
 
     /// The underside of a measured height map: `heights_m` has `len(y_m)` rows of `len(x_m)`, z up;
-    /// NaN where nothing was measured.
+    /// what is masked or not finite was not measured.
     #[staticmethod]
     fn from_heights(
         py: Python<'_>,
-        x_m: Vec<f64>,
-        y_m: Vec<f64>,
-        heights_m: PyReadonlyArray2<'_, f64>,
+        x_m: &Bound<'_, PyAny>,
+        y_m: &Bound<'_, PyAny>,
+        heights_m: &Bound<'_, PyAny>,
     ) -> PyResult<Hull> {
-        let found = [heights_m.shape()[0], heights_m.shape()[1]];
-        if found != [y_m.len(), x_m.len()] {
+        let (x_m, y_m) = (list(x_m, "x_m")?, list(y_m, "y_m")?);
+        let heights_m = numbers(heights_m)?;
+        let (found, expected) = (heights_m.shape(), [y_m.len(), x_m.len()]);
+        if found != expected {
             return Err(InputError::new_err(format!(
-                "heights_m: found {found:?}, expected {:?}",
-                [y_m.len(), x_m.len()]
+                "heights_m: found an array of shape {found:?}, expected {expected:?}"
             )));
         }
         for (name, axis) in [("x_m", &x_m), ("y_m", &y_m)] {
@@ -77,9 +77,12 @@ impl Hull {
             }
         }
         let heights: Vec<f64> = heights_m.as_array().iter().copied().collect();
-        work(py, None, move |_, _| {
-            Hull::checked(kufe_mesh::Hull::underside_of(&x_m, &y_m, &heights))
-        })
+        let hull = kufe_mesh::Hull::underside_of(&x_m, &y_m, &heights);
+        if hull.triangles.is_empty() {
+            let text = "heights_m: expected measured heights at the four corners of a cell";
+            return Err(InputError::new_err(text));
+        }
+        work(py, None, move |_, _| Hull::checked(hull))
     }
 
     /// Reads and checks an OBJ, glTF, STL or 3MF file; `scale` is the number of metres per unit of
@@ -113,11 +116,11 @@ impl Hull {
     #[staticmethod]
     #[pyo3(signature = (
         *,
-        length_m = BobRunner::default().length,
-        rocker_radius_m = BobRunner::default().rocker_radius,
-        section_radius_m = BobRunner::default().section_radius,
-        width_m = BobRunner::default().width,
-        height_m = BobRunner::default().height,
+        length_m = 1.0,
+        rocker_radius_m = 30.0,
+        section_radius_m = 0.005,
+        width_m = 0.010,
+        height_m = 0.030,
         edge_length_m = 0.0005,
     ))]
     fn bob(
@@ -145,12 +148,12 @@ impl Hull {
     #[staticmethod]
     #[pyo3(signature = (
         *,
-        length_m = LugeSteel::default().length,
-        rocker_radius_m = LugeSteel::default().rocker_radius,
-        edge_radius_m = LugeSteel::default().edge_radius,
-        tilt_rad = LugeSteel::default().tilt,
-        width_m = LugeSteel::default().width,
-        height_m = LugeSteel::default().height,
+        length_m = 0.6,
+        rocker_radius_m = 25.0,
+        edge_radius_m = 0.0003,
+        tilt_rad = 0.02,
+        width_m = 0.020,
+        height_m = 0.008,
         edge_length_m = 0.0005,
     ))]
     #[allow(clippy::too_many_arguments)] // keywords in Python
@@ -173,7 +176,7 @@ impl Hull {
             height: height_m,
         };
         work(py, None, move |_, _| {
-            Hull::checked(tessellate(&steel.swept()?, edge_length_m)?)
+            Hull::checked(tessellate_steel(&steel.swept()?, edge_length_m)?)
         })
     }
 
@@ -243,14 +246,21 @@ pub struct HullCheck {
 /// `fz_n` are normal forces [N]; `p_max` is the requested relative error of the peak pressure, 0.05
 /// where absent.
 #[pyfunction]
-#[pyo3(signature = (path, fz_n = vec![250.0, 500.0, 1000.0, 2000.0, 4000.0], *, p_max = None, progress = None))]
+#[pyo3(
+    signature = (path, fz_n = None, *, p_max = None, progress = None),
+    text_signature = "(path, fz_n=(250.0, 500.0, 1000.0, 2000.0, 4000.0), *, p_max=None, progress=None)"
+)]
 pub fn check_hull(
     py: Python<'_>,
     path: PathBuf,
-    fz_n: Vec<f64>,
+    fz_n: Option<&Bound<'_, PyAny>>,
     p_max: Option<f64>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<HullCheck> {
+    let fz_n = match fz_n {
+        Some(fz_n) => list(fz_n, "fz_n")?,
+        None => vec![250.0, 500.0, 1000.0, 2000.0, 4000.0],
+    };
     if let Some(fz) = fz_n.iter().find(|fz| !(**fz > 0.0 && fz.is_finite())) {
         let text = format!("fz_n = {fz}: expected positive forces [N]");
         return Err(InputError::new_err(text));
@@ -318,15 +328,11 @@ impl Hull {
     }
 }
 
-/// Rows of three numbers of an array of this type.
-fn array_of_rows<T: numpy::Element + Copy>(
-    given: &Bound<'_, PyAny>,
+/// The rows of an array, of three numbers each.
+fn triples<T: numpy::Element + Copy>(
+    array: &PyReadonlyArrayDyn<'_, T>,
     name: &str,
-    kind: &str,
 ) -> PyResult<Vec<[T; 3]>> {
-    let numpy = given.py().import("numpy")?;
-    let array = numpy.call_method1("array", (given, kind))?;
-    let array: PyReadonlyArrayDyn<'_, T> = array.extract()?;
     let &[rows, 3] = array.shape() else {
         return Err(InputError::new_err(format!(
             "{name}: found an array of shape {:?}, expected rows of three",

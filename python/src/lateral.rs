@@ -9,6 +9,7 @@ use kufe_sled::LateralForce;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::array::{Names, names};
 use crate::error::{named_run, raised};
 use crate::json::{Column, arrays, to_python};
 use crate::work::work_with_warnings;
@@ -36,8 +37,8 @@ pub struct Fit {
     model,
     *,
     keep_contacts = false,
-    session = Vec::new(),
-    track = Vec::new(),
+    session = None,
+    track = None,
     leave_out_bad_runs = false,
     strict = false,
     cutoff_hz = 20.0,
@@ -49,8 +50,8 @@ pub fn fit(
     runs: PathBuf,
     model: PathBuf,
     keep_contacts: bool,
-    session: Vec<String>,
-    track: Vec<String>,
+    session: Option<Names>,
+    track: Option<Names>,
     leave_out_bad_runs: bool,
     strict: bool,
     cutoff_hz: f64,
@@ -59,8 +60,8 @@ pub fn fit(
     let selection = RunSelection {
         runs,
         model,
-        session,
-        track,
+        session: names(session),
+        track: names(track),
         leave_out_bad_runs,
         strict,
         cutoff_hz,
@@ -125,8 +126,8 @@ pub struct Validation {
     model,
     *,
     fit = None,
-    session = Vec::new(),
-    track = Vec::new(),
+    session = None,
+    track = None,
     leave_out_bad_runs = false,
     strict = false,
     cutoff_hz = 20.0,
@@ -138,8 +139,8 @@ pub fn validate(
     runs: PathBuf,
     model: PathBuf,
     fit: Option<&Bound<'_, PyAny>>,
-    session: Vec<String>,
-    track: Vec<String>,
+    session: Option<Names>,
+    track: Option<Names>,
     leave_out_bad_runs: bool,
     strict: bool,
     cutoff_hz: f64,
@@ -155,8 +156,8 @@ pub fn validate(
     let selection = RunSelection {
         runs,
         model,
-        session,
-        track,
+        session: names(session),
+        track: names(track),
         leave_out_bad_runs,
         strict,
         cutoff_hz,

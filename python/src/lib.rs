@@ -12,10 +12,12 @@
 //! | `evaluation` | `evaluate`, `Evaluation` |
 //! | `recordings` | `import_runs`, `report` |
 //! | `discovery` | `discover`, `Discovery` |
-//! | `error` | `Error`, `InputError`, `NotConvergedError` |
+//! | `error` | failures as exceptions, which `kufe/_errors.py` defines |
+//! | `array` | arguments that are numbers, lists or names |
 //! | `work` | running a job without the interpreter's lock, Ctrl-C in time |
 //! | `folder` | a new folder that receives all files or none |
 
+mod array;
 mod contact;
 mod discovery;
 mod error;
@@ -41,8 +43,6 @@ mod _kufe {
     #[pymodule_export]
     use crate::discovery::{Discovery, discover};
     #[pymodule_export]
-    use crate::error::{Error, InputError, NotConvergedError};
-    #[pymodule_export]
     use crate::evaluation::{Evaluation, evaluate};
     #[pymodule_export]
     use crate::friction::{friction, friction_table};
@@ -61,8 +61,6 @@ mod _kufe {
 
     #[pymodule_init]
     fn version(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        let best = module.py().get_type::<NotConvergedError>();
-        best.setattr("best", module.py().None())?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

@@ -11,6 +11,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::array;
 use crate::error::{InputError, named_run, raised};
 use crate::folder::write_folder;
 use crate::json::to_python;
@@ -55,16 +56,16 @@ pub struct Simulation {
     distance_m = None,
     session = "1",
     progress = None,
-))]
+), text_signature = "(model, track, *, runs=1, driver=None, skill=0.9, seed=1, noise=True, start_speed_mps=10.0, rate_hz=500.0, step_s=0.001, most_s=600.0, ice_c=-8.0, air_c=0.0, air_pa=95000.0, humidity_pct=None, distance_m=None, session='1', progress=None)")]
 #[allow(clippy::too_many_arguments)] // keywords in Python
 pub fn simulate(
     py: Python<'_>,
     model: PathBuf,
     track: PathBuf,
-    runs: u32,
+    runs: i64,
     driver: Option<&str>,
     skill: f64,
-    seed: u64,
+    seed: i128,
     noise: bool,
     start_speed_mps: f64,
     rate_hz: f64,
@@ -88,7 +89,7 @@ pub fn simulate(
         model,
         track,
         driver: NamedDriver::of(driver, skill).map_err(raised)?,
-        runs,
+        runs: runs as u32,
         session: session.to_owned(),
         noise,
         options: SimulateOptions {
@@ -97,7 +98,7 @@ pub fn simulate(
             start_speed_mps,
             most_s,
             conditions: stated_conditions(stated).map_err(raised)?,
-            seed,
+            seed: array::seed(seed)?,
             ..SimulateOptions::default()
         },
     };

@@ -9,8 +9,9 @@ use numpy::{
     IntoPyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyBytes, PyTuple};
+use pyo3::types::{PyBytes, PyTuple};
 
+use crate::array::numbers;
 use crate::contact::view;
 use crate::error::{InputError, bad_input, raised};
 use crate::work::work;
@@ -66,8 +67,9 @@ impl Table {
     }
 
     /// One quantity at forces [N], curvatures [1/m] and, where the table has those axes, speeds
-    /// [m/s] and temperatures of the ice [C], which are broadcast, and where an input was outside
-    /// the table; the rules of the axes then replace it. NaN gives NaN and the flag.
+    /// [m/s], temperatures of the ice [C] and rocker radii [m], which are broadcast, and where an
+    /// input was outside the table; the rules of the axes then replace it. NaN and masked inputs
+    /// give NaN and the flag. A rocker radius outside is refused.
     #[pyo3(signature = (fz_n, curvature_1pm, quantity = "p_max", *, v_mps = None, ice_c = None, mode = "smooth", rocker_radius_m = None))]
     #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
     fn lookup<'py>(
@@ -79,7 +81,7 @@ impl Table {
         v_mps: Option<&Bound<'py, PyAny>>,
         ice_c: Option<&Bound<'py, PyAny>>,
         mode: &str,
-        rocker_radius_m: Option<f64>,
+        rocker_radius_m: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Answer<'py>> {
         let (quantity, mode) = (self.named(quantity)?, mode_of(mode)?);
         let axes = self.table.axes();
@@ -87,32 +89,45 @@ impl Table {
             ("v_mps", axes.speed(), v_mps),
             ("ice_c", axes.ice_c(), ice_c),
         ] {
-            if axis.is_some() && given.is_none() {
-                let text = format!("the table has the axis {key}: expected {key} = ...");
-                return Err(InputError::new_err(text));
-            }
+            let text = match (axis, given) {
+                (Some(_), None) => format!("the table has the axis {key}: expected {key} = ..."),
+                (None, Some(_)) => format!("{key}: the table has no such axis"),
+                _ => continue,
+            };
+            return Err(InputError::new_err(text));
         }
-        let nan = f64::NAN.into_pyobject(py)?.into_any();
-        let [v_mps, ice_c] = [v_mps, ice_c].map(|given| given.unwrap_or(&nan));
-        let inputs = broadcast(py, [fz_n, curvature_1pm, v_mps, ice_c])?;
+        let nothing = f64::NAN.into_pyobject(py)?.into_any();
+        let given = [
+            Some(fz_n),
+            Some(curvature_1pm),
+            v_mps,
+            ice_c,
+            rocker_radius_m,
+        ];
+        let inputs = broadcast(py, given.map(|given| given.unwrap_or(&nothing)))?;
         let shape = inputs[0].shape().to_vec();
-        let [fz, curvature, speed, ice] = &inputs;
+        let [fz, curvature, speed, ice, radius] = &inputs;
         let (fz, curvature) = (fz.as_slice()?, curvature.as_slice()?);
         let (speed, ice) = (speed.as_slice()?, ice.as_slice()?);
-        let interpolator = Interpolator::new(&self.table, quantity, mode, rocker_radius_m);
-        let interpolator = interpolator.map_err(bad_input)?;
-        let (mut values, mut outside) = (Vec::new(), Vec::new());
-        for from in (0..fz.len()).step_by(SAMPLES_PER_CHECK) {
-            let to = fz.len().min(from + SAMPLES_PER_CHECK);
-            py.detach(|| {
-                for n in from..to {
-                    let point = Point::sliding(fz[n], curvature[n], speed[n], ice[n]);
-                    let found = interpolator.at(point);
-                    values.push(found.value);
-                    outside.push(found.out_of_range);
-                }
-            });
-            py.check_signals()?;
+        let radius = radius.as_slice()?;
+        let (mut values, mut outside) = (vec![f64::NAN; fz.len()], vec![true; fz.len()]);
+        // An interpolator is of one rocker radius.
+        let mut order: Vec<usize> = (0..fz.len()).collect();
+        order.sort_by(|&a, &b| radius[a].total_cmp(&radius[b]));
+        for same in order.chunk_by(|&a, &b| radius[a].total_cmp(&radius[b]).is_eq()) {
+            let radius = rocker_radius_m.map(|_| radius[same[0]]);
+            let interpolator = Interpolator::new(&self.table, quantity, mode, radius);
+            let interpolator = interpolator.map_err(bad_input)?;
+            for part in same.chunks(BETWEEN_SIGNALS) {
+                py.detach(|| {
+                    for &n in part {
+                        let point = Point::sliding(fz[n], curvature[n], speed[n], ice[n]);
+                        let found = interpolator.at(point);
+                        (values[n], outside[n]) = (found.value, found.out_of_range);
+                    }
+                });
+                py.check_signals()?;
+            }
         }
         Ok((
             values.into_pyarray(py).reshape(shape.clone())?,
@@ -137,10 +152,25 @@ impl Table {
         PyArray1::from_slice(py, self.table.axes().fz())
     }
 
-    /// Breakpoints of the track's curvature, positive in a valley [1/m].
+    /// Track curvatures of the nodes, positive in a valley [1/m]: breakpoints, or `len(fz_n)` rows
+    /// where the table's axis is the reduced curvature, whose track curvature depends on the force.
     #[getter]
-    fn curvature_1pm<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, self.table.axes().curvature())
+    fn curvature_1pm<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let axes = self.table.axes();
+        if axes.flush().is_none() {
+            return Ok(PyArray1::from_slice(py, axes.curvature()).to_dyn().clone());
+        }
+        let (fz, reduced) = (axes.fz(), axes.curvature());
+        let row = |fz| reduced.iter().map(move |&t| axes.curvature_at(fz, t));
+        let all = PyArray1::from_iter(py, fz.iter().flat_map(|&fz| row(fz)));
+        Ok(all.reshape([fz.len(), reduced.len()])?.to_dyn().clone())
+    }
+
+    /// Breakpoints of the reduced curvature, from 0 to 1, where the table has that axis.
+    #[getter]
+    fn reduced_curvature<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        let axes = self.table.axes();
+        axis(py, axes.flush().map(|_| axes.curvature()))
     }
 
     /// Breakpoints of the rocker radius, where the table has that axis [m].
@@ -168,13 +198,15 @@ impl Table {
         self.table.solver_error()
     }
 
-    /// One quantity at the nodes as an `xarray.DataArray` over the table's axes; needs xarray.
+    /// One quantity at the nodes as an `xarray.DataArray` over the table's axes, with the
+    /// track curvatures of the nodes as a coordinate; needs xarray.
     #[pyo3(signature = (quantity = "p_max"))]
     fn to_xarray<'py>(slf: &Bound<'py, Self>, quantity: &str) -> PyResult<Bound<'py, PyAny>> {
         view(slf.py(), "table_to_xarray", (slf, quantity))
     }
 
-    /// Every quantity as a `pandas.DataFrame`, one row per node; needs pandas.
+    /// Every quantity as a `pandas.DataFrame`, one row a node, with the track curvature of each;
+    /// needs pandas.
     fn to_dataframe<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         view(slf.py(), "table_to_dataframe", (slf,))
     }
@@ -281,14 +313,13 @@ fn broadcast<'py, const N: usize>(
     inputs: [&Bound<'py, PyAny>; N],
 ) -> PyResult<[PyReadonlyArrayDyn<'py, f64>; N]> {
     let numpy = py.import("numpy")?;
-    let inputs = PyTuple::new(py, inputs)?;
+    let inputs = inputs.iter().map(|given| Ok((*numbers(given)?).clone()));
+    let inputs = PyTuple::new(py, inputs.collect::<PyResult<Vec<_>>>()?)?;
     let all = numpy.call_method1("broadcast_arrays", inputs)?;
-    // A broadcast array may not be in C order.
-    let order = [("order", "C")].into_py_dict(py)?;
     let mut arrays = Vec::with_capacity(N);
     for index in 0..N {
-        let input = (all.get_item(index)?, "float64");
-        let array = numpy.call_method("array", input, Some(&order))?;
+        // In C order, which a broadcast array's own order need not be.
+        let array = numpy.call_method1("require", (all.get_item(index)?, py.None(), "C"))?;
         arrays.push(array.extract()?);
     }
     arrays

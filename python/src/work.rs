@@ -5,6 +5,7 @@ use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
 
 use kufe::jobs::{Failure, Watch};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
 use crate::error::raised;
@@ -12,7 +13,10 @@ use crate::error::raised;
 /// Largest time that an interrupted job is waited for.
 const MAX_WAIT: Duration = Duration::from_secs(1);
 
-/// Runs `job` on a thread of its own, without the interpreter's lock.
+/// Runs `job` on threads of its own, without the interpreter's lock.
+///
+/// A pool that all jobs share would not outlive a fork: only the thread that forks runs in the
+/// child.
 ///
 /// The calling thread passes messages to `progress` and checks for Ctrl-C ten times a second. After
 /// Ctrl-C it stops the job, waits a second for its end, and raises the interrupt. A job that does
@@ -35,7 +39,9 @@ pub fn work_with_warnings<T: Send + 'static, E: Into<Failure> + Send + 'static>(
     let stop = Arc::new(AtomicBool::new(false));
     let (sender, mut messages) = mpsc::channel::<Message>();
     let stopping = stop.clone();
-    let worker = std::thread::spawn(move || {
+    let pool = rayon::ThreadPoolBuilder::new().build();
+    let pool = pool.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+    let run = move || {
         let watch = Watch {
             progress: Some(&|text| send(&sender, Message::Progress(text.to_owned()))),
             warn: Some(&|text| send(&sender, Message::Warning(text.to_owned()))),
@@ -44,7 +50,8 @@ pub fn work_with_warnings<T: Send + 'static, E: Into<Failure> + Send + 'static>(
         let sender = sender.clone();
         let stop = stopping.clone();
         job(&watch, Reporter { sender, stop })
-    });
+    };
+    let worker = std::thread::spawn(move || pool.install(run));
     let mut warnings = Vec::new();
     let mut ended: Option<(PyErr, Instant)> = None;
     let mut checked = Instant::now();

@@ -2,6 +2,7 @@
 
 import copy
 import json
+import multiprocessing
 import pickle
 import signal
 import subprocess
@@ -71,6 +72,15 @@ def test_the_pressure_field_carries_the_load():
     assert contact.uz_m.min() < 0
 
 
+def test_the_map_carries_the_load_on_an_even_grid():
+    contact = kufe.press(kufe.Case(PARABOLOID), accuracy=0.05)
+    found = contact.map()
+    x, y, pressure = found["x_m"], found["y_m"], found["pressure_pa"]
+    assert pressure.shape == found["gap_m"].shape == found["uz_m"].shape == (y.size, x.size)
+    assert np.ptp(np.diff(x)) < 1e-12 and np.ptp(np.diff(y)) < 1e-12
+    assert pressure.sum() * (x[1] - x[0]) * (y[1] - y[0]) == pytest.approx(contact.fz_n, rel=1e-9)
+
+
 def test_pressure_grows_with_the_cube_root_of_the_load():
     case = kufe.Case(PARABOLOID)
     one = kufe.press(case)
@@ -104,6 +114,21 @@ def test_a_wrong_value_is_named(change, text):
         kufe.Case(PARABOLOID).replace(change)
 
 
+def test_values_are_replaced_by_what_numpy_and_results_have():
+    case = kufe.Case.example()
+    for load in (2000, np.int64(2000), np.float32(2000), np.array(2000.0)):
+        assert case.replace({"load.fz_n": load}).to_toml() == case.replace({"load.fz_n": 2000.0}).to_toml()
+    elastic = case.replace({"runner.elastic": True}).to_toml()
+    assert case.replace({"runner.elastic": np.True_}).to_toml() == elastic != case.to_toml()
+    bent = case.replace({"track.radius_m": 40.0})
+    found = kufe.press(case, accuracy=0.1).result["case"]["track"]["radius_m"]
+    assert bent.replace({"track.radius_m": found}).to_toml() == case.to_toml()
+    curved = bent.replace({"track.radius_m": None, "track.curvature_1pm": 0.025, "sliding.v_mps": None})
+    assert "radius_m = 40" not in curved.to_toml() and "curvature_1pm" in curved.to_toml()
+    with pytest.raises(kufe.InputError, match="found dict, expected a number"):
+        case.replace({"load": {"fz_n": 1.0}})
+
+
 def test_a_missing_file_and_a_bad_case_are_named(tmp_path):
     with pytest.raises(kufe.InputError, match="nowhere.toml: cannot be read"):
         kufe.press("nowhere.toml")
@@ -111,7 +136,8 @@ def test_a_missing_file_and_a_bad_case_are_named(tmp_path):
     bad.write_text(PARABOLOID.replace("fz_n = 1000.0", "fz_n = -1.0"))
     with pytest.raises(kufe.InputError, match=r"bad.toml: line 9: load.fz_n = -1"):
         kufe.press(bad)
-    assert issubclass(kufe.InputError, kufe.Error)
+    assert issubclass(kufe.InputError, kufe.Error) and issubclass(kufe.InputError, ValueError)
+    assert pickle.loads(pickle.dumps(kufe.InputError("text"))).args == ("text",)
 
 
 def test_an_accuracy_out_of_reach_is_another_exception(monkeypatch):
@@ -152,6 +178,18 @@ def test_other_threads_run_while_a_case_is_solved():
     done.set()
     counter.join()
     assert during > 3
+
+
+def peak(load):
+    return kufe.press(kufe.Case(PARABOLOID).replace({"load.fz_n": load}), accuracy=0.05).p_max_pa
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="workers are forked on Linux")
+def test_forked_workers_solve_too():
+    loads = [500.0, 1000.0]
+    expected = [peak(load) for load in loads]
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        assert pool.map_async(peak, loads).get(timeout=60) == expected
 
 
 def test_a_sliding_runner_has_its_groove_and_its_friction():
@@ -203,6 +241,8 @@ def test_a_contact_is_pickled_without_its_meshes(tmp_path):
         assert repr(again) == repr(contact)
         with pytest.raises(kufe.InputError, match="has no meshes"):
             again.write(tmp_path / "out")
+        with pytest.raises(kufe.InputError, match="has no meshes"):
+            again.map()
     assert not (tmp_path / "out").exists()
     copy.deepcopy(solved).write(tmp_path / "out")
 

@@ -36,5 +36,6 @@ def test_a_friction_table_has_the_points_that_slide_solves():
     slid = kufe.slide(case, 25.0, -4.0).result
     assert points[3]["mu"] == pytest.approx(slid["mu"], rel=1e-9)
     assert points[3]["mu_error"] > 0
+    assert kufe.friction_table(case, 25.0, -4.0) == [points[3]]
     with pytest.raises(kufe.InputError, match="ice_c"):
         kufe.friction_table(case, [10.0], [3.0])

@@ -43,6 +43,12 @@ def test_a_written_hull_is_read_again(tmp_path, ending):
 def test_a_luge_steel_is_a_hull():
     steel = kufe.Hull.luge(length_m=0.2, edge_length_m=0.004)
     assert steel.extent_m[0] == pytest.approx(0.2, rel=0.02)
+    # Facets of its edge turn by at most 0.01 rad, as those of the command, from the flank to the flat.
+    section = steel.vertices_m[np.abs(steel.vertices_m[:, 0]) < 1e-9]
+    section = section[np.argsort(section[:, 1])]
+    section = section[(-0.0002 < section[:, 1]) & (section[:, 1] < 0.0)]
+    edge = np.arctan(np.diff(section[:, 2]) / np.diff(section[:, 1]))
+    assert len(edge) > 20 and np.abs(np.diff(edge)).max() < 0.011
 
 
 def test_bad_hulls_are_told(tmp_path):
@@ -73,6 +79,21 @@ def test_a_height_map_presses_as_hertz_says():
     assert contact.p_max_pa == pytest.approx(HERTZ_PA, rel=0.02)
 
 
+def test_heights_are_of_any_kind_and_masked_ones_are_holes():
+    x, y, z = paraboloid_heights()
+    z = np.rint(1e6 * z) * 2.0**-20
+    whole = kufe.Hull.from_heights(x, y, z).vertices_m
+    for same in (z.astype("f4"), z.astype(">f8"), z.tolist(), np.asfortranarray(z)):
+        assert np.array_equal(kufe.Hull.from_heights(x, y, same).vertices_m, whole)
+    assert kufe.Hull.from_heights([0, 1], [0, 1], [[0, 0], [1, 0]]).extent_m == (1.0, 1.0, 1.0)
+    missing = np.zeros(z.shape, bool)
+    missing[18:23, 95:106] = True
+    hole = kufe.Hull.from_heights(x, y, np.where(missing, np.nan, z)).vertices_m
+    assert len(hole) == len(whole) - missing.sum()
+    for same in (np.ma.masked_array(np.where(missing, -1.0, z), missing), np.where(missing, np.inf, z)):
+        assert np.array_equal(kufe.Hull.from_heights(x, y, same).vertices_m, hole)
+
+
 def test_arrays_of_another_hull_press_as_its_file_does(tmp_path):
     hull = kufe.Hull.bob(length_m=0.2, edge_length_m=0.0015)
     arrays = kufe.Hull(hull.vertices_m, hull.triangles)
@@ -90,6 +111,24 @@ def test_arrays_that_are_no_hull_are_told():
         kufe.Hull(hull.vertices_m[:, :2], hull.triangles)
     with pytest.raises(kufe.InputError, match="triangles: found the vertex -1"):
         kufe.Hull(hull.vertices_m, [[0, 1, -1]])
+    with pytest.raises(kufe.InputError, match="triangles: found the vertex -1"):
+        kufe.Hull(hull.vertices_m, np.ma.masked_equal(hull.triangles, 0))
+    for kind in (float, bool):
+        with pytest.raises(TypeError, match="expected integers"):
+            kufe.Hull(hull.vertices_m, hull.triangles.astype(kind))
+    for wrong in (np.nan, np.inf):
+        vertices = hull.vertices_m
+        vertices[7, 2] = wrong
+        with pytest.raises(kufe.InputError, match="vertex 8 .* finite"):
+            kufe.Hull(vertices, hull.triangles)
+    with pytest.raises(kufe.InputError, match="vertex 8 .* finite"):
+        kufe.Hull(np.ma.masked_invalid(vertices), hull.triangles)
+    with pytest.raises(kufe.InputError, match="no triangles"):
+        kufe.Hull(np.empty((0, 3)), np.empty((0, 3)))
+    with pytest.raises(kufe.InputError, match="heights_m: expected measured heights"):
+        kufe.Hull.from_heights([0.0, 1.0], [0.0, 1.0], np.full((2, 2), np.nan))
+    with pytest.raises(kufe.InputError, match="heights_m: expected measured heights"):
+        kufe.Hull.from_heights([], [], np.empty((0, 0)))
     with pytest.raises(kufe.InputError, match="x_m: expected numbers that increase"):
         kufe.Hull.from_heights([1.0, 0.0], [0.0, 1.0], np.zeros((2, 2)))
     with pytest.raises(kufe.InputError, match="heights_m"):
@@ -125,5 +164,7 @@ def test_a_scan_that_cannot_be_examined_is_named(tmp_path):
         kufe.check_hull(tmp_path / "none.obj")
     with pytest.raises(kufe.InputError, match="fz_n = -1: expected positive forces"):
         kufe.check_hull("scan.obj", [-1.0])
+    with pytest.raises(kufe.InputError, match="fz_n = -1: expected positive forces"):
+        kufe.check_hull("scan.obj", -1.0)
     with pytest.raises(kufe.InputError, match="p_max = 2: expected a relative error"):
         kufe.check_hull("scan.obj", p_max=2.0)

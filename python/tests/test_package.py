@@ -26,14 +26,26 @@ def test_the_stubs_name_what_the_module_has():
                 continue
             real = {name for name in vars(kind) if not name.startswith("_")}
             assert stubbed - {"__new__"} == real, node.name
+            for item in node.body:
+                if isinstance(item, ast.FunctionDef):
+                    found = kind if item.name == "__new__" else getattr(kind, item.name)
+                    if callable(found):
+                        same_parameters(item, found)
     stubbed = {n.name for n in tree.body if isinstance(n, (ast.FunctionDef, ast.ClassDef))}
-    assert stubbed | {"__version__"} == set(kufe.__all__)
+    assert stubbed | {"__version__", "Error", "InputError", "NotConvergedError"} == set(kufe.__all__)
 
 
 def same_parameters(stub, function):
     arguments = stub.args
-    names = [a.arg for a in arguments.args + arguments.kwonlyargs]
-    assert names == list(inspect.signature(function).parameters), stub.name
+    if stub.name == "__new__":
+        del arguments.args[0]
+    names = arguments.args + arguments.kwonlyargs
+    shown = inspect.signature(function).parameters
+    assert [a.arg for a in names] == list(shown), stub.name
+    of_names = [None] * (len(arguments.args) - len(arguments.defaults)) + arguments.defaults
+    for name, default in zip(names, of_names + arguments.kw_defaults, strict=True):
+        stated = inspect.Parameter.empty if default is None else ast.literal_eval(default)
+        assert shown[name.arg].default == stated, (stub.name, name.arg)
 
 
 def test_every_class_function_and_property_is_documented_in_the_stub():

@@ -101,6 +101,9 @@ def test_a_straight_glide_loses_nothing_by_driving(runs, model):
 def test_runs_can_be_chosen_and_bad_ones_named(runs, model):
     with pytest.raises(kufe.InputError, match="s9"):
         kufe.evaluate(runs, model, session=["s9"])
+    assert len(kufe.evaluate(runs, model, session="s1").runs) == 2
+    with pytest.raises(kufe.InputError, match="seed = -1: expected 0 to"):
+        kufe.evaluate(runs, model, seed=-1)
     with pytest.raises(kufe.InputError, match="the runs are one, two"):
         kufe.evaluate(runs, model).series("three")
     with pytest.raises(kufe.InputError, match="cutoff"):
@@ -178,6 +181,10 @@ def test_wrong_simulations_are_named(driven):
     model, track = folder / "model.toml", folder / "track_test.csv"
     with pytest.raises(kufe.InputError, match="runs = 0: expected 1 to 10000"):
         kufe.simulate(model, track, runs=0)
+    with pytest.raises(kufe.InputError, match="runs = -1: expected 1 to 10000"):
+        kufe.simulate(model, track, runs=-1)
+    with pytest.raises(kufe.InputError, match="seed = -1: expected 0 to"):
+        kufe.simulate(model, track, seed=np.int64(-1))
     with pytest.raises(kufe.InputError, match="driver Z9: expected one of A1"):
         kufe.simulate(model, track, driver="Z9")
     with pytest.raises(kufe.InputError, match="ice-c 20"):

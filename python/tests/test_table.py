@@ -1,5 +1,7 @@
 """Lookup tables."""
 
+import os
+import pathlib
 import pickle
 import re
 
@@ -82,8 +84,9 @@ def test_bad_tables_and_names_are_told(table, tmp_path):
         table.lookup(1.0, 0.0, "pmax")
     with pytest.raises(kufe.InputError, match="smooth or bilinear"):
         table.lookup(1.0, 0.0, mode="cubic")
-    with pytest.raises(kufe.InputError, match="rocker"):
-        table.lookup(1.0, 0.0, rocker_radius_m=30.0)
+    for key in ("rocker_radius_m", "v_mps", "ice_c"):
+        with pytest.raises(kufe.InputError, match=key.split("_")[0]):
+            table.lookup(1.0, 0.0, **{key: 30.0})
 
 
 def test_an_exception_of_the_progress_keeps_the_points_done(table_file, tmp_path):
@@ -133,3 +136,47 @@ def test_a_table_is_pickled_and_tabled(table):
     row = frame.iloc[-1]
     assert (row.fz_n, row.curvature_1pm) == (table.fz_n[-1], table.curvature_1pm[-1])
     assert row.p_max == table.values("p_max")[-1, -1]
+
+
+def test_nodes_of_reduced_curvatures_are_at_their_track_curvatures():
+    table = kufe.Table.read(pathlib.Path(os.environ["KUFE_PAGE"]).parent.parent / "assets/tables/front.lut")
+    reduced, curvature = table.reduced_curvature, table.curvature_1pm
+    assert (reduced[0], reduced[-1]) == (0.0, 1.0)
+    assert curvature.shape == table.values().shape
+    # The ends do not depend on the force, the middle does.
+    assert np.ptp(curvature[:, [0, -1]], axis=0).tolist() == [0.0, 0.0]
+    assert np.ptp(curvature[:, 1:-1], axis=0).min() > 1e-6
+    found, outside = table.lookup(table.fz_n[:, None], curvature)
+    np.testing.assert_allclose(found, table.values(), rtol=1e-9)
+    assert not outside.any()
+    pandas = pytest.importorskip("pandas")
+    frame = table.to_dataframe()
+    assert isinstance(frame, pandas.DataFrame)
+    found, _ = table.lookup(frame.fz_n, frame.curvature_1pm)
+    np.testing.assert_allclose(found, frame.p_max, rtol=1e-9)
+    assert frame.reduced_curvature.max() == 1.0
+    pytest.importorskip("xarray")
+    array = table.to_xarray()
+    assert array.dims == ("fz_n", "reduced_curvature")
+    assert (array.curvature_1pm.values == curvature).all()
+
+
+def test_masked_inputs_are_nan(table):
+    forces = np.ma.masked_array([500.0, 1000.0, 2000.0], mask=[False, True, False])
+    values, outside = table.lookup(forces, 0.0)
+    assert values[[0, 2]].tolist() == table.values()[[0, 2], 0].tolist()
+    assert np.isnan(values[1]) and outside.tolist() == [False, True, False]
+
+
+def test_rocker_radii_broadcast(tmp_path):
+    (tmp_path / "case.toml").write_text(PARABOLOID.replace("p_max = 0.005", "p_max = 0.05"))
+    axes = "rocker_radius_m = { values = [20.0, 40.0] }\n"
+    (tmp_path / "table.toml").write_text(TABLE + axes + "[accuracy]\nchecks = 0\n")
+    table = kufe.fill_table(tmp_path / "table.toml")
+    radii = np.array([[40.0], [20.0], [30.0]])
+    values, outside = table.lookup([500.0, 1000.0], 0.0, rocker_radius_m=radii)
+    assert values.shape == (3, 2) and not outside.any()
+    assert np.array_equal(values[:2], table.values()[:2, 0, ::-1].T)
+    assert (values[2] == table.lookup([500.0, 1000.0], 0.0, rocker_radius_m=30.0)[0]).all()
+    with pytest.raises(kufe.InputError, match="50"):
+        table.lookup(500.0, 0.0, rocker_radius_m=[30.0, 50.0])

@@ -8,7 +8,7 @@ use kufe::plot::{measured, percent, quantity};
 use kufe::results::{ResolvedLoad, Sampling};
 use kufe_mesh::{
     BobRunner, Estimate, HullFormat, LugeSteel, MeshError, Rocker, Section, Swept, load_points,
-    strips_warning, tessellate, tessellate_turning,
+    strips_warning, tessellate, tessellate_steel,
 };
 use serde::Serialize;
 
@@ -92,10 +92,6 @@ struct File {
     edge_length_m: f64,
 }
 
-/// Largest angle between adjacent facets on the edge of a luge steel, whose radius is of the size
-/// of the contact [rad].
-const MAX_FACET_ANGLE: f64 = 0.01;
-
 /// A hull that was written.
 #[derive(Serialize)]
 struct WrittenHull<'a> {
@@ -110,15 +106,9 @@ struct WrittenHull<'a> {
 /// [`Failure::BadInput`] for dimensions that do not fit and a file that cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let none = None;
-    let (name, swept, out, points, turn) = match &args.kind {
-        Kind::Bob(bob) => ("bob", bob.swept(), &bob.file, &bob.rocker_points, None),
-        Kind::Luge(luge) => (
-            "luge",
-            luge.swept(),
-            &luge.file,
-            &none,
-            Some(MAX_FACET_ANGLE),
-        ),
+    let (name, swept, out, points) = match &args.kind {
+        Kind::Bob(bob) => ("bob", bob.swept(), &bob.file, &bob.rocker_points),
+        Kind::Luge(luge) => ("luge", luge.swept(), &luge.file, &none),
         Kind::Check(check) => return examine(check, global),
     };
     let File {
@@ -130,9 +120,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let swept = swept.map_err(refuse)?;
     let outputs = std::slice::from_ref(file);
     let files = OutputFiles::begin("hull", points.as_slice(), outputs, global.force)?;
-    let hull = match turn {
-        Some(turn) => tessellate_turning(&swept, *edge_length_m, turn),
-        None => tessellate(&swept, *edge_length_m),
+    let hull = match args.kind {
+        Kind::Luge(_) => tessellate_steel(&swept, *edge_length_m),
+        _ => tessellate(&swept, *edge_length_m),
     };
     let hull = hull.map_err(refuse)?;
     files.write(file, |writer| format.write(&hull, writer))?;

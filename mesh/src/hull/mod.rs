@@ -15,7 +15,7 @@ pub use read_3mf::read_3mf;
 pub use read_gltf::read_gltf;
 pub use read_obj::read_obj;
 pub use read_stl::read_stl;
-pub use tessellate::{tessellate, tessellate_turning};
+pub use tessellate::{tessellate, tessellate_steel};
 pub use triangles::{
     Axis, Hull, HullOptions, HullReport, check_hull, checked_runner, size_warnings,
 };

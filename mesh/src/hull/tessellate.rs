@@ -8,9 +8,11 @@ use crate::shapes::underside::Underside;
 
 /// Largest change of the section's direction over one facet [rad].
 const LARGEST_TURN: f64 = 0.25;
-/// Largest difference of the lengths of two adjacent facets across, relative to their mean: the
-/// smooth surface that is fitted to them cannot follow a sharp edge next to a facet that is a
-/// hundred times as wide.
+/// That of a steel on its edge, whose radius is of the size of the contact [rad].
+const EDGE_TURN: f64 = 0.01;
+/// A facet is longer than its neighbour across by at most this part of their mean: a smooth surface
+/// is fitted to them later, which cannot follow a sharp edge whose neighbour is a hundred times as
+/// wide.
 const GRADING: f64 = 0.25;
 /// Number of samples of the section from which the facets are spaced.
 const SAMPLES: usize = 4000;
@@ -30,18 +32,21 @@ pub fn tessellate(runner: &Swept, edge_length: f64) -> Result<Hull, MeshError> {
     tessellate_turning(runner, edge_length, LARGEST_TURN)
 }
 
-/// [`tessellate`] with facets across whose directions differ by at most `largest_turn` [rad], which
-/// should be smaller for an edge so sharp that its radius is of the size of the contact.
+/// As [`tessellate`] for a steel on its edge: facets across turn by at most 0.01 rad, since the
+/// radius of the edge is of the size of the contact.
 ///
 /// # Errors
-/// As [`tessellate`], and [`MeshError::Value`] where the turn is not positive.
-pub fn tessellate_turning(
+/// As [`tessellate`].
+pub fn tessellate_steel(steel: &Swept, edge_length: f64) -> Result<Hull, MeshError> {
+    tessellate_turning(steel, edge_length, EDGE_TURN)
+}
+
+fn tessellate_turning(
     runner: &Swept,
     edge_length: f64,
     largest_turn: f64,
 ) -> Result<Hull, MeshError> {
     positive_finite("edge length [m]", edge_length)?;
-    positive_finite("largest turn [rad]", largest_turn)?;
     let [x0, x1, y0, y1] = runner.extent();
     let ys = across(runner, edge_length, largest_turn)?;
     let steps = ((x1 - x0) / edge_length).ceil().max(2.0);

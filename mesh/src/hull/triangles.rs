@@ -383,10 +383,17 @@ pub fn size_warnings(extent: [f64; 3]) -> Vec<String> {
 /// Checks a hull: its edges, its size and its volume.
 ///
 /// # Errors
-/// [`MeshError::Invalid`] where a closed hull's triangles face inwards.
+/// [`MeshError::Invalid`] where there are no triangles, where a position is not finite, and where a
+/// closed hull's triangles face inwards.
 pub fn check_hull(hull: &Hull) -> Result<HullReport, MeshError> {
-    // Each triangle's edges, from the lower to the higher index, and whether the triangle has them
-    // in this direction.
+    if hull.triangles.is_empty() {
+        return Err(MeshError::no_triangles());
+    }
+    let infinite = |position: &[f64; 3]| !position.iter().all(|v| v.is_finite());
+    if let Some(n) = hull.positions.iter().position(infinite) {
+        return Err(MeshError::not_finite(n + 1, hull.positions[n]));
+    }
+    // Each triangle's edges, from the lower to the higher index, and whether it walks them so.
     let mut edges: Vec<([u32; 2], bool)> = hull
         .triangles
         .iter()

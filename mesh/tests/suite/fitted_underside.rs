@@ -2,7 +2,7 @@
 
 use kufe_mesh::{
     BobRunner, FittedUnderside, Hull, HullFormat, HullOptions, LugeSteel, Swept, Underside,
-    read_obj, tessellate, tessellate_turning,
+    read_obj, tessellate, tessellate_steel,
 };
 
 fn through_obj(runner: &Swept, edge: f64) -> Hull {
@@ -175,7 +175,7 @@ fn luge_steels_rounded_edge_is_followed_within_the_estimate() {
 fn finer_vertices_on_a_sharp_edge_are_followed_no_worse() {
     let runner = LugeSteel::default().swept().unwrap();
     for edge in [1e-3, 0.25e-3, 0.2e-3] {
-        let mut hull = tessellate_turning(&runner, edge, 0.01).unwrap();
+        let mut hull = tessellate_steel(&runner, edge).unwrap();
         // As STL keeps them.
         for v in hull.positions.iter_mut().flatten() {
             *v = f64::from(*v as f32);
