@@ -118,7 +118,7 @@ impl Table {
             let radius = rocker_radius_m.map(|_| radius[same[0]]);
             let interpolator = Interpolator::new(&self.table, quantity, mode, radius);
             let interpolator = interpolator.map_err(bad_input)?;
-            for part in same.chunks(BETWEEN_SIGNALS) {
+            for part in same.chunks(SAMPLES_PER_CHECK) {
                 py.detach(|| {
                     for &n in part {
                         let point = Point::sliding(fz[n], curvature[n], speed[n], ice[n]);
