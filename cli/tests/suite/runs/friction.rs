@@ -84,7 +84,7 @@ fn a_fit_that_is_no_law_is_written_without_the_lines_of_a_model() -> Outcome {
     }
     std::fs::write(folder.path().join("concave.csv"), &table)?;
     let fit = ["friction", "fit", "concave.csv", "-o", "out"];
-    let parts = ["concave.csv", "no law of friction", "b = -0.05"];
+    let parts = ["concave.csv", "not a valid law of friction", "b = -0.05"];
     refused(folder.path(), &fit, 4, &parts)?;
     assert!(out.join("fit.json").exists() && out.join("mu.png").exists());
     assert!(!out.join("friction.toml").exists());

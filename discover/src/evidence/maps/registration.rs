@@ -154,8 +154,10 @@ impl Film<'_> {
             let value = |i: usize, j: usize| map.pressure[j * map.nx + i];
             let (left, right) = (i.saturating_sub(1), (i + 1).min(map.nx - 1));
             let (below, above) = (j.saturating_sub(1), (j + 1).min(map.ny - 1));
-            let px = (value(right, j) - value(left, j)) / (2.0 * map.dx);
-            let py = (value(i, above) - value(i, below)) / (2.0 * map.dy);
+            // One-sided differences at the border.
+            let [nx, ny] = [right - left, above - below].map(|cells| cells.max(1) as f64);
+            let px = (value(right, j) - value(left, j)) / (nx * map.dx);
+            let py = (value(i, above) - value(i, below)) / (ny * map.dy);
             if px == 0.0 && py == 0.0 {
                 continue;
             }
