@@ -315,7 +315,7 @@ mod tests {
         };
         let reported = coarse.to_string();
         assert!(
-            reported.contains("cells of 0.25 times the size of those there, less than the 0.4"),
+            reported.contains("cells of 0.25 times the present size, less than the accepted 0.4"),
             "{reported}"
         );
         Ok(())

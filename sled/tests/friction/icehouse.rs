@@ -328,7 +328,7 @@ fn glides_in_kilometres_an_hour_or_pushed_or_listed_twice_are_refused() {
     let reported = evaluate_glide(&PLAIN.entry("1", "A", "up"), &trace);
     let reported = reported.expect_err("refused").to_string();
     assert!(
-        reported.contains("force along the glide") && reported.contains("faster"),
+        reported.contains("force along the glide") && reported.contains("accelerates"),
         "{reported}"
     );
 
