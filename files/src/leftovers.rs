@@ -81,7 +81,7 @@ fn clear_older_than(folder: &Path, age: Duration) {
         let is_of_boot = prefix
             .as_ref()
             .is_some_and(|prefix| name.starts_with(prefix));
-        // Held until the folder is gone, so that its maker notices.
+        // The lock is kept until the folder is removed, so that the process that made it notices.
         let unowned = Some(entry.path()).filter(|_| found.is_dir() && is_of_boot);
         let unowned = unowned.and_then(|path| File::open(path).ok());
         let unowned = unowned.filter(|file| file.try_lock().is_ok());
@@ -124,10 +124,10 @@ mod tests {
         std::fs::write(path.join("half.vtu"), "half").unwrap();
         // A process that is killed removes nothing, and its locks end.
         let TemporaryFolder {
-            folder: left,
+            folder: hidden,
             _lock,
         } = killed;
-        let _ = left.keep();
+        let _ = hidden.keep();
         clear_temporaries(folder.path());
         assert!(path.exists() && living.path().exists());
         drop(_lock);

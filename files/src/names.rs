@@ -28,12 +28,15 @@ pub fn column_names<'a>(
     Ok(names.into_iter().map(name).collect())
 }
 
-/// Line of the row of a CSV table whose reading began at this line and byte: the csv reader skips
-/// blank lines before a row and counts them only afterwards.
-pub fn line_of_row(text: &[u8], (line, byte): (u64, u64)) -> u64 {
-    let ahead = text.get(byte as usize..).unwrap_or_default();
+/// Line of a row of a CSV table, as read from `text`; 0 if the row has no position. The position
+/// that the csv reader states precedes the blank lines before the row.
+pub fn line_of_row(text: &[u8], row: &csv::StringRecord) -> u64 {
+    let Some(begun) = row.position() else {
+        return 0;
+    };
+    let ahead = text.get(begun.byte() as usize..).unwrap_or_default();
     let blank = ahead.iter().take_while(|byte| b"\r\n".contains(byte));
-    line + blank.filter(|byte| **byte == b'\n').count() as u64
+    begun.line() + blank.filter(|byte| **byte == b'\n').count() as u64
 }
 
 /// A name of a user's file on one line: without blanks at its ends, its line breaks and other

@@ -81,7 +81,7 @@ impl Default for Origin {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     axes: Axes,
-    /// Figures in the order of the nodes. If a node or check lacks the error of a quantity, all
+    /// Figures in the order of the nodes. If a node or check has no error of a quantity, all
     /// nodes lack it.
     nodes: Vec<Figures>,
     checks: Vec<Solve>,
@@ -222,7 +222,7 @@ impl Table {
         self.solver_error_of(self.judged()).unwrap_or(f64::NAN)
     }
 
-    /// Relative interpolation error at every check; `None` where a contact lacks the quantity.
+    /// Relative interpolation error at every check; `None` where a contact does not have the quantity.
     ///
     /// # Errors
     /// As [`Interpolator::new`].
@@ -263,7 +263,7 @@ impl Table {
 }
 
 /// Error of an interpolated value relative to the solved value, or the absolute error if the solved
-/// value is 0; `None` if the contact lacks the quantity.
+/// value is 0; `None` if the contact does not have the quantity.
 pub(crate) fn relative_error(
     interpolator: &Interpolator,
     check: &Solve,

@@ -83,7 +83,7 @@ pub use record::check::examine::{Examination, Note, examine};
 pub use record::check::judge::{RelationRules, check_relations, judge, judge_by};
 pub use record::check::profile::{OddKind, OddStretch, Profile};
 pub use record::file_names::{file_stem, run_file, track_file};
-pub use record::files::{RunFormat, read_good_runs, read_needed, read_run, read_runs, write_run};
+pub use record::files::{RunFormat, read_good_runs, read_run, read_runs, write_run};
 pub use record::gaps::{Gaps, OnGaps, SampleCoverage, Saturation, gaps_line, rows_held};
 pub use record::index::{
     COVARIATE, Entry, ICE_AT, INDEX_COLUMNS, MORE_INDEX_COLUMNS, covariates, read_index,

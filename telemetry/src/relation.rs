@@ -245,7 +245,7 @@ fn forward_axis(rates: [&Series; 3]) -> Option<[Series; 3]> {
             series.time.push(t);
             series.values.push(*component);
         }
-        // In a gap the last rates are held.
+        // In a gap the last rates are used.
         if let [Some(p), Some(q), Some(r)] = rates.each_ref().map(|rate| rate.at(t + 0.5 * step)) {
             rate = Vector3::new(p[0], q[0], r[0]);
         }

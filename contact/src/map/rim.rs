@@ -213,7 +213,7 @@ impl Nodes<'_> {
         }
         let scale = normal.diagonal();
         match normal.cholesky() {
-            // Each term is independent of the others beyond rounding.
+            // Each term is independent of the others up to rounding.
             Some(factor) if (0..6).all(|k| factor.l()[(k, k)].powi(2) > 1e-9 * scale[k]) => {
                 factor.solve(&right)[0]
             }

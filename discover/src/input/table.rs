@@ -40,10 +40,7 @@ impl Table {
         let (mut rows, mut lines) = (Vec::new(), Vec::new());
         for record in reader.records() {
             let record = record.map_err(|e| refused(&e))?;
-            let begun = record
-                .position()
-                .map_or((0, 0), |at| (at.line(), at.byte()));
-            lines.push(line_of_row(&text, begun));
+            lines.push(line_of_row(&text, &record));
             rows.push(record.iter().map(str::to_owned).collect());
         }
         if rows.is_empty() {

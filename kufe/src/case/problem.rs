@@ -116,7 +116,7 @@ impl Case {
     /// A runner given as a hexahedral mesh: the smooth surface fitted through the nodes of its
     /// underside, and its factorised stiffness.
     ///
-    /// The mount fixes the nodes at the top: all of them, or those over the held places.
+    /// The mount fixes the nodes at the top: all of them, or those over the fixed places.
     fn meshed(&self, path: &Path) -> Result<(FittedHull, ElasticRunner), CaseError> {
         let named = |reason: &dyn Display| CaseError::Mesh {
             reason: format!("{}: {reason}", path.display()),

@@ -6,7 +6,7 @@ use crate::plot::{Axis, Figure, Layer, PALETTE, Panel, Point, extent};
 
 /// Smallest number of values with quartiles; fewer values are drawn as points only.
 const MIN_QUARTILES: usize = 5;
-/// Largest number of values that are drawn as points beside their quartiles.
+/// Largest number of values that are drawn as points next to their quartiles.
 const MAX_POINTS: usize = 100;
 
 /// Meaning of boxes, whiskers and dots.

@@ -17,7 +17,7 @@ pub struct ContactPage {
     pub title: String,
     /// Name of the folder or the case.
     pub name: String,
-    /// The contact; its case lacks keys without effect.
+    /// The contact; its case is without keys that have no effect.
     pub result: ContactResult,
     /// The formatted figures.
     pub figures: Vec<Figure>,

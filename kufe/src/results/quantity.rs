@@ -60,7 +60,7 @@ impl Description {
     /// The description of a quantity of a lookup table.
     ///
     /// # Panics
-    /// If [`QUANTITIES`] lacks the quantity.
+    /// If the quantity is not in [`QUANTITIES`].
     pub fn of(quantity: kufe_lut::Quantity) -> Description {
         let found = QUANTITIES.iter().find(|one| one.key == quantity.key());
         *found.expect("every quantity of a table is one of a result")

@@ -128,7 +128,7 @@ struct CheckError {
     pub noise: f64,
 }
 
-/// Errors at the checks of a table with these nodes. Checks between given values are left out,
+/// Errors at the checks of a table with these nodes. Checks between given values are omitted,
 /// since refinement cannot reduce their errors.
 fn measure(
     grid: &Grid,

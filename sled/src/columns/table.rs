@@ -90,11 +90,7 @@ impl Table {
         }
         let rows: Result<Vec<_>, _> = csv.records().collect();
         let rows = rows.map_err(|error| unreadable(&error))?;
-        let begun = |row: &csv::StringRecord| {
-            let position = row.position();
-            position.map_or((0, 0), |at| (at.line(), at.byte()))
-        };
-        let lines = rows.iter().map(|row| line_of_row(&text, begun(row)));
+        let lines = rows.iter().map(|row| line_of_row(&text, row));
         Ok(Table {
             file: file.into(),
             columns,

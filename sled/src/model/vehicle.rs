@@ -34,7 +34,7 @@ impl Vehicle {
     ///
     /// # Errors
     /// [`Error::File`] if the friction law needs a table and the model names none, or if a table
-    /// cannot be read or lacks the quantity.
+    /// cannot be read or does not have the quantity.
     pub fn new(model: &Model) -> Result<Vehicle, Error> {
         let keys = &model.friction.longitudinal;
         let factor = keys.tabled()?;

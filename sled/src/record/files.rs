@@ -52,8 +52,9 @@ pub fn read_good_runs(
 ) -> Result<(Vec<Run>, Vec<Error>), Error> {
     let read = |(place, entry): (usize, Entry)| {
         let file = entry.file.clone();
-        read_needed(entry, needs, on_gaps).map_err(|error| match file.exists() {
-            true => error,
+        let run = read_run(entry, needs.columns, on_gaps);
+        run.map_err(|error| match file.exists() {
+            true => needs.explain(error),
             false => {
                 let index = index.display().to_string();
                 Error::row(&index, place as u64 + 2, error.to_string())
@@ -103,14 +104,6 @@ pub fn read_good_runs(
 pub fn read_run(entry: Entry, required: &[&str], on_gaps: OnGaps) -> Result<Run, Error> {
     let known: Vec<&str> = COLUMNS.into_iter().chain(["s_m"]).collect();
     read_run_of(entry, required, &known, on_gaps)
-}
-
-/// Like [`read_run`] with what it `needs`, which an error of a missing column names.
-///
-/// # Errors
-/// As [`read_run`].
-pub fn read_needed(entry: Entry, needs: &Needs, on_gaps: OnGaps) -> Result<Run, Error> {
-    read_run(entry, needs.columns, on_gaps).map_err(|error| needs.explain(error))
 }
 
 /// Like [`read_run`], for a use that takes the `required` columns and those of `known` that the

@@ -186,7 +186,7 @@ const MEASURED: [(&str, ReadingValue); 5] = [
 
 /// Adds measured columns at the same places to a simulated run; NaN in gaps and outside the ends.
 ///
-/// Values are linear between readings. Columns that were not recorded are left out. Without `s_m`
+/// Values are linear between readings. Columns that were not recorded are omitted. Without `s_m`
 /// in `run` nothing is added.
 pub fn add_measured_columns(run: &mut Run, inputs: &Inputs) {
     let Some(places) = run.columns.get("s_m").cloned() else {

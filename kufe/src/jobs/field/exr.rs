@@ -111,7 +111,7 @@ fn sort_attributes(bytes: &mut [u8]) {
 ///
 /// # Errors
 /// [`Failure::BadInput`] if the file is no EXR image with a place, has fewer than 2 x 2 pixels,
-/// lacks a channel or an attribute, or has values that are not finite numbers.
+/// has no such channel or attribute, or has values that are not finite numbers.
 pub fn read_map(path: &Path) -> Result<PressureMap, Failure> {
     let image = ExrImage::load(path)?;
     let [nx, ny] = image.size;

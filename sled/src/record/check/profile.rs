@@ -384,10 +384,10 @@ mod tests {
         assert_eq!(evident(&from_there), 1);
         // A wave of which each value is repeated over ten rows, frozen for a quarter of the time.
         let wave = |i: i32| (0.01 * f64::from(i / 10)).sin();
-        let mut held: Vec<f64> = (0..2000).map(wave).collect();
-        assert_eq!(evident(&held), 0);
-        let value = held[800];
-        held[800..1300].fill(value);
-        assert_eq!(evident(&held), 1);
+        let mut frozen: Vec<f64> = (0..2000).map(wave).collect();
+        assert_eq!(evident(&frozen), 0);
+        let value = frozen[800];
+        frozen[800..1300].fill(value);
+        assert_eq!(evident(&frozen), 1);
     }
 }

@@ -199,11 +199,11 @@ fn a_speed_that_leaps_for_a_while_or_is_frozen_is_told_with_place_and_evidence()
     let value = clean.columns["v_mps"][1000];
     let frozen = |i: usize, x: f64| if (1000..1800).contains(&i) { value } else { x };
     let found = changed("v_mps", frozen);
-    let told = notes(&found, "v_mps");
+    let reported = notes(&found, "v_mps");
     let still = format!("one value for 7.99 s, {value:.9}");
     assert!(
-        told.contains(still.trim_end_matches('0')) && told.contains("frozen?"),
-        "{told}"
+        reported.contains(still.trim_end_matches('0')) && reported.contains("frozen?"),
+        "{reported}"
     );
     // What reads runs for a computation says the same.
     for (change, word) in [

@@ -60,7 +60,7 @@ pub struct FinalEstimates {
     pub model: ResidualModel,
     /// Covariance of base parameters and amplitudes, in their own units.
     pub covariance: DMatrix<f64>,
-    /// For each session its runs and the change of these parameters if the session is left out.
+    /// For each session its runs and the change of these parameters if the session is omitted.
     pub left_out: Vec<(Vec<usize>, DVector<f64>)>,
 }
 

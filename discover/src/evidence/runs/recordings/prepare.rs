@@ -105,7 +105,6 @@ pub fn prepare(
     let recordings = &rules.runs.recordings;
     let segmented = runs.len() == 1;
     let (mut frames, mut gaps) = (Vec::new(), Vec::new());
-    let mut before: BTreeMap<&str, f64> = BTreeMap::new();
     let entries: Vec<&Entry> = runs.iter().map(|run| &run.entry).collect();
     let stated_of_all = covariates(&entries);
     let smoothed = |run: &Run| {
@@ -114,18 +113,13 @@ pub fn prepare(
     };
     let smoothed: Vec<Frame> = runs.par_iter().map(smoothed).collect::<Result<_, _>>()?;
     for ((run, mut frame), stated_of_run) in runs.iter().zip(smoothed).zip(&stated_of_all) {
-        let travelled = before.entry(run.entry.session.as_str()).or_insert(0.0);
         let stated = model.conditions.unwrap_or_default();
         let stated = stated.complete(&run.entry.conditions);
         frame.humidity_pct = stated.humidity_pct;
-        frame.distance_before = match stated.distance_m {
-            distance if distance.is_nan() => *travelled,
-            distance => distance,
-        };
+        frame.distance_before = stated.distance_m;
         for (name, value) in stated_of_run {
             frame.extra.insert(name.clone(), vec![*value; frame.len()]);
         }
-        *travelled += frame.s.last().unwrap_or(&0.0) - frame.s.first().unwrap_or(&0.0);
         if !run.gaps.is_none() {
             gaps.push(coverage(run, &frame));
         }
