@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 
 use crate::place::kind;
 
-/// The bytes of a regular file of at max_bytes `max_bytes`.
+/// The bytes of a regular file of at most `max_bytes`.
 ///
 /// # Errors
 /// [`ErrorKind::InvalidInput`] for a folder, a device, a pipe and a longer file; the system's error
@@ -20,7 +20,7 @@ pub fn read_regular(path: &Path, max_bytes: u64) -> Result<Vec<u8>> {
 
 fn bytes_of(file: File, max_bytes: u64) -> Result<Vec<u8>> {
     let long = |found: u64| {
-        let text = format!("{found} bytes or more: expected at max_bytes {max_bytes}");
+        let text = format!("{found} bytes or more: expected at most {max_bytes}");
         Error::new(ErrorKind::InvalidInput, text)
     };
     let length = file.metadata()?.len();
@@ -141,7 +141,7 @@ mod tests {
         let error = read_regular(&path, 9).unwrap_err().to_string();
         assert_eq!(
             error,
-            "cannot be read: 10 bytes or more: expected at max_bytes 9"
+            "cannot be read: 10 bytes or more: expected at most 9"
         );
         assert!(
             read_regular(folder.path(), 9)

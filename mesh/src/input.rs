@@ -1,9 +1,8 @@
 //! Files as bytes, and tables of numbers.
 
-use std::io::Read;
 use std::path::Path;
 
-use kufe_files::{TABLE_TEXT, column_names, read_regular};
+use kufe_files::{TABLE_TEXT, column_names, line_of_row, read_regular};
 
 use crate::error::MeshError;
 
@@ -26,12 +25,12 @@ pub(crate) fn ending(path: &Path) -> String {
 /// # Errors
 /// [`MeshError::Value`] with the line of the table and the column.
 pub(crate) fn read_columns<const N: usize>(
-    table: impl Read,
+    text: &[u8],
     names: [&str; N],
 ) -> Result<Vec<[f64; N]>, MeshError> {
     let mut table = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
-        .from_reader(table);
+        .from_reader(text);
     let wrong = |row: u64, column: &str, found: String| {
         let place = format!("row {row}, column {column}");
         MeshError::value(place, found, "a number in [m]")
@@ -54,10 +53,11 @@ pub(crate) fn read_columns<const N: usize>(
     }
     let mut rows = Vec::new();
     for record in table.records() {
-        let line = |at: Option<&csv::Position>| at.map_or(0, csv::Position::line);
-        let record =
-            record.map_err(|error| wrong(line(error.position()), "row", error.to_string()))?;
-        let line = line(record.position());
+        let record = record.map_err(|error| {
+            let line = error.position().map_or(0, csv::Position::line);
+            wrong(line, "row", error.to_string())
+        })?;
+        let line = line_of_row(text, &record);
         let mut row = [0.0; N];
         for ((value, column), name) in row.iter_mut().zip(columns).zip(names) {
             let text = record.get(column).unwrap_or_default();

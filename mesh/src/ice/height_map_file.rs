@@ -1,7 +1,7 @@
 //! Height maps from CSV tables and EXR images.
 
 use std::fmt::Display;
-use std::io::{Cursor, Read};
+use std::io::Cursor;
 use std::path::Path;
 
 use exr::meta::MetaData;
@@ -18,8 +18,8 @@ impl HeightMap {
     ///
     /// # Errors
     /// [`MeshError::Value`] with the row and column, or if the points do not fill a regular grid.
-    pub fn from_csv(reader: impl Read) -> Result<Self, MeshError> {
-        let points = read_columns(reader, ["x_m", "y_m", "z_m"])?;
+    pub fn from_csv(text: &[u8]) -> Result<Self, MeshError> {
+        let points = read_columns(text, ["x_m", "y_m", "z_m"])?;
         let [xs, ys] = [0, 1].map(|axis| {
             let mut values: Vec<f64> = points.iter().map(|p| p[axis]).collect();
             values.sort_by(f64::total_cmp);

@@ -313,9 +313,9 @@ mod tests {
             [[-0.1, 2e-3], [0.0, 0.0]]
         );
         let refused = |text: &str| read(text).unwrap_err().to_string();
-        let message = refused("y_m,z_m\n0,0\n0.1,wide\n");
+        let message = refused("y_m,z_m\n\n0,0\n\n0.1,wide\n");
         assert!(
-            message.contains("row 3") && message.contains("z_m") && message.contains("wide"),
+            message.contains("row 5") && message.contains("z_m") && message.contains("wide"),
             "{message}"
         );
         assert!(refused("x_m,z_m\n0,0\n").contains("x_m,z_m"));

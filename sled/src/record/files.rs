@@ -50,18 +50,18 @@ pub fn read_good_runs(
     needs: &Needs,
     on_gaps: OnGaps,
 ) -> Result<(Vec<Run>, Vec<Error>), Error> {
-    let read = |(place, entry): (usize, Entry)| {
-        let file = entry.file.clone();
+    let read = |entry: Entry| {
+        let (line, file) = (entry.line, entry.file.clone());
         let run = read_run(entry, needs.columns, on_gaps);
         run.map_err(|error| match file.exists() {
             true => needs.explain(error),
             false => {
                 let index = index.display().to_string();
-                Error::row(&index, place as u64 + 2, error.to_string())
+                Error::row(&index, line, error.to_string())
             }
         })
     };
-    let entries = read_index(index)?.into_par_iter().enumerate();
+    let entries = read_index(index)?.into_par_iter();
     let read: Vec<Result<Run, Error>> = entries.map(read).collect();
     let (good, bad): (Vec<_>, Vec<_>) = read.into_iter().partition(Result::is_ok);
     let mut good: Vec<Run> = good.into_iter().flatten().collect();

@@ -52,6 +52,8 @@ pub const ICE_AT: &str = "ice_c@";
 /// One row of the index.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Entry {
+    /// Line of the index that states the run; 0 for a run without an index.
+    pub line: u64,
     /// Name of the run, unique in the index.
     pub run: String,
     /// The run's file, resolved against the folder of the index.
@@ -178,6 +180,7 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
         }
         let covariates = covariates.iter().copied();
         entries.push(Entry {
+            line,
             run,
             file: path,
             ice_along: IceAlong::new(points),

@@ -351,8 +351,8 @@ fn an_index_with_other_columns_or_values_is_refused() {
             ["row 2", "ice_c", "265"],
         ),
         (
-            format!("{header}\nK1,absent.csv,e,A1,A,d1,-8,-2,95000\n"),
-            ["runs.csv: row 2", "absent.csv", "No such file"],
+            format!("{header}\n\nK1,absent.csv,e,A1,A,d1,-8,-2,95000\n"),
+            ["runs.csv: row 3", "absent.csv", "No such file"],
         ),
     ] {
         std::fs::write(&path, text).unwrap();
