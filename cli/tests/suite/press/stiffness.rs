@@ -46,7 +46,7 @@ const SCRIPT: &str = "import re, numpy as np, scipy.io\n\
     print(n, len(held))\n";
 
 #[test]
-fn scipy_reads_the_stiffness_symmetric_definite_where_held_and_with_six_rigid_motions() {
+fn scipy_reads_the_stiffness_symmetric_definite_where_fixed_and_with_six_rigid_motions() {
     let Some(interpreter) = python("scipy") else {
         return;
     };
@@ -60,8 +60,8 @@ fn scipy_reads_the_stiffness_symmetric_definite_where_held_and_with_six_rigid_mo
         "--cells",
         "2",
     ];
-    let said = bench.succeeds(&[&export[..], &["--json"]].concat());
-    let facts: Value = serde_json::from_str(&said).expect("JSON");
+    let printed = bench.succeeds(&[&export[..], &["--json"]].concat());
+    let facts: Value = serde_json::from_str(&printed).expect("JSON");
     // The same solve here: its grid, and products without a matrix.
     let problem = Case::parse(CASE).unwrap().problem(Path::new(".")).unwrap();
     let options = Options {
@@ -94,7 +94,7 @@ fn scipy_reads_the_stiffness_symmetric_definite_where_held_and_with_six_rigid_mo
 }
 
 #[test]
-fn the_result_says_which_form_was_used_and_both_give_the_same_pressure() {
+fn the_result_states_the_form_that_was_used_and_both_give_the_same_pressure() {
     let bench = Bench::new();
     let mut peaks = Vec::new();
     for form in ["matrix-free", "assembled"] {
@@ -115,13 +115,13 @@ fn the_result_says_which_form_was_used_and_both_give_the_same_pressure() {
         format!("{CASE}[solver]\nstiffness = \"dense\"\n"),
     );
     let output = bench.kufe(&["press", "case.toml"]);
-    let said = errors(&output);
-    assert_eq!(output.status.code(), Some(3), "{said}");
-    assert!(said.contains("matrix-free"), "{said}");
+    let printed = errors(&output);
+    assert_eq!(output.status.code(), Some(3), "{printed}");
+    assert!(printed.contains("matrix-free"), "{printed}");
 }
 
 #[test]
-fn an_export_wants_a_case_and_one_kind_of_file() {
+fn an_export_needs_a_case_and_one_kind_of_file() {
     let bench = Bench::new();
     bench.write("case.toml", CASE);
     for args in [
