@@ -446,4 +446,11 @@ fn bad_tables_and_arguments_are_refused() {
         let (code, printed) = fails(&bench, &words(line));
         assert_eq!(code, 2, "{line}: {printed}");
     }
+    // The header of --ctypes has the name of the CSV file.
+    let line = "lut export broken.lut --csv=broken.h --ctypes";
+    let (code, printed) = fails(&bench, &words(line));
+    assert!(
+        code == 3 && printed.contains("writes another of its outputs there"),
+        "{printed}"
+    );
 }

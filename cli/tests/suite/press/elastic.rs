@@ -25,7 +25,7 @@ pub fn case(more: &str, tilt: &str) -> String {
     )
 }
 
-/// A body that bends away under its load presses less sharply the less is held.
+/// A body that bends away under its load has a lower peak the less of it is fixed.
 #[test]
 fn the_peak_falls_from_a_fixed_top_over_two_fixed_places_to_none() {
     let places = "{ x_m = -0.1, length_m = 0.02 }, { x_m = 0.1, length_m = 0.02 }";
@@ -285,7 +285,7 @@ fn ragged_scan() -> String {
 }
 
 /// On two places of its top a runner bends, as its width lets it: the body that fills the scan has
-/// that of the shape, whatever its rims lack.
+/// that of the shape, whatever is missing at its rims.
 #[test]
 fn a_ragged_scan_with_holes_bends_as_its_shape() {
     let bench = Bench::new();

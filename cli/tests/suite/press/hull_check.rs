@@ -364,8 +364,8 @@ fn luge_pressed(bench: &Bench, runner: &str, name: &str) -> Value {
     json(&bench.path(name).join("result.json"))
 }
 
-/// How far the peak of a hull is from the shape's, and what errors it states with what its vertices leave, over the shape's peak. The first is
-/// held by the second.
+/// Relative difference of a hull's peak from the shape's, and the relative error that it states, with that of its vertices. The second is
+/// an upper bound of the first.
 fn luge_off(bench: &Bench, hull: &str, shape: &Value) -> [f64; 2] {
     let (truth, slack) = (number(shape, "p_max_pa"), number(shape, "p_max_error_pa"));
     let result = luge_pressed(bench, &format!("hull = \"{hull}\""), &format!("of {hull}"));

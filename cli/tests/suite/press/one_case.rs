@@ -72,7 +72,7 @@ fn without_a_case_the_example_is_solved_and_its_files_written() {
     assert_eq!(result["case"]["load"]["fz_n"], 1000.0);
     assert_eq!(result["case"]["track"]["radius_m"], "inf");
     // Rigid Hertz on a half-space gives 138.52 MPa; 50 mm of ice on a rigid bed differ by less than the
-    // asked per cent (the patch is 0.3 mm wide).
+    // requested per cent (the patch is 0.3 mm wide).
     let p_max = number(&result, "p_max_pa");
     assert!((p_max / 138.52e6 - 1.0).abs() < 0.012, "{p_max}");
     assert!(number(&result, "p_max_error_pa") <= 0.01 * p_max);

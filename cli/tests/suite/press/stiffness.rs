@@ -20,12 +20,12 @@ fz_n = 100.0
 tilt = "fixed"
 "#;
 
-/// Reads K, the held displacements and what Rust wrote: products, and rigid motions at the nodes.
+/// Reads K, the fixed displacements and the values that Rust wrote: products, and rigid motions at the nodes.
 const SCRIPT: &str = "import re, numpy as np, scipy.io\n\
     k = scipy.io.mmread('K.mtx').tocsc()\n\
     n = k.shape[0]\n\
     lines = [line for line in open('K.mtx') if line.startswith('%')]\n\
-    held = [int(w) - 1 for line in lines if line.startswith('% ice fixed:') for w in line.split(':')[1].split()]\n\
+    fixed = [int(w) - 1 for line in lines if line.startswith('% ice fixed:') for w in line.split(':')[1].split()]\n\
     size = abs(k).max()\n\
     assert abs(k - k.T).max() == 0\n\
     u, ku = np.loadtxt('product.txt').T\n\
@@ -39,11 +39,11 @@ const SCRIPT: &str = "import re, numpy as np, scipy.io\n\
     assert abs(k @ rigid).max() < 1e-9 * size, abs(k @ rigid).max() / size\n\
     near = np.linalg.eigvalsh(k.toarray())[:7]\n\
     assert abs(near[:6]).max() < 1e-6 * near[6], near\n\
-    free = np.setdiff1d(np.arange(n), held)\n\
-    assert 0 < len(held) < n\n\
+    free = np.setdiff1d(np.arange(n), fixed)\n\
+    assert 0 < len(fixed) < n\n\
     lowest = np.linalg.eigvalsh(k[free][:, free].toarray())[0]\n\
     assert lowest > 0, lowest\n\
-    print(n, len(held))\n";
+    print(n, len(fixed))\n";
 
 #[test]
 fn scipy_reads_the_stiffness_symmetric_definite_where_fixed_and_with_six_rigid_motions() {

@@ -1,4 +1,4 @@
-//! `kufe discover` on runs that are wrong, too few or lack something.
+//! `kufe discover` on runs that are wrong, too few or incomplete.
 
 use std::path::Path;
 use std::process::Output;
