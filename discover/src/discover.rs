@@ -33,12 +33,13 @@ pub fn discover(
         let files = FILES.iter().map(|name| data.join(name));
         let present = files.filter(|file| file.is_file());
         let present: Vec<String> = present.map(|file| file.display().to_string()).collect();
-        return refused(match present.is_empty() {
-            true => format!("a folder; expected a file like {}", FILES.join(", ")),
-            false => format!(
+        return refused(if present.is_empty() {
+            format!("a folder; expected a file like {}", FILES.join(", "))
+        } else {
+            format!(
                 "a folder; expected a file, such as {}",
                 present.join(" or ")
-            ),
+            )
         });
     }
     if data.extension().is_some_and(|ending| ending == "toml") {

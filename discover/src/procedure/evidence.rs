@@ -76,9 +76,10 @@ pub trait Evidence {
         let _ = refitted;
         Ok(Choice {
             fit: last,
-            written: match account.steps.is_empty() {
-                true => ModelKind::Refitted,
-                false => ModelKind::WithEffect,
+            written: if account.steps.is_empty() {
+                ModelKind::Refitted
+            } else {
+                ModelKind::WithEffect
             },
             baselines: Vec::new(),
             withheld: Vec::new(),
@@ -361,9 +362,10 @@ impl Description {
     /// whether the residual is clean.
     pub fn is_adequate(&self) -> bool {
         let remaining = &self.report.remaining;
-        match remaining.is_empty() {
-            true => self.report.clean,
-            false => remaining.iter().all(|channel| channel.is_small),
+        if remaining.is_empty() {
+            self.report.clean
+        } else {
+            remaining.iter().all(|channel| channel.is_small)
         }
     }
 

@@ -163,9 +163,10 @@ fn weights<const C: usize>(training: &[[f64; C]]) -> [f64; C] {
         mean.max(0.0) * (n - 1.0) / squares.sum::<f64>().max(1e-300)
     });
     let largest = weight.iter().copied().fold(0.0, f64::max);
-    match training.len() < MIN_PIECES || largest == 0.0 {
-        true => [1.0; C],
-        false => weight.map(|weight| weight / largest),
+    if training.len() < MIN_PIECES || largest == 0.0 {
+        [1.0; C]
+    } else {
+        weight.map(|weight| weight / largest)
     }
 }
 

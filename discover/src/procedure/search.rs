@@ -105,9 +105,10 @@ pub fn search_evidence<E: Evidence>(
     }
     let mut last = evidence.settle(fit, &mut account)?;
     progress("evaluating the held-out data");
-    let refitted = match account.steps.is_empty() {
-        true => last.clone(),
-        false => evidence.settle(base.clone(), &mut Account::default())?,
+    let refitted = if account.steps.is_empty() {
+        last.clone()
+    } else {
+        evidence.settle(base.clone(), &mut Account::default())?
     };
     if !account.steps.is_empty() {
         last = verify(evidence, &refitted, last, &mut account, rules)?;

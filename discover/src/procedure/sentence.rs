@@ -29,9 +29,10 @@ pub fn sentence(report: &Report, account: &Account, nothing: &str) -> String {
     let names: Vec<String> = steps.iter().map(name).collect();
     let names = names.join(", then ");
     let gap = gap(steps, report);
-    let more = match report.adequate {
-        true => "",
-        false => ", and more is missing",
+    let more = if report.adequate {
+        ""
+    } else {
+        ", and more is missing"
     };
     let next = &report.next_experiment;
     match report.verdict {
@@ -111,18 +112,19 @@ pub fn adequacy(steps: &[Step], remaining: &[Remaining]) -> String {
             )
         })
     });
-    let rest = match worst.is_small {
-        true => format!(
+    let rest = if worst.is_small {
+        format!(
             "At most {} of the mean square misfit of a channel ({}) still repeats.",
             share(&worst.of_misfit),
             worst.channel
-        ),
-        false => format!(
+        )
+    } else {
+        format!(
             "{} of the mean square {} misfit still repeats from run to run, most at {}: an effect that is not identified is missing from the model.",
             share(&worst.of_misfit),
             worst.channel,
             worst.places.join("; ")
-        ),
+        )
     };
     of_step.unwrap_or_default() + &rest
 }

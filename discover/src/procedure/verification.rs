@@ -77,9 +77,10 @@ pub fn verify<E: Evidence>(
         let decrease = weakest.decrease.in_words(&removed.channel);
         let reason = "the model with it does not lower the misfit on the held-out data enough";
         reasons.push(not_named(&removed, &format!("{reason} ({decrease})")));
-        last = match account.steps.is_empty() {
-            true => base.clone(),
-            false => evidence.settle(weakest.without, account)?,
+        last = if account.steps.is_empty() {
+            base.clone()
+        } else {
+            evidence.settle(weakest.without, account)?
         };
     }
     if !reasons.is_empty() {

@@ -77,13 +77,19 @@ impl<'a> Experiments<'a> {
         }
         let (mut candidates, mut untestable) = list(&rows, &table, &effects, base);
         untestable.extend(unreadable);
-        candidates.retain(|c| match c.is_column() {
-            true => options.looks_for(OUTSIDE_CATALOGUE),
-            false => options.looks_for(&c.effect),
+        candidates.retain(|c| {
+            if c.is_column() {
+                options.looks_for(OUTSIDE_CATALOGUE)
+            } else {
+                options.looks_for(&c.effect)
+            }
         });
-        untestable.retain(|(name, _)| match name.starts_with(OUTSIDE_CATALOGUE) {
-            true => options.looks_for(OUTSIDE_CATALOGUE),
-            false => options.looks_for(name),
+        untestable.retain(|(name, _)| {
+            if name.starts_with(OUTSIDE_CATALOGUE) {
+                options.looks_for(OUTSIDE_CATALOGUE)
+            } else {
+                options.looks_for(name)
+            }
         });
         let locked = options.rules.lock.rows(rows.len());
         let pick = |which: &[usize]| which.iter().map(|i| rows[*i].clone()).collect();
@@ -292,9 +298,10 @@ impl Evidence for Experiments<'_> {
         let candidates = &self.setting.candidates;
         let is_written = |c: &usize| candidates[*c].act.table.is_some();
         Ok(Choice {
-            written: match last.chosen.iter().any(is_written) {
-                true => ModelKind::WithEffect,
-                false => ModelKind::Refitted,
+            written: if last.chosen.iter().any(is_written) {
+                ModelKind::WithEffect
+            } else {
+                ModelKind::Refitted
             },
             fit: last,
             baselines: Vec::new(),
@@ -343,9 +350,10 @@ impl Evidence for Experiments<'_> {
             ),
             next_after_nothing: format!(
                 "each specimen measured again in {} at two pressures, which would halve the smallest sizes that can be found; the {} rows have {} degrees of freedom",
-                match sessions == rows.len() {
-                    true => "three more sessions, stated in a column session".to_owned(),
-                    false => format!("{} more sessions", 3 * sessions),
+                if sessions == rows.len() {
+                    "three more sessions, stated in a column session".to_owned()
+                } else {
+                    format!("{} more sessions", 3 * sessions)
                 },
                 self.rows(),
                 base.freedom()

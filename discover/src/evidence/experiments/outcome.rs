@@ -61,9 +61,10 @@ impl Experiments<'_> {
             rows.map(|row| residual(row) / after.deviation(&self.setting, row))
                 .collect()
         };
-        let judged = match self.held_out.is_empty() {
-            true => &self.training,
-            false => &self.held_out,
+        let judged = if self.held_out.is_empty() {
+            &self.training
+        } else {
+            &self.held_out
         };
         let first = rest(judged, before);
         ClosedGap {

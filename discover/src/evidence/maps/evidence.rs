@@ -142,9 +142,10 @@ impl<'a> Maps<'a> {
         let has_no_size = |p: &Vec<Fitted>| p[0].low <= 0.0 && p[0].high >= 0.0;
         while let Some(k) = self.parameters(&fit).iter().position(has_no_size) {
             account.remove_step(k, NO_SIZE);
-            fit = match account.steps.is_empty() {
-                true => self.start.clone(),
-                false => self.without(&fit, k)?,
+            fit = if account.steps.is_empty() {
+                self.start.clone()
+            } else {
+                self.without(&fit, k)?
             };
         }
         let mut k = 0;
@@ -180,9 +181,10 @@ impl<'a> Maps<'a> {
             };
             Ok(change(&before.residuals, &after.residuals))
         };
-        let judged = match self.held_out.rows.is_empty() {
-            true => &self.training,
-            false => &self.held_out,
+        let judged = if self.held_out.rows.is_empty() {
+            &self.training
+        } else {
+            &self.held_out
         };
         let before = judged.reporting(&self.start.active)?;
         Ok(ClosedGap {
@@ -339,9 +341,10 @@ impl Evidence for Maps<'_> {
         let of = |fit: &MapFit| self.held_out.reporting(&fit.active);
         let (before, after) = (of(from)?, of(to)?);
         // Relative to its errors and in Pa.
-        let falls = match after.rms < before.rms {
-            true => before.decreases(&after, PIECES),
-            false => vec![0.0; PIECES],
+        let falls = if after.rms < before.rms {
+            before.decreases(&after, PIECES)
+        } else {
+            vec![0.0; PIECES]
         };
         Ok(Decrease::over(&falls, 0.0))
     }
@@ -361,9 +364,10 @@ impl Evidence for Maps<'_> {
                 rows.iter().map(|row| &row.name),
                 self.gap(&before, &after, rows),
             ),
-            closed: match account.steps.is_empty() {
-                true => Vec::new(),
-                false => vec![self.closed(last)?; account.steps.len()],
+            closed: if account.steps.is_empty() {
+                Vec::new()
+            } else {
+                vec![self.closed(last)?; account.steps.len()]
             },
         })
     }

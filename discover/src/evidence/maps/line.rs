@@ -96,10 +96,7 @@ impl LineSearch {
             if from + step > self.high || self.eval(simulations, active, from + step).is_none() {
                 return;
             }
-            worse = match self.keep_if_better() {
-                true => 0,
-                false => worse + 1,
-            };
+            worse = if self.keep_if_better() { 0 } else { worse + 1 };
         }
     }
 

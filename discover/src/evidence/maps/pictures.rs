@@ -68,9 +68,10 @@ fn peaks(simulations: [&Simulations; 2], active: &SizedEffects) -> Result<Option
     }
     let count = rows.len();
     rows.truncate(MAX_PEAKS);
-    let shown = match count > rows.len() {
-        true => format!(" The first {} of {count} rows.", rows.len()),
-        false => String::new(),
+    let shown = if count > rows.len() {
+        format!(" The first {} of {count} rows.", rows.len())
+    } else {
+        String::new()
     };
     Ok((count > 0).then(|| Picture {
         title: "Peak pressure, measured and simulated".to_owned(),

@@ -233,18 +233,20 @@ impl Campaign<'_> {
         Some(format!(
             "with {} training {} no p-value by sign-flips can be below {least:.1e}; {what} must reach {limit}, so that only what exceeds the tolerances by itself can be selected: {needed} are needed in addition to the held-out ones",
             self.training.len(),
-            match self.data.segmented {
-                true => "segments",
-                false => "runs",
+            if self.data.segmented {
+                "segments"
+            } else {
+                "runs"
             }
         ))
     }
 
     /// Share of the significance level that remains after the first selected effect.
     pub fn share(&self, account: &Account) -> f64 {
-        match account.steps.is_empty() {
-            true => 1.0,
-            false => self.rules().alpha_again,
+        if account.steps.is_empty() {
+            1.0
+        } else {
+            self.rules().alpha_again
         }
     }
 

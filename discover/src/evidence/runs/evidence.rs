@@ -120,9 +120,10 @@ impl Evidence for Campaign<'_> {
                 pushed.join(", ")
             ));
         }
-        let rough = match pushed.is_empty() {
-            true => rough,
-            false => self.roughly_fitted(&rough)?,
+        let rough = if pushed.is_empty() {
+            rough
+        } else {
+            self.roughly_fitted(&rough)?
         };
         self.scale_places(&rough);
         let start = self.roughly_fitted(&start)?;
@@ -230,9 +231,10 @@ impl Evidence for Campaign<'_> {
         let within = selection.candidate.act.level == Level::Sample
             && selection.parameters.is_empty()
             && added.written;
-        match within {
-            true => self.exchanged(before, (selection, added), step, account),
-            false => Ok((selection, added)),
+        if within {
+            self.exchanged(before, (selection, added), step, account)
+        } else {
+            Ok((selection, added))
         }
     }
 
@@ -274,9 +276,10 @@ impl Evidence for Campaign<'_> {
             .or(channels.first());
         Ok(HeldOutResults {
             held_out: HeldOut {
-                what: match self.data.segmented {
-                    true => "segment".to_owned(),
-                    false => "run".to_owned(),
+                what: if self.data.segmented {
+                    "segment".to_owned()
+                } else {
+                    "run".to_owned()
                 },
                 runs: self.held_out.iter().map(|f| f.name.clone()).collect(),
                 gap_before: one.map_or(0.0, |c| c.before),
@@ -303,9 +306,10 @@ impl Evidence for Campaign<'_> {
         last: &RunFit,
         account: &mut Account,
     ) -> Result<Description, Error> {
-        let next_runs = match self.options.quick {
-            true => Vec::new(),
-            false => self.next_runs(last, &account.steps)?,
+        let next_runs = if self.options.quick {
+            Vec::new()
+        } else {
+            self.next_runs(last, &account.steps)?
         };
         let simulator = self.simulator(&last.settled);
         let rules = &self.options.rules.runs;
@@ -320,9 +324,10 @@ impl Evidence for Campaign<'_> {
         let bins_after = bins(last);
         let faults = shared_faults(&account.steps, &self.training, rules.alpha);
         account.depends.extend(faults);
-        let data = match self.data.segmented {
-            true => "one run, in segments",
-            false => "runs",
+        let data = if self.data.segmented {
+            "one run, in segments"
+        } else {
+            "runs"
         };
         let given = self.installed_in(&self.given_as_in(last), self.whole());
         let training = channels(

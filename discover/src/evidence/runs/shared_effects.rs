@@ -45,12 +45,11 @@ impl SharesEffects for Campaign<'_> {
 
     fn amounts(&self, fit: &RunFit, step: usize) -> Vec<Amount> {
         let (after, already) = (&fit.residual_model, fit.already());
-        let estimates = match fit.estimates.is_empty() {
-            true => {
-                let model = after.with_fixed(false);
-                estimate(&self.fitting(), &model, &fit.whitener).estimates
-            }
-            false => fit.estimates.clone(),
+        let estimates = if fit.estimates.is_empty() {
+            let model = after.with_fixed(false);
+            estimate(&self.fitting(), &model, &fit.whitener).estimates
+        } else {
+            fit.estimates.clone()
         };
         let own = estimates.get(self.free.len()..).unwrap_or_default();
         let amplitudes = after.free().into_iter().zip(own);

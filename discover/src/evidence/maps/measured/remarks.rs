@@ -41,9 +41,12 @@ pub fn remarks_on(rows: &[Row]) -> Vec<String> {
 
 /// Root mean square of the stated and estimated deviations \[Pa\].
 pub fn typical_noise(rows: &[&Row]) -> f64 {
-    let of_row = |row: &&Row| match row.noise.is_empty() {
-        true => vec![row.p_max_sd],
-        false => row.noise.clone(),
+    let of_row = |row: &&Row| {
+        if row.noise.is_empty() {
+            vec![row.p_max_sd]
+        } else {
+            row.noise.clone()
+        }
     };
     let deviations: Vec<f64> = rows.iter().flat_map(of_row).collect();
     let squares: f64 = deviations.iter().map(|sd| sd * sd).sum();

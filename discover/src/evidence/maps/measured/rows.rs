@@ -87,9 +87,10 @@ impl Measured {
         let mut rows: Vec<Row> = Vec::new();
         for i in 0..cases.len() {
             let stated = folder.join(&cases[i]);
-            let (file, case) = match same(&stated) {
-                true => (model, model_case.clone()),
-                false => (stated.as_path(), read_case(&stated)?.1),
+            let (file, case) = if same(&stated) {
+                (model, model_case.clone())
+            } else {
+                (stated.as_path(), read_case(&stated)?.1)
             };
             if case.sliding.is_some() {
                 return Err(Error::file(&stated, "[sliding]: expected a case at rest"));
@@ -110,9 +111,10 @@ impl Measured {
                 });
             }
             problem.track_curvature = 1.0 / radius[i];
-            let map = match maps[i].is_empty() {
-                true => None,
-                false => Some(read_map(&folder.join(&maps[i]))?),
+            let map = if maps[i].is_empty() {
+                None
+            } else {
+                Some(read_map(&folder.join(&maps[i]))?)
             };
             if map.as_ref().is_some_and(is_blank) {
                 return Err(Error::Cell {
@@ -135,9 +137,10 @@ impl Measured {
                     second: format!("row {}", table.lines[i]),
                 });
             }
-            let track = match radius[i].is_finite() {
-                true => format!("radius {} m", radius[i]),
-                false => "straight".to_owned(),
+            let track = if radius[i].is_finite() {
+                format!("radius {} m", radius[i])
+            } else {
+                "straight".to_owned()
             };
             let noise = map.as_ref().map(|map| deviations(map, p_max[i], rules));
             rows.push(Row {

@@ -101,9 +101,10 @@ pub fn covariates(data: &Data, along: bool) -> Vec<Candidate<Amplitude>> {
                 continue;
             };
             let mut law = Candidate::law(&[&name], custom, Some(name.clone()), "", [typical, 10.0]);
-            law.act.level = match varies_in_sessions {
-                true => Level::Run,
-                false => Level::Session,
+            law.act.level = if varies_in_sessions {
+                Level::Run
+            } else {
+                Level::Session
             };
             out.push(law);
         }

@@ -158,9 +158,12 @@ fn on_track(
 
 /// Squares of sums in units of their scatter, clipped at six deviations.
 fn squares(sums: &[Vec<f64>], unit: f64) -> Vec<Vec<f64>> {
-    let square = |z: &f64| match z.is_finite() {
-        true => (z / unit).abs().min(MAX_DEVIATION).powi(2),
-        false => f64::NAN,
+    let square = |z: &f64| {
+        if z.is_finite() {
+            (z / unit).abs().min(MAX_DEVIATION).powi(2)
+        } else {
+            f64::NAN
+        }
     };
     let of_run = |row: &Vec<f64>| row.iter().map(square).collect();
     sums.iter().map(of_run).collect()
@@ -188,9 +191,10 @@ fn mean_of_others(squares: &[Vec<f64>], shifts: &[usize], w: usize) -> f64 {
             (n, sum, most) = (n + 1.0, sum + q, most.max(q));
         }
     }
-    match 2.0 * n > squares.len() as f64 && n > 1.0 {
-        true => (sum - most) / (n - 1.0),
-        false => f64::NAN,
+    if 2.0 * n > squares.len() as f64 && n > 1.0 {
+        (sum - most) / (n - 1.0)
+    } else {
+        f64::NAN
     }
 }
 

@@ -96,9 +96,10 @@ pub fn without_contacts(frame: &Frame) -> Frame {
 
 /// The run without the samples at which it alone was pushed.
 pub fn without_pushes(frame: &Frame) -> Cow<'_, Frame> {
-    match frame.pushed.is_empty() {
-        true => Cow::Borrowed(frame),
-        false => Cow::Owned(without(frame, |s| pushed(frame, s))),
+    if frame.pushed.is_empty() {
+        Cow::Borrowed(frame)
+    } else {
+        Cow::Owned(without(frame, |s| pushed(frame, s)))
     }
 }
 

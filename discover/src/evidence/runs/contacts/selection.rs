@@ -111,9 +111,10 @@ impl Campaign<'_> {
 
     /// The training runs with all samples.
     pub fn whole(&self) -> &[Frame] {
-        match self.whole.is_empty() {
-            true => &self.training,
-            false => &self.whole,
+        if self.whole.is_empty() {
+            &self.training
+        } else {
+            &self.whole
         }
     }
 

@@ -110,9 +110,10 @@ impl Campaign<'_> {
         [more, error]: [f64; 2],
     ) -> bool {
         let (rules, search) = (&self.rules().laws, &self.options.rules.search);
-        let (errors, min_gain) = match selection.candidate.is_column() {
-            true => (-rules.as_good, f64::NEG_INFINITY),
-            false => (search.clear, search.material * explained),
+        let (errors, min_gain) = if selection.candidate.is_column() {
+            (-rules.as_good, f64::NEG_INFINITY)
+        } else {
+            (search.clear, search.material * explained)
         };
         more > errors * error && more > min_gain
     }

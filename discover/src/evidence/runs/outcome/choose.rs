@@ -55,9 +55,10 @@ impl Performance {
     /// Sum of the logarithms of the mean squares of the replays, or of the channels if nothing was
     /// replayed.
     fn misfit(&self) -> f64 {
-        let squares = match self.replays.is_empty() {
-            true => &self.channels,
-            false => &self.replays,
+        let squares = if self.replays.is_empty() {
+            &self.channels
+        } else {
+            &self.replays
         };
         squares.iter().map(|squares| squares.mean().ln()).sum()
     }

@@ -39,9 +39,10 @@ pub fn channels(
         std::array::from_fn(|c| {
             let rows = runs.iter().flat_map(|rows| &rows[c]);
             let (sum, count) = rows.fold((0.0, 0.0), |(s, n), x| (s + x * x, n + 1.0));
-            match count > 0.0 {
-                true => f64::sqrt(sum / count),
-                false => 0.0,
+            if count > 0.0 {
+                f64::sqrt(sum / count)
+            } else {
+                0.0
             }
         })
     };

@@ -68,9 +68,12 @@ mod tests {
         for effect in CATALOGUE.iter() {
             for share in [0.0, 0.137, 1.0] {
                 let parameters = effect.info.parameters.iter();
-                let values = parameters.map(|p| match p.is_amplitude() {
-                    true => p.low + share * (p.high - p.low),
-                    false => p.default,
+                let values = parameters.map(|p| {
+                    if p.is_amplitude() {
+                        p.low + share * (p.high - p.low)
+                    } else {
+                        p.default
+                    }
                 });
                 let active = Active {
                     name: format!("{}@2", effect.info.name),

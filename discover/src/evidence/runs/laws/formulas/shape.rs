@@ -131,9 +131,10 @@ pub fn unit(channel: &str, columns: &[&str]) -> String {
         None => !unit.is_empty(),
     });
     above.retain(|unit| !unit.is_empty());
-    let above = match above.is_empty() {
-        true => "1".to_owned(),
-        false => above.join(" "),
+    let above = if above.is_empty() {
+        "1".to_owned()
+    } else {
+        above.join(" ")
     };
     match below.as_slice() {
         [] if above == "1" => String::new(),
