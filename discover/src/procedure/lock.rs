@@ -1,37 +1,24 @@
 //! Selection of held-out data: a deterministic rule, applied before noise and signs are examined.
 
-use serde::{Deserialize, Serialize};
+use crate::procedure::rules::thresholds;
 
-/// Amount of held-out data, by kind and layout.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct LockRules {
-    /// Interval of held-out rows of experiments. Chosen.
-    pub rows_every: usize,
-    /// Fewest rows of experiments of which any are held out. Chosen.
-    pub fewest_rows: usize,
-    /// Interval of held-out segments of one run; and of runs, at least one in so many if their
-    /// sessions are long enough. Chosen.
-    pub every: usize,
-    /// Training runs that must remain. Derived: signs of eleven give p-values of 0.001.
-    pub fewest_to_learn: usize,
-    /// Fewest sessions of which a whole one is held out. Chosen.
-    pub fewest_sessions: usize,
-    /// Fewest tracks, maps and runs of a session of which one is held out. Derived: of two, the
-    /// remaining one has none to compare with.
-    pub fewest: usize,
-}
-
-impl Default for LockRules {
-    fn default() -> Self {
-        Self {
-            rows_every: 5,
-            fewest_rows: 20,
-            every: 4,
-            fewest_to_learn: 11,
-            fewest_sessions: 6,
-            fewest: 3,
-        }
+thresholds! {
+    /// Amount of held-out data, by kind and layout.
+    pub struct LockRules {
+        /// Interval of held-out rows of experiments. Chosen.
+        pub rows_every: usize = 5,
+        /// Fewest rows of experiments of which any are held out. Chosen.
+        pub fewest_rows: usize = 20,
+        /// Interval of held-out segments of one run; and of runs, at least one in so many if their
+        /// sessions are long enough. Chosen.
+        pub every: usize = 4,
+        /// Training runs that must remain. Derived: signs of eleven give p-values of 0.001.
+        pub fewest_to_learn: usize = 11,
+        /// Fewest sessions of which a whole one is held out. Chosen.
+        pub fewest_sessions: usize = 6,
+        /// Fewest tracks, maps and runs of a session of which one is held out. Derived: of two, the
+        /// remaining one has none to compare with.
+        pub fewest: usize = 3,
     }
 }
 
