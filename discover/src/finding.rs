@@ -20,6 +20,24 @@ pub(crate) fn fitted(name: &str, unit: &str, value: f64, half: f64) -> Fitted {
     }
 }
 
+/// An interval of this half width.
+pub(crate) fn symmetric(value: f64, half: f64) -> Interval {
+    Interval {
+        value,
+        low: value - half,
+        high: value + half,
+    }
+}
+
+/// A closed share, from -1 to 1, whose interval excludes no value.
+pub(crate) fn undetermined_share(value: f64) -> Interval {
+    Interval {
+        value,
+        low: -1.0,
+        high: 1.0,
+    }
+}
+
 /// The misfit of one channel on held-out data with these names.
 pub(crate) fn held_out<'a>(
     what: &str,

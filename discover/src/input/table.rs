@@ -59,6 +59,12 @@ impl Table {
         self.header.iter().position(|name| name == column)
     }
 
+    /// Whether a column is present and not constant.
+    pub fn varies(&self, column: &str) -> bool {
+        let differs = |at: usize| self.rows.iter().any(|row| row[at] != self.rows[0][at]);
+        self.place(column).is_some_and(differs)
+    }
+
     /// Cells of a column.
     ///
     /// # Errors

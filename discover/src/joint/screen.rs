@@ -58,13 +58,8 @@ impl Joint<'_> {
         let rivals = selection.class[1..].iter().filter_map(|name| {
             let rival = selection.rivals.iter().find(|r| r.effect == *name)?;
             let error = (rival.size / rival.t).abs();
-            Some(Amount {
-                effect: rival.effect.clone(),
-                key: rival.parameter.clone(),
-                unit: rival.unit.clone(),
-                value: rival.size,
-                error: if error.is_finite() { error } else { own.error },
-            })
+            let error = if error.is_finite() { error } else { own.error };
+            Some(Amount::of_rival(rival, error))
         });
         let members: Vec<Amount> = [own.clone()].into_iter().chain(rivals).collect();
         // Evidence of the other kinds; kinds that cannot measure an effect cannot exclude it.

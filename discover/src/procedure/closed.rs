@@ -1,6 +1,6 @@
 //! Closed share of the explainable misfit, by projection on the explained direction.
 
-use crate::finding::Interval;
+use crate::finding::{Interval, undetermined_share};
 
 /// Residuals and directions, in units of their standard deviations.
 pub struct ClosedGap<'a> {
@@ -27,21 +27,13 @@ impl ClosedGap<'_> {
         let (before, after) = (along(self.before), along(self.after));
         let noise = self.spread * norm(self.direction);
         if before.is_nan() || before <= 0.0 {
-            return Interval {
-                value: 0.0,
-                low: -1.0,
-                high: 1.0,
-            };
+            return undetermined_share(0.0);
         }
         let remaining = after.abs() / before;
         let beyond_noise = (after * after - noise * noise).max(0.0).sqrt() / before;
         let value = (1.0 - beyond_noise).max(-1.0);
         if before <= 1.96 * noise {
-            return Interval {
-                value,
-                low: -1.0,
-                high: 1.0,
-            };
+            return undetermined_share(value);
         }
         let error = 1.96 * (noise / before).hypot(self.spread / norm(self.fitted));
         Interval {

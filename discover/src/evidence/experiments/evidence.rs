@@ -15,10 +15,10 @@ use kufe_sled::effects::{Effects, find};
 
 use crate::error::Error;
 use crate::evidence::experiments::base::Base;
-use crate::evidence::experiments::bins::bins;
 use crate::evidence::experiments::candidates::{FrictionChange, list};
 use crate::evidence::experiments::fit::{Between, Fit, Offsets, Setting, between, fit};
 use crate::evidence::experiments::known::ModelEffects;
+use crate::evidence::experiments::outcome::bins;
 use crate::evidence::experiments::pictures::pictures;
 use crate::evidence::experiments::rows::{Row, Untestable, read, set_films};
 use crate::evidence::experiments::screen::screen_table;
@@ -77,20 +77,16 @@ impl<'a> Experiments<'a> {
         }
         let (mut candidates, mut untestable) = list(&rows, &table, &effects, base);
         untestable.extend(unreadable);
-        candidates.retain(|c| {
-            if c.is_column() {
-                options.looks_for(OUTSIDE_CATALOGUE)
+        let is_requested = |effect: &str| {
+            let is_outside = effect.starts_with("unknown:");
+            options.looks_for(if is_outside {
+                OUTSIDE_CATALOGUE
             } else {
-                options.looks_for(&c.effect)
-            }
-        });
-        untestable.retain(|(name, _)| {
-            if name.starts_with(OUTSIDE_CATALOGUE) {
-                options.looks_for(OUTSIDE_CATALOGUE)
-            } else {
-                options.looks_for(name)
-            }
-        });
+                effect
+            })
+        };
+        candidates.retain(|c| is_requested(&c.effect));
+        untestable.retain(|(effect, _)| is_requested(effect));
         let locked = options.rules.lock.rows(rows.len());
         let pick = |which: &[usize]| which.iter().map(|i| rows[*i].clone()).collect();
         let training: Vec<Row> = pick(&locked.training);

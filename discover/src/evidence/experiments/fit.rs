@@ -17,6 +17,7 @@ use crate::regression::inverse::ridge_inverse;
 const ROUNDS: usize = 8;
 
 /// Candidates, known effects and base law.
+#[derive(Clone)]
 pub struct Setting {
     pub candidates: Vec<Candidate<FrictionChange>>,
     /// Effects of the model.
@@ -378,10 +379,8 @@ pub fn between(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Between {
     let mean_sd = rows.iter().map(|row| row.mu_sd).sum::<f64>() / rows.len() as f64;
     let cost = |between: Between| {
         let setting = Setting {
-            candidates: setting.candidates.clone(),
-            known: setting.known.clone(),
-            base: setting.base,
             between,
+            ..setting.clone()
         };
         let fit = fit(&setting, rows, chosen);
         let information = fit.columns.tr_mul(&fit.columns).determinant().max(1e-300);

@@ -78,27 +78,7 @@ pub fn read(table: &Table, drag_area: f64) -> Result<(Vec<Row>, Untestable), Err
     let width = column("contact_width_m", 1e-7, 1.0)?;
     let roughness = column("roughness_m", 0.0, 1e-4)?;
     let (time, place) = (column("t_s", 0.0, 1e6)?, column("s_m", -1e6, 1e6)?);
-    let (mut further, mut unreadable) = (Vec::new(), Vec::new());
-    for name in &table.header {
-        if KNOWN.contains(&name.as_str()) {
-            continue;
-        }
-        let texts = table.texts(name)?;
-        let number = |text: &String| text.parse::<f64>().ok().filter(|x| x.is_finite());
-        let numbers: Vec<Option<f64>> = texts.iter().map(number).collect();
-        match numbers.iter().position(Option::is_none) {
-            None => further.push((name.clone(), numbers.into_iter().flatten().collect())),
-            // A column without any number is a text.
-            Some(row) if numbers.iter().any(Option::is_some) => unreadable.push((
-                format!("unknown:{name}"),
-                format!(
-                    "needs a number in every row; row {} has {:?}",
-                    table.lines[row], texts[row]
-                ),
-            )),
-            Some(_) => {}
-        }
-    }
+    let (mut further, unreadable) = numeric_columns(table)?;
     further.push((
         ORDER.to_owned(),
         (0..names.len()).map(|i| i as f64).collect(),
@@ -135,10 +115,35 @@ pub fn read(table: &Table, drag_area: f64) -> Result<(Vec<Row>, Untestable), Err
             },
         },
         columns: (further.iter())
-            .map(|(name, values): &(String, Vec<f64>)| (name.clone(), values[i]))
+            .map(|(name, values)| (name.clone(), values[i]))
             .collect(),
     };
     Ok(((0..names.len()).map(row).collect(), unreadable))
+}
+
+/// The columns of numbers, with their values, and the laws of columns of which some cells alone are
+/// numbers.
+fn numeric_columns(table: &Table) -> Result<(Vec<(String, Vec<f64>)>, Untestable), Error> {
+    let (mut numeric, mut unreadable) = (Vec::new(), Vec::new());
+    let further = table.header.iter();
+    for name in further.filter(|name| !KNOWN.contains(&name.as_str())) {
+        let texts = table.texts(name)?;
+        let number = |text: &String| text.parse::<f64>().ok().filter(|x| x.is_finite());
+        let numbers: Vec<Option<f64>> = texts.iter().map(number).collect();
+        match numbers.iter().position(Option::is_none) {
+            None => numeric.push((name.clone(), numbers.into_iter().flatten().collect())),
+            // A column without any number is a text.
+            Some(row) if numbers.iter().any(Option::is_some) => unreadable.push((
+                format!("unknown:{name}"),
+                format!(
+                    "needs a number in every row; row {} has {:?}",
+                    table.lines[row], texts[row]
+                ),
+            )),
+            Some(_) => {}
+        }
+    }
+    Ok((numeric, unreadable))
 }
 
 /// All further numeric columns, by name.
