@@ -2,8 +2,7 @@
 
 use crate::error::Error;
 use crate::evidence::maps::sample::place;
-use crate::evidence::maps::simulate::Simulations;
-use crate::evidence::maps::sized::SizedEffects;
+use crate::evidence::maps::simulate::{Simulations, SizedEffects};
 use crate::finding::{Bin, bin, significant};
 
 const BINS: usize = 8;

@@ -5,8 +5,7 @@
 
 use kufe::case::effects::Effect;
 
-use crate::evidence::maps::simulate::{Misfit, Simulations};
-use crate::evidence::maps::sized::SizedEffects;
+use crate::evidence::maps::simulate::{Misfit, Simulations, SizedEffects};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::closed::change;
 

@@ -10,8 +10,6 @@ pub(crate) mod polish;
 pub(crate) mod registration;
 pub(crate) mod sample;
 pub(crate) mod screen;
-pub(crate) mod selection;
 pub(crate) mod simulate;
-pub(crate) mod sized;
 
 pub use evidence::search;

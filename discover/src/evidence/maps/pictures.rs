@@ -1,8 +1,7 @@
 //! Pictures of measured and simulated maps, and of the peaks of rows without a map.
 
 use crate::error::Error;
-use crate::evidence::maps::simulate::Simulations;
-use crate::evidence::maps::sized::SizedEffects;
+use crate::evidence::maps::simulate::{Simulations, SizedEffects};
 use crate::finding::{Maps, Peak, Picture, Plot};
 
 /// Largest number of rows of a picture of peaks.

@@ -3,8 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::Error;
-use crate::evidence::maps::simulate::{Misfit, Simulations};
-use crate::evidence::maps::sized::SizedEffects;
+use crate::evidence::maps::simulate::{Misfit, Simulations, SizedEffects};
 
 /// Effects at their sizes and the misfit.
 #[derive(Clone)]
