@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::evidence::runs::contacts::MIN_HITS;
 use crate::evidence::runs::contacts::find::stretches;
-use crate::evidence::runs::contacts::model::at_place;
+use crate::evidence::runs::contacts::model::at_stretch;
 use crate::evidence::runs::contacts::own::set_own_of;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::rules::ContactRules;
@@ -36,8 +36,7 @@ pub fn hit(
 ) -> Option<HitPlaces> {
     let (mut places, mut p_values) = (Vec::new(), Vec::new());
     for s in stretches(runs, side_n, rules, Some(seed)) {
-        let values = [0.0, s.from_m, s.to_m, 0.0, 0.0, 1.0, 0.0];
-        places.push(at_place(effect, &s.track, values));
+        places.push(at_stretch(effect, &s));
         p_values.push(s.p_value);
     }
     let mut frames = runs.to_vec();

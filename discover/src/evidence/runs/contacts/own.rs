@@ -4,15 +4,24 @@
 use std::borrow::Cow;
 
 use kufe_sled::effects::Active;
-use kufe_sled::{Push, hits_of, push_within, scatter, stretch_of};
+use kufe_sled::{Push, WallContact, hits_of, push_within, scatter, stretch_of};
 use rayon::prelude::*;
 
-use crate::evidence::runs::contacts::of_run::OwnContact;
 use crate::evidence::runs::model::residual_model::{ChannelRows, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 
 /// Margin around a contact within which samples are excluded \[m\].
 const MARGIN_M: f64 = 2.0;
+
+/// The contact of a run at one of the places.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OwnContact {
+    /// Index of the place.
+    pub place: usize,
+    pub contact: WallContact,
+    /// Standard error of the force \[N\].
+    pub error_n: f64,
+}
 
 /// Residuals of the balances at every retained sample, without contacts.
 pub fn residuals_without(model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows> {

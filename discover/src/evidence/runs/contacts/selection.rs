@@ -7,7 +7,6 @@ use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, RunFit, gap_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::contacts::MIN_HITS;
-use crate::evidence::runs::contacts::found::FoundContacts;
 use crate::evidence::runs::contacts::grip::subtract_grip;
 use crate::evidence::runs::contacts::hit::hit;
 use crate::evidence::runs::contacts::levers::{
@@ -26,6 +25,18 @@ use crate::procedure::evidence::{ExtendedFit, Selection};
 
 /// Random displacements of the contacts for the null distribution of the yaw residual.
 const TRIALS: u64 = 999;
+
+/// Contacts found by a screen, before a fit.
+#[derive(Clone)]
+pub struct FoundContacts {
+    pub contacts: Contacts,
+    /// All training runs with their own contacts.
+    pub frames: Vec<Frame>,
+    /// p-value by the yaw residual.
+    pub p_value: f64,
+    /// Reduction of the lateral sum of squares, in units of its variance.
+    pub gain: f64,
+}
 
 impl Campaign<'_> {
     /// The contacts of the training runs given a model.
@@ -160,13 +171,13 @@ impl Campaign<'_> {
     }
 
     /// Fits base and effects without the samples during contacts, with new installation errors;
-    /// then the contacts given these.
+    /// then the contacts given these. Compares the root mean square of the yaw residual.
     pub fn add_contacts(
         &mut self,
         fit: &RunFit,
         found: FoundContacts,
         step: usize,
-    ) -> Result<RunFit, Error> {
+    ) -> Result<ExtendedFit<RunFit>, Error> {
         self.whole = found.frames;
         self.training = self.whole.iter().map(without_contacts).collect();
         let base = self.fitted(&fit.residual_model, fit.owners.clone())?;
@@ -181,26 +192,16 @@ impl Campaign<'_> {
             contacts = again.contacts;
         }
         contacts.step = Some(step);
-        let mut fit = self.fitted_anew(&base.residual_model, fit.owners.clone())?;
-        set_own(&mut self.held_out, &fit.residual_model, &contacts.places);
-        for model in [&mut fit.residual_model, &mut fit.settled] {
+        let mut next = self.fitted_anew(&base.residual_model, fit.owners.clone())?;
+        set_own(&mut self.held_out, &next.residual_model, &contacts.places);
+        for model in [&mut next.residual_model, &mut next.settled] {
             model.contacts = Some(contacts.clone());
         }
-        Ok(fit)
-    }
-
-    /// The fit with contacts, and the root mean square of the yaw residual before and after.
-    pub fn added_contacts(
-        &mut self,
-        fit: &RunFit,
-        found: FoundContacts,
-        step: usize,
-    ) -> Result<ExtendedFit<RunFit>, Error> {
-        let next = self.add_contacts(fit, found, step)?;
-        let gap = |model: &ResidualModel| gap_of(model, self.whole(), 2);
+        let yaw = 2;
+        let gap = |fit: &RunFit| gap_of(&fit.residual_model, self.whole(), yaw);
         Ok(ExtendedFit {
-            gap: [gap(&fit.residual_model), gap(&next.residual_model)],
-            place: next.residual_model.contacts.as_ref().map(places_in_words),
+            gap: [gap(fit), gap(&next)],
+            place: Some(places_in_words(&contacts)),
             fit: next,
             written: true,
         })
@@ -253,7 +254,7 @@ fn set_parameters(
 }
 
 /// The places in words.
-pub fn places_in_words(contacts: &Contacts) -> String {
+fn places_in_words(contacts: &Contacts) -> String {
     let names = contacts.places.iter().map(|place| {
         let v = &place.values;
         let track = place.track.as_deref().unwrap_or("every track");
