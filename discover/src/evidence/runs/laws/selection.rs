@@ -140,7 +140,7 @@ impl LawFitter<'_> {
     ) -> Vec<&'l SmoothLaw> {
         let column = selection.filter(|c| c.candidate.is_column());
         let is_selected = |law: &SmoothLaw| {
-            column.is_some_and(|c| c.candidate.effect == name(&law.columns, &self.terms.names))
+            column.is_some_and(|c| c.candidate.effect == name(&law.columns, self.terms))
         };
         let selected = smooth.iter().filter(|law| is_selected(law));
         let enough = selected
@@ -172,30 +172,25 @@ impl LawFitter<'_> {
 
     /// The law's name, then the names of laws that the data cannot distinguish from it.
     fn class(&self, law: &FittedLaw, smooth: &[SmoothLaw]) -> Vec<String> {
-        let own = &law.candidate.effect;
+        let (own, own_columns) = (&law.candidate.effect, &law.formula.columns);
         let alike = self.campaign.rules().laws.alike;
         let alike = |[more, error]: [f64; 2]| more <= alike * error;
         // If no law is significant by itself, as with unknown noise, all laws of equal gain count.
         let any = !smooth.iter().any(|other| other.significant);
-        let single = smooth
-            .iter()
-            .filter(|other| (other.significant || any) && other.columns.len() == 1)
+        let tested = smooth.iter().filter(|other| other.significant || any);
+        let single = tested
+            .clone()
+            .filter(|other| other.columns.len() == 1)
             .filter(|other| total(&other.gains) > 0.0)
             .filter(|other| alike(difference(&law.formula.gains, &other.gains)))
             .map(|other| &other.columns);
         // A product with the law's own column is included if it explains more.
-        let products = smooth
-            .iter()
-            .filter(|other| (other.significant || any) && other.columns.len() == 2)
-            .filter(|other| {
-                law.formula
-                    .columns
-                    .iter()
-                    .all(|x| other.columns.contains(x))
-            })
+        let products = tested
+            .filter(|other| other.columns.len() == 2)
+            .filter(|other| own_columns.iter().all(|x| other.columns.contains(x)))
             .filter(|other| total(&other.gains) > total(&law.formula.gains))
             .map(|other| &other.columns);
-        let named = |columns: &Vec<usize>| name(columns, &self.terms.names);
+        let named = |columns: &Vec<usize>| name(columns, self.terms);
         let alone = single.chain(products).map(named);
         let others = alone.filter(|other| !within(own, other));
         let mut class = vec![own.clone()];
