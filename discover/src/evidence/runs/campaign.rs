@@ -8,7 +8,7 @@ use kufe_sled::{Inputs, Model};
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::Candidates;
-use crate::evidence::runs::contacts::found::FoundContacts;
+use crate::evidence::runs::contacts::selection::FoundContacts;
 use crate::evidence::runs::fit::estimate::Estimate;
 use crate::evidence::runs::fit::gauss_newton::{conditional_residuals, residuals};
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
@@ -176,6 +176,26 @@ impl<'a> Current<'a> {
 }
 
 impl Campaign<'_> {
+    /// Derivatives of a model's rows for candidates that act everywhere, without a tolerance of the
+    /// laws' form.
+    pub fn design<'d>(
+        &'d self,
+        residual_model: &'d ResidualModel,
+        whitener: &'d Whitener,
+        candidates: &'d [Candidate<Amplitude>],
+    ) -> Design<'d> {
+        Design {
+            residual_model,
+            whitener,
+            free_base: &self.free,
+            form: 0.0,
+            candidates,
+            local: &[],
+            windows: &[],
+            noise: None,
+        }
+    }
+
     /// A simulator of the training runs with a model.
     pub fn simulator(&self, residual_model: &ResidualModel) -> RunSimulator {
         RunSimulator::new(

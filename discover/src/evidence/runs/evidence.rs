@@ -15,9 +15,8 @@ use crate::evidence::runs::fit::gauss_newton::free_base;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::residual_model::{BASE, CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::outcome::bins::significant_bins;
-use crate::evidence::runs::outcome::by_run::by_run;
 use crate::evidence::runs::outcome::conclude::shared_faults;
-use crate::evidence::runs::outcome::gap::channels;
+use crate::evidence::runs::outcome::misfits::{by_run, channels};
 use crate::evidence::runs::outcome::next_model::next_model;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
@@ -175,7 +174,7 @@ impl Evidence for Campaign<'_> {
         step: usize,
     ) -> Result<ExtendedFit<RunFit>, Error> {
         if let Some(found) = self.selected_contacts.take() {
-            return self.added_contacts(fit, found, step);
+            return self.add_contacts(fit, found, step);
         }
         let residual_model = &fit.residual_model;
         let channel = CHANNEL_NAMES.iter().position(|c| *c == selection.channel);
@@ -247,7 +246,7 @@ impl Evidence for Campaign<'_> {
     }
 
     fn misfit_decrease(&self, from: &RunFit, to: &RunFit) -> Result<Option<Decrease>, Error> {
-        Ok(self.decrease_between_fits(from, to))
+        Ok(self.held_out_decrease(from, to))
     }
 
     fn open(

@@ -5,17 +5,19 @@ use kufe_sled::effects::{Active, Kind};
 
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::model::design::Design;
+use crate::evidence::runs::candidates::catalogue::Candidates;
 use crate::evidence::runs::model::residual_model::{BASE_NAMES, CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::outcome::bins::significant_bins;
 use crate::evidence::runs::outcome::explained::explainable_closed;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::channel::TrackChannel;
-use crate::finding::{Bin, Fitted, Interval, Step};
+use crate::finding::{Bin, Fitted, Interval, Step, undetermined_share};
 use crate::null::clusters::session_numbers;
+use crate::options::OUTSIDE_CATALOGUE;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Dependence;
 use crate::procedure::rules::RunRules;
+use crate::procedure::shared_effects::Amount;
 
 impl Campaign<'_> {
     /// Parameters of the added effects with their intervals, by step. The error of a window's edges
@@ -52,14 +54,8 @@ impl Campaign<'_> {
             });
         }
         if let Some(unwritten) = &last.unwritten {
-            let half = quantile * unwritten.error;
-            parameters[unwritten.step].push(Fitted {
-                name: unwritten.candidate.key.clone(),
-                value: unwritten.size,
-                low: unwritten.size - half,
-                high: unwritten.size + half,
-                unit: unwritten.candidate.unit.clone(),
-            });
+            let amount = Amount::of(&unwritten.candidate, unwritten.size, unwritten.error);
+            parameters[unwritten.step].push(amount.fitted(quantile));
         }
         self.contact_parameters(last, &mut parameters);
         parameters
@@ -70,10 +66,8 @@ impl Campaign<'_> {
         let mut laws = vec![None; steps];
         let own = last.residual_model.effects.active[last.already()..].iter();
         for (active, step) in own.zip(&last.owners) {
-            if let (Kind::Custom(custom), "unknown") = (
-                &active.kind,
-                active.name.split(':').next().unwrap_or_default(),
-            ) {
+            let is_outside = active.name.split(':').next() == Some(OUTSIDE_CATALOGUE);
+            if let (Kind::Custom(custom), true) = (&active.kind, is_outside) {
                 laws[*step] = Some(custom.text.clone());
             }
         }
@@ -92,17 +86,13 @@ impl Campaign<'_> {
             .zip(&last.estimates)
             .map(|(b, est)| {
                 let scale = base_value(self.model, *b);
+                let is_stiffness = BASE_NAMES[*b].ends_with("rad");
                 Fitted {
                     name: BASE_NAMES[*b].to_owned(),
                     value: est.value * scale,
                     low: est.low * scale,
                     high: est.high * scale,
-                    unit: if BASE_NAMES[*b].ends_with("rad") {
-                        "N/rad"
-                    } else {
-                        ""
-                    }
-                    .to_owned(),
+                    unit: if is_stiffness { "N/rad" } else { "" }.to_owned(),
                 }
             })
             .collect()
@@ -115,36 +105,25 @@ impl Campaign<'_> {
         }
         let [base_model, last_model] = [base, last].map(|fit| self.compared(fit));
         let simulator = self.simulator(last_model.training);
-        let locals: Vec<Candidate<Amplitude>> = last.residual_model.effects.active
-            [last.already()..]
+        let Candidates {
+            regular,
+            local,
+            levels,
+            ..
+        } = &self.candidates;
+        let added = last.residual_model.effects.active[last.already()..].iter();
+        let found_locals = added.filter_map(|active| as_candidate(active, local));
+        let is_found = |c: &&Candidate<Amplitude>| steps.iter().any(|step| step.effect == c.effect);
+        let everywhere = regular
             .iter()
-            .filter_map(|e| as_candidate(e, &self.candidates.local))
-            .collect();
-        let found_levels = self
-            .candidates
-            .levels
-            .iter()
-            .filter(|c| steps.iter().any(|s| s.effect == c.effect));
-        let directions: Vec<Candidate<Amplitude>> = self
-            .candidates
-            .regular
-            .iter()
-            .chain(found_levels)
-            .chain(&locals)
-            .cloned()
-            .collect();
+            .chain(levels.iter().filter(is_found))
+            .cloned();
+        let directions: Vec<Candidate<Amplitude>> = everywhere.chain(found_locals).collect();
         let models = [base_model.training, base_model.held_out];
         let models = models.map(ResidualModel::without_discrepancy);
-        let designs = models.each_ref().map(|residual_model| Design {
-            residual_model,
-            whitener: &base.whitener,
-            free_base: &self.free,
-            form: 0.0,
-            candidates: &directions,
-            local: &[],
-            windows: &[],
-            noise: None,
-        });
+        let designs = models
+            .each_ref()
+            .map(|model| self.design(model, &base.whitener, &directions));
         let closed = explainable_closed(
             designs.each_ref(),
             last_model.held_out,
@@ -157,17 +136,18 @@ impl Campaign<'_> {
         let by_track = || track_closed(held_out, &self.held_out, self.rules());
         let track = CHANNEL_NAMES[3].0;
         let contacts = last.settled.contacts.as_ref().and_then(|c| c.step);
-        steps
-            .iter()
-            .enumerate()
-            .map(|(k, step)| match step.channel == track {
+        let of_step = |(k, step): (usize, &Step)| {
+            if step.channel == track {
                 // Without significance in the forces the share is that of the track's bins, of
                 // which these runs have few.
-                true => by_track(),
-                false if contacts == Some(k) => self.contacts_closed(&last_model),
-                false => closed,
-            })
-            .collect()
+                by_track()
+            } else if contacts == Some(k) {
+                self.contacts_closed(&last_model)
+            } else {
+                closed
+            }
+        };
+        steps.iter().enumerate().map(of_step).collect()
     }
 
     /// Whether bins are significant that are not so in any simulated run: noisy inputs bias bins in
@@ -204,11 +184,7 @@ fn track_closed(
         (Some(b), Some(a)) if b > 0.0 => (1.0 - a / b).clamp(-1.0, 1.0),
         _ => 0.0,
     };
-    Interval {
-        value,
-        low: -1.0,
-        high: 1.0,
-    }
+    undetermined_share(value)
 }
 
 /// Steps that are not significant at this level if the runs of a session share an error.

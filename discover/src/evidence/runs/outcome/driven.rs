@@ -54,12 +54,11 @@ fn usual(training: &[Frame]) -> Conditions {
     };
     let stated =
         |frame: &Frame, name: &str| frame.condition(name).iter().sum::<f64>() / frame.len() as f64;
-    let humidity = mean(&|f| stated(f, "humidity_pct"));
     Conditions {
         ice_c: mean(&|f| stated(f, "ice_c")),
         air_c: mean(&|f| f.air_c),
         air_pa: mean(&|f| f.air_pa),
-        humidity_pct: humidity,
+        humidity_pct: mean(&|f| stated(f, "humidity_pct")),
         distance_m: 0.0,
         mass_kg: f64::NAN,
     }
@@ -67,10 +66,8 @@ fn usual(training: &[Frame]) -> Conditions {
 
 /// Plans for each track: unchanged conditions, then one change each.
 pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
-    let mut speeds: Vec<f64> = training
-        .iter()
-        .filter_map(|f| f.v.first().copied())
-        .collect();
+    let first = training.iter().filter_map(|frame| frame.v.first());
+    let mut speeds: Vec<f64> = first.copied().collect();
     speeds.sort_by(f64::total_cmp);
     let speed = speeds.get(speeds.len() / 2).copied().unwrap_or(10.0);
     let conditions = usual(training);
@@ -110,11 +107,8 @@ pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
             let change = format!("on ice of {ice:.1} °C instead of {:.1}", conditions.ice_c);
             add(change, &|p| p.conditions.ice_c = ice);
         }
-        for step in HUMIDITY_PCT {
-            let usual = conditions.humidity_pct;
-            if usual.is_nan() {
-                continue;
-            }
+        let usual = conditions.humidity_pct;
+        for step in HUMIDITY_PCT.into_iter().filter(|_| !usual.is_nan()) {
             let humidity = (usual + step).clamp(5.0, 100.0);
             let change = format!("in air of {humidity:.0} % humidity instead of {usual:.0}");
             add(change, &|p| p.conditions.humidity_pct = humidity);
@@ -123,7 +117,9 @@ pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
             let change = format!("at {:+.0} hPa of air pressure", 0.01 * step);
             add(change, &|p| p.conditions.air_pa += step);
         }
-        for (instrument, noise) in instruments(model.noise) {
+        for (instrument, reduce) in INSTRUMENTS {
+            let Some(mut noise) = model.noise else { break };
+            reduce(&mut noise);
             let change = format!("with {instrument} of a quarter of the noise");
             add(change, &|p| p.noise = Some(noise));
         }
@@ -131,28 +127,15 @@ pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
     plans
 }
 
-/// Each sensor with less noise; empty if the noise is not stated.
-fn instruments(noise: Option<Noise>) -> Vec<(&'static str, Noise)> {
-    let Some(noise) = noise else {
-        return Vec::new();
-    };
-    let with = |reduce: fn(&mut Noise)| {
-        let mut better = noise;
-        reduce(&mut better);
-        better
-    };
-    vec![
-        ("an accelerometer", with(|n| n.accel_mps2 *= NOISE_RATIO)),
-        ("a gyroscope", with(|n| n.rate_radps *= NOISE_RATIO)),
-        ("a speed sensor", with(|n| n.speed_mps *= NOISE_RATIO)),
-        ("a slip sensor", with(|n| n.slip_rad *= NOISE_RATIO)),
-        ("a steering sensor", with(|n| n.steer_rad *= NOISE_RATIO)),
-        (
-            "a roll-split sensor",
-            with(|n| n.roll_split_rad *= NOISE_RATIO),
-        ),
-    ]
-}
+/// Sensors, and a better instrument's change of their noise.
+const INSTRUMENTS: [(&str, fn(&mut Noise)); 6] = [
+    ("an accelerometer", |n| n.accel_mps2 *= NOISE_RATIO),
+    ("a gyroscope", |n| n.rate_radps *= NOISE_RATIO),
+    ("a speed sensor", |n| n.speed_mps *= NOISE_RATIO),
+    ("a slip sensor", |n| n.slip_rad *= NOISE_RATIO),
+    ("a steering sensor", |n| n.steer_rad *= NOISE_RATIO),
+    ("a roll-split sensor", |n| n.roll_split_rad *= NOISE_RATIO),
+];
 
 impl Plan {
     /// The plan with its expected evidence.

@@ -9,7 +9,7 @@ use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::finding::Interval;
+use crate::finding::{Interval, undetermined_share};
 use crate::null::random::{below, stream};
 use crate::procedure::rules::RunRules;
 use crate::regression::prior::Prior;
@@ -67,6 +67,12 @@ pub fn explainable_closed(
             (b - bias, a - bias)
         })
         .collect();
+    bootstrap(&measured, seed)
+}
+
+/// The closed share with its bootstrap interval over runs, by the products `f . r_before` and `f .
+/// r_after` of each run.
+fn bootstrap(measured: &[(f64, f64)], seed: u64) -> Interval {
     // Clipped to [-1, 1]; NaN if nothing is explainable.
     let closed = |picked: &mut dyn Iterator<Item = usize>| -> f64 {
         let (b, a) = picked.fold((0.0, 0.0), |(b, a), i| {
@@ -101,11 +107,7 @@ pub fn explainable_closed(
         .collect();
     // If the explainable part vanishes in one draw of forty, the share is unbounded.
     if value.is_nan() || values.iter().filter(|v| v.is_nan()).count() > 49 {
-        return Interval {
-            value: if value.is_nan() { 0.0 } else { value },
-            low: -1.0,
-            high: 1.0,
-        };
+        return undetermined_share(if value.is_nan() { 0.0 } else { value });
     }
     values.retain(|v| !v.is_nan());
     values.sort_by(f64::total_cmp);

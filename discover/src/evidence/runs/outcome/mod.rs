@@ -2,13 +2,12 @@
 
 pub(crate) mod adequacy;
 pub(crate) mod bins;
-pub(crate) mod by_run;
 pub(crate) mod choose;
 pub(crate) mod conclude;
 pub(crate) mod driven;
 pub(crate) mod explained;
-pub(crate) mod gap;
-pub(crate) mod misfit_decrease;
+pub(crate) mod held_out_misfit;
+pub(crate) mod misfits;
 pub(crate) mod next_model;
 pub(crate) mod pictures;
 pub(crate) mod planned;

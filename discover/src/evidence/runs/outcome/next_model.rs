@@ -1,7 +1,6 @@
 //! The model with the effects found.
 
 use kufe_sled::Model;
-use kufe_sled::effects::Active;
 
 use crate::evidence::runs::model::residual_model::ResidualModel;
 
@@ -26,7 +25,7 @@ pub fn next_model(model: &Model, residual_model: &ResidualModel, already: usize)
     }
     for (index, active) in residual_model.effects.active.iter().enumerate() {
         if index >= already || next.effects.contains_key(&active.name) {
-            next.effects.insert(active.name.clone(), table(active));
+            next.effects.insert(active.name.clone(), active.table());
         }
     }
     if let Some(contacts) = &residual_model.contacts
@@ -39,21 +38,16 @@ pub fn next_model(model: &Model, residual_model: &ResidualModel, already: usize)
                 k += 1;
                 name = format!("{}@{k}", place.name);
             }
-            next.effects.insert(name, table(place));
+            next.effects.insert(name, place.table());
         }
     }
     next
 }
 
-/// An active effect as its `[effects.NAME]` table.
-pub fn table(active: &Active) -> toml::Table {
-    active.table()
-}
-
 #[cfg(test)]
 mod tests {
     use kufe_sled::Vehicle;
-    use kufe_sled::effects::{CATALOGUE, Effects, Kind};
+    use kufe_sled::effects::{Active, CATALOGUE, Effects, Kind};
 
     use super::*;
 

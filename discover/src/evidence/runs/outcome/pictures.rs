@@ -51,15 +51,9 @@ impl Campaign<'_> {
         let rows = models.each_ref().map(rows_of);
         let shown = shown_channels(steps, gaps);
         let mut pictures = strips(last, &shown, &frames, &rows);
-        let settled = &last.settled;
-        for (e, active) in settled
-            .effects
-            .active
-            .iter()
-            .enumerate()
-            .skip(last.already())
-        {
-            let step = &steps[last.owners[e - last.already()]];
+        let active = last.settled.effects.active.iter().enumerate();
+        for ((e, active), owner) in active.skip(last.already()).zip(&last.owners) {
+            let step = &steps[*owner];
             let channel = CHANNEL_NAMES.iter().position(|c| c.0 == step.channel);
             if let (None, Some(channel)) = (window(active), channel) {
                 let without = models[1].clone().map(|mut model| {
@@ -192,14 +186,18 @@ fn driven(
     [partial, with]: [&Vec<ChannelRows>; 2],
 ) -> Option<Picture> {
     let recorded = COLUMNS.iter().filter(|(name, _)| *name != "s_m");
-    let recorded = recorded.map(|(name, of)| (*name, each(frames, |f| of(f).to_vec())));
-    let stated = STATED.map(|name| (name, each(frames, |f| f.condition(name))));
+    let recorded = recorded.map(|(name, of)| -> (_, Vec<Vec<f64>>) {
+        (*name, frames.iter().map(|f| f.rows(of(f))).collect())
+    });
+    let stated = STATED.map(|name| -> (_, Vec<Vec<f64>>) {
+        let rows = frames.iter().map(|f| f.rows(&f.condition(name)));
+        (name, rows.collect())
+    });
     let (name, bins) = recorded
         .chain(stated)
         .filter_map(|(name, columns)| {
             let mut rows: Vec<Row> = Vec::new();
-            for (i, (frame, column)) in frames.iter().zip(&columns).enumerate() {
-                let x = frame.rows(column);
+            for (i, x) in columns.iter().enumerate() {
                 for ((x, partial), with) in
                     x.iter().zip(&partial[i][channel]).zip(&with[i][channel])
                 {
@@ -217,7 +215,10 @@ fn driven(
         })
         .max_by(|a, b| between(&a.1).total_cmp(&between(&b.1)))?;
     let (quantity, unit) = CHANNEL_NAMES[channel];
-    let x: Vec<f64> = bins.iter().map(|b| mean(b.iter().map(|r| r.x))).collect();
+    let means = |of: fn(&Row) -> f64| -> Vec<f64> {
+        bins.iter().map(|bin| mean(bin.iter().map(of))).collect()
+    };
+    let x = means(|row| row.x);
     Some(Picture {
         title: format!("{effect} over {name}"),
         caption: format!(
@@ -230,26 +231,16 @@ fn driven(
             x: x.clone(),
             series: vec![Series {
                 name: "measured".to_owned(),
-                y: bins
-                    .iter()
-                    .map(|b| mean(b.iter().map(|r| r.partial)))
-                    .collect(),
+                y: means(|row| row.partial),
                 sd: bins.iter().map(|b| error_over_runs(b)).collect(),
             }],
             curve: Some(Curve {
                 name: "the effect".to_owned(),
-                y: bins
-                    .iter()
-                    .map(|b| mean(b.iter().map(|r| r.contribution)))
-                    .collect(),
+                y: means(|row| row.contribution),
                 x,
             }),
         }),
     })
-}
-
-fn each(frames: &[Frame], of: impl Fn(&Frame) -> Vec<f64>) -> Vec<Vec<f64>> {
-    frames.iter().map(of).collect()
 }
 
 struct Row {

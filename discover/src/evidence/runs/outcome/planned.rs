@@ -20,6 +20,8 @@
 //! value of a plan is the smallest ratio of any two members that some plan discriminates. A
 //! member's expected t is the square root of twice the ratio.
 
+use std::collections::BTreeSet;
+
 use kufe_sled::Noise;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -27,7 +29,7 @@ use rayon::prelude::*;
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::fit::gauss_newton::residuals;
-use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
+use crate::evidence::runs::model::design::OWN_LEVELS;
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::driven::{Plan, RUNS, driven, plans};
@@ -55,13 +57,11 @@ impl Campaign<'_> {
     /// proportional to 1 / sqrt(runs).
     pub fn runs_to_halve(&self) -> String {
         let runs = self.training.len() + self.held_out.len();
-        let mut tracks: Vec<&str> = self.training.iter().map(|f| f.track.as_str()).collect();
-        tracks.sort_unstable();
-        tracks.dedup();
+        let tracks: BTreeSet<&str> = self.training.iter().map(|f| f.track.as_str()).collect();
         format!(
             "{} more runs on {}, which would halve the smallest sizes that can be found",
             3 * runs,
-            tracks.join(" and ")
+            Vec::from_iter(tracks).join(" and ")
         )
     }
 
@@ -128,14 +128,7 @@ impl Campaign<'_> {
             let Some(rival) = reported.rivals.iter().find(|r| r.effect == *effect) else {
                 continue;
             };
-            let amount = Amount {
-                effect: effect.clone(),
-                key: rival.parameter.clone(),
-                unit: rival.unit.clone(),
-                value: rival.size,
-                error: 0.0,
-            };
-            let Some(selection) = self.select(&without, &amount) else {
+            let Some(selection) = self.select(&without, &Amount::of_rival(rival, 0.0)) else {
                 continue;
             };
             let added = self.add(&without, &selection, reported.class.len() + step)?;
@@ -147,7 +140,7 @@ impl Campaign<'_> {
     /// A member with the posterior covariance of its parameters.
     fn member(&self, effect: &str, fit: &RunFit) -> Member {
         let model = fit.residual_model.without_discrepancy().with_fixed(false);
-        let design = self.design_of(&model, &fit.whitener);
+        let design = self.design(&model, &fit.whitener, &[]);
         let fitted = design.fitted_count();
         let mut sum = DMatrix::zeros(fitted, fitted);
         for products in design.products(&self.training) {
@@ -164,24 +157,10 @@ impl Campaign<'_> {
         }
     }
 
-    /// Derivatives of the rows for the fitted parameters of a model.
-    fn design_of<'d>(&'d self, model: &'d ResidualModel, whitener: &'d Whitener) -> Design<'d> {
-        Design {
-            residual_model: model,
-            whitener,
-            free_base: &self.free,
-            form: 0.0,
-            candidates: &[],
-            local: &[],
-            windows: &[],
-            noise: None,
-        }
-    }
-
     /// Standard deviations of the sessions' mean levels of friction and of grip; 0 with a single
     /// session.
     fn between_sessions(&self, last: &RunFit) -> [f64; OWN_LEVELS] {
-        let design = self.design_of(&last.residual_model, &last.whitener);
+        let design = self.design(&last.residual_model, &last.whitener, &[]);
         let level_of = |frame: &Frame| {
             let columns = design.columns(frame);
             let levels = columns.columns(0, OWN_LEVELS);
@@ -224,23 +203,23 @@ impl Campaign<'_> {
                     self.with_reduced_noise(whitener, &truth.model, runs)
                 }
             };
-            let columns_and_residual = |member: &Member| {
-                let columns = self.design_of(&member.model, &whitener).columns(&frame);
-                let residual = columns.column(columns.ncols() - 1).into_owned();
-                (columns, residual)
-            };
-            let (_, of_truth) = columns_and_residual(truth);
+            let columns_of =
+                |member: &Member| self.design(&member.model, &whitener, &[]).columns(&frame);
+            // The residual is the last column of a design.
+            let residual =
+                |columns: &DMatrix<f64>| columns.column(columns.ncols() - 1).into_owned();
+            let of_truth = residual(&columns_of(truth));
             for (b, rival) in members.iter().enumerate().filter(|(b, _)| *b != a) {
-                let (columns, of_rival) = columns_and_residual(rival);
+                let columns = columns_of(rival);
                 let level_sd = DMatrix::from_diagonal(&DVector::from_row_slice(&level_sd));
                 let levels = columns.columns(0, OWN_LEVELS) * level_sd;
                 let root = &rival.covariance_root;
                 let fitted = columns.columns(OWN_LEVELS, root.nrows()) * root;
                 let mut unknown = levels.insert_columns(OWN_LEVELS, fitted.ncols(), 0.0);
-                unknown
-                    .columns_mut(OWN_LEVELS, fitted.ncols())
-                    .copy_from(&fitted);
-                let evidence = expected_log_likelihood_ratio(&(of_rival - &of_truth), &unknown);
+                let mut free = unknown.columns_mut(OWN_LEVELS, fitted.ncols());
+                free.copy_from(&fitted);
+                let difference = residual(&columns) - &of_truth;
+                let evidence = expected_log_likelihood_ratio(&difference, &unknown);
                 let pair = [a.min(b), a.max(b)];
                 match pairs.iter_mut().find(|p| p.0 == pair) {
                     Some(known) => known.1 = known.1.min(evidence),
