@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::evidence::{experiments, maps, runs};
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::input::table::Table;
 use crate::joint::search as joint;
 use crate::options::Options;
@@ -27,7 +27,7 @@ pub fn discover(
     model: Option<&Path>,
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
-) -> Result<Found, Error> {
+) -> Result<Found> {
     let refused = |reason: String| Err(Error::file(data, reason));
     if data.is_dir() {
         let files = FILES.iter().map(|name| data.join(name));

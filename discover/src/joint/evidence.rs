@@ -4,7 +4,8 @@
 //! every kind that knows it. Sizes that agree are combined and fixed in all kinds before any
 //! comparison on held-out data.
 
-use crate::error::Error;
+use crate::error::Result;
+use crate::finding::Step;
 use crate::joint::description::described;
 use crate::joint::indexed::KindEvidence;
 use crate::joint::kinds::{Joint, JointFit, Origin, PartFit};
@@ -18,7 +19,7 @@ impl Evidence for Joint<'_> {
     type Act = Origin;
     type Fit = JointFit;
 
-    fn fit_base(&mut self, account: &mut Account) -> Result<JointFit, Error> {
+    fn fit_base(&mut self, account: &mut Account) -> Result<JointFit> {
         let mut parts = Vec::new();
         for k in 0..self.kinds.len() {
             let (free, _) = self.of_kind(k, &[], account, |part, own| part.fit_base(own))?;
@@ -34,7 +35,7 @@ impl Evidence for Joint<'_> {
         })
     }
 
-    fn screen(&mut self, fit: &JointFit, account: &mut Account) -> Result<Screen<Origin>, Error> {
+    fn screen(&mut self, fit: &JointFit, account: &mut Account) -> Result<Screen<Origin>> {
         let mut selections = Vec::new();
         let mut detectable = Vec::new();
         for (k, PartFit { free, steps, .. }) in fit.parts.iter().enumerate() {
@@ -68,7 +69,7 @@ impl Evidence for Joint<'_> {
         fit: &JointFit,
         selection: &Selection<Origin>,
         step: usize,
-    ) -> Result<ExtendedFit<JointFit>, Error> {
+    ) -> Result<ExtendedFit<JointFit>> {
         let Origin {
             kind: first,
             selection: place,
@@ -101,7 +102,7 @@ impl Evidence for Joint<'_> {
         })
     }
 
-    fn settle(&mut self, mut fit: JointFit, account: &mut Account) -> Result<JointFit, Error> {
+    fn settle(&mut self, mut fit: JointFit, account: &mut Account) -> Result<JointFit> {
         for k in 0..self.kinds.len() {
             let part = &mut fit.parts[k];
             let free = part.free;
@@ -138,7 +139,7 @@ impl Evidence for Joint<'_> {
         Ok(fit)
     }
 
-    fn without(&mut self, fit: &JointFit, step: usize) -> Result<JointFit, Error> {
+    fn without(&mut self, fit: &JointFit, step: usize) -> Result<JointFit> {
         let mut next = fit.clone();
         for (kind, part) in self.kinds.iter_mut().zip(&mut next.parts) {
             if let Some(own) = part.own_step(step) {
@@ -151,7 +152,7 @@ impl Evidence for Joint<'_> {
         Ok(next)
     }
 
-    fn misfit_decrease(&self, from: &JointFit, to: &JointFit) -> Result<Option<Decrease>, Error> {
+    fn misfit_decrease(&self, from: &JointFit, to: &JointFit) -> Result<Option<Decrease>> {
         let settled = |fit: &JointFit| {
             !fit.estimates.is_empty() || fit.parts.iter().all(|p| p.steps.is_empty())
         };
@@ -169,22 +170,21 @@ impl Evidence for Joint<'_> {
         Ok(sum)
     }
 
-    fn open(
+    fn compare(
         &mut self,
         base: &JointFit,
         last: &JointFit,
-        account: &mut Account,
-    ) -> Result<HeldOutResults, Error> {
-        let mut closed = vec![None; account.steps.len()];
-        for (k, (base, last)) in base.parts.iter().zip(&last.parts).enumerate() {
-            let open = |part: &mut KindEvidence, own: &mut Account| {
-                part.open(&base.written, &last.written, own)
-            };
-            let (opened, _) = self.of_kind(k, &last.steps, account, open)?;
-            for (step, of_step) in last.steps.iter().zip(opened.closed) {
+        steps: &[Step],
+    ) -> Result<HeldOutResults> {
+        let mut closed = vec![None; steps.len()];
+        let parts = base.parts.iter().zip(&last.parts);
+        for (kind, (base, last)) in self.kinds.iter_mut().zip(parts) {
+            let own: Vec<Step> = last.steps.iter().map(|k| steps[*k].clone()).collect();
+            let compared = kind.part.compare(&base.written, &last.written, &own)?;
+            for (step, of_step) in last.steps.iter().zip(compared.closed) {
                 closed[*step].get_or_insert(of_step);
             }
-            self.kinds[k].held_out = opened.held_out;
+            kind.held_out = compared.held_out;
         }
         // The kind that the first step belongs to comes first; every kind's channels follow.
         let mut parts = last.parts.iter();
@@ -204,7 +204,7 @@ impl Evidence for Joint<'_> {
         base: &JointFit,
         last: &JointFit,
         account: &mut Account,
-    ) -> Result<Description, Error> {
+    ) -> Result<Description> {
         let mut parts = Vec::new();
         for (k, (base, last)) in base.parts.iter().zip(&last.parts).enumerate() {
             let describe = |part: &mut KindEvidence, own: &mut Account| {

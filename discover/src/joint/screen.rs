@@ -8,7 +8,7 @@
 //! of the same effect are combined. Each is corrected for all candidates of its kind of data, so
 //! that the combination is corrected for all, too.
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::finding::Rival;
 use crate::joint::combine::{disagreement, gain};
 use crate::joint::kinds::{Joint, JointFit, Origin};
@@ -52,7 +52,7 @@ impl Joint<'_> {
         fit: &JointFit,
         kind: usize,
         selection: &Selection<usize>,
-    ) -> Result<Selection<Origin>, Error> {
+    ) -> Result<Selection<Origin>> {
         let origin = |selection| Origin { kind, selection };
         let own = Amount::of(&selection.candidate, selection.size, selection.error);
         let rivals = selection.class[1..].iter().filter_map(|name| {
@@ -130,12 +130,7 @@ impl Joint<'_> {
     }
 
     /// A kind's estimates of an amplitude with its fit; none of an unknown effect.
-    fn estimates_of(
-        &mut self,
-        kind: usize,
-        fit: usize,
-        amount: &Amount,
-    ) -> Result<Vec<Amount>, Error> {
+    fn estimates_of(&mut self, kind: usize, fit: usize, amount: &Amount) -> Result<Vec<Amount>> {
         const EXTRA_STEP: usize = usize::MAX;
         if !self.is_common(&amount.effect) {
             return Ok(Vec::new());

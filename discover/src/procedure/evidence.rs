@@ -2,7 +2,7 @@
 
 use kufe_sled::effects::Info;
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::finding::{
     Baseline, Detectable, Fitted, HeldOut, Interval, ModelKind, Report, Rival, Step, Tolerated,
     Withheld,
@@ -18,14 +18,10 @@ pub trait Evidence {
     type Fit: Clone;
 
     /// Fits the base model.
-    fn fit_base(&mut self, account: &mut Account) -> Result<Self::Fit, Error>;
+    fn fit_base(&mut self, account: &mut Account) -> Result<Self::Fit>;
 
     /// Scores every candidate given the fit, with p-values under the null.
-    fn screen(
-        &mut self,
-        fit: &Self::Fit,
-        account: &mut Account,
-    ) -> Result<Screen<Self::Act>, Error>;
+    fn screen(&mut self, fit: &Self::Fit, account: &mut Account) -> Result<Screen<Self::Act>>;
 
     /// Fits base, earlier selected effects and this one together; it belongs to step `step` of the
     /// account.
@@ -34,7 +30,7 @@ pub trait Evidence {
         fit: &Self::Fit,
         selection: &Selection<Self::Act>,
         step: usize,
-    ) -> Result<ExtendedFit<Self::Fit>, Error>;
+    ) -> Result<ExtendedFit<Self::Fit>>;
 
     /// Re-evaluates a selected effect at its fit: returns the effect or its replacement.
     fn exchange(
@@ -43,27 +39,27 @@ pub trait Evidence {
         selected: SelectedFit<Self::Act, Self::Fit>,
         _step: usize,
         _account: &Account,
-    ) -> Result<SelectedFit<Self::Act, Self::Fit>, Error> {
+    ) -> Result<SelectedFit<Self::Act, Self::Fit>> {
         Ok(selected)
     }
 
     /// Removes from fit and account the effects that later ones have made superfluous, and refits.
-    fn settle(&mut self, fit: Self::Fit, account: &mut Account) -> Result<Self::Fit, Error>;
+    fn settle(&mut self, fit: Self::Fit, account: &mut Account) -> Result<Self::Fit>;
 
     /// Refits without the effects of a step.
-    fn without(&mut self, fit: &Self::Fit, step: usize) -> Result<Self::Fit, Error>;
+    fn without(&mut self, fit: &Self::Fit, step: usize) -> Result<Self::Fit>;
 
     /// Decrease of the held-out misfit from the first fit to the second, all channels together;
     /// `None` without held-out data.
-    fn misfit_decrease(&self, from: &Self::Fit, to: &Self::Fit) -> Result<Option<Decrease>, Error>;
+    fn misfit_decrease(&self, from: &Self::Fit, to: &Self::Fit) -> Result<Option<Decrease>>;
 
-    /// Evaluates the two fits on the held-out data.
-    fn open(
+    /// Compares the two fits on the held-out data.
+    fn compare(
         &mut self,
         base: &Self::Fit,
         last: &Self::Fit,
-        account: &mut Account,
-    ) -> Result<HeldOutResults, Error>;
+        steps: &[Step],
+    ) -> Result<HeldOutResults>;
 
     /// The model to write: the first of these that is no worse than the model as given on data it
     /// was not fitted to: the fit with all or some effects, the refitted base, the model as given.
@@ -72,7 +68,7 @@ pub trait Evidence {
         refitted: &Self::Fit,
         last: Self::Fit,
         account: &mut Account,
-    ) -> Result<Choice<Self::Fit>, Error> {
+    ) -> Result<Choice<Self::Fit>> {
         let _ = refitted;
         Ok(Choice {
             fit: last,
@@ -92,7 +88,7 @@ pub trait Evidence {
         base: &Self::Fit,
         last: &Self::Fit,
         account: &mut Account,
-    ) -> Result<Description, Error>;
+    ) -> Result<Description>;
 }
 
 /// Reason for removing an effect that later ones explain.

@@ -2,7 +2,7 @@
 
 use kufe::plot::number4;
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::finding::{Detectable, Report, Step, Verdict, fitted};
 use crate::options::Options;
 use crate::procedure::candidate::Candidate;
@@ -28,7 +28,7 @@ pub fn search_evidence<E: Evidence>(
     evidence: &mut E,
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
-) -> Result<Found, Error> {
+) -> Result<Found> {
     let mut account = Account::default();
     progress("fitting the base model");
     let base = evidence.fit_base(&mut account)?;
@@ -50,7 +50,7 @@ pub fn search_evidence<E: Evidence>(
         )?;
     }
     // An effect that increases the explainable misfit is wrong, even if the total misfit decreases.
-    let compared = evidence.open(&base, &last, &mut account)?;
+    let compared = evidence.compare(&base, &last, &account.steps)?;
     if compared.are_worse() {
         account.remove_all(&compared.closed);
         last = refitted.clone();
@@ -58,7 +58,7 @@ pub fn search_evidence<E: Evidence>(
     progress("replaying the held-out data");
     let chosen = evidence.choose(&refitted, last, &mut account)?;
     last = chosen.fit;
-    let opened = evidence.open(&base, &last, &mut account)?;
+    let opened = evidence.compare(&base, &last, &account.steps)?;
     progress("writing the report");
     let described = evidence.describe(&base, &last, &mut account)?;
     for (k, step) in account.steps.iter_mut().enumerate() {
@@ -107,7 +107,7 @@ fn with_effects<E: Evidence>(
     account: &mut Account,
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
-) -> Result<(E::Fit, Vec<Detectable>), Error> {
+) -> Result<(E::Fit, Vec<Detectable>)> {
     let max_effects = options.rules.search.most_effects;
     // Several amplitudes or places of one effect belong to one step.
     let max_screens = 2 * max_effects;
@@ -181,7 +181,7 @@ fn quick_search<E: Evidence>(
     mut account: Account,
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
-) -> Result<Found, Error> {
+) -> Result<Found> {
     progress("screen");
     let screen = evidence.screen(&base, &mut account)?;
     let base = evidence.settle(base, &mut account)?;
@@ -270,10 +270,10 @@ mod tests {
     impl Evidence for Places {
         type Act = ();
         type Fit = usize;
-        fn fit_base(&mut self, _: &mut Account) -> Result<usize, Error> {
+        fn fit_base(&mut self, _: &mut Account) -> Result<usize> {
             Ok(0)
         }
-        fn screen(&mut self, added: &usize, _: &mut Account) -> Result<Screen<()>, Error> {
+        fn screen(&mut self, added: &usize, _: &mut Account) -> Result<Screen<()>> {
             let selection = Selection {
                 candidate: Candidate {
                     effect: "asperities".to_owned(),
@@ -306,7 +306,7 @@ mod tests {
             added: &usize,
             _: &Selection<()>,
             _: usize,
-        ) -> Result<ExtendedFit<usize>, Error> {
+        ) -> Result<ExtendedFit<usize>> {
             Ok(ExtendedFit {
                 fit: added + 1,
                 written: true,
@@ -314,24 +314,19 @@ mod tests {
                 place: Some(format!("place {added}")),
             })
         }
-        fn settle(&mut self, added: usize, _: &mut Account) -> Result<usize, Error> {
+        fn settle(&mut self, added: usize, _: &mut Account) -> Result<usize> {
             Ok(added)
         }
-        fn without(&mut self, _: &usize, _: usize) -> Result<usize, Error> {
+        fn without(&mut self, _: &usize, _: usize) -> Result<usize> {
             Ok(0)
         }
-        fn misfit_decrease(&self, _: &usize, _: &usize) -> Result<Option<Decrease>, Error> {
+        fn misfit_decrease(&self, _: &usize, _: &usize) -> Result<Option<Decrease>> {
             Ok(None)
         }
-        fn open(
-            &mut self,
-            _: &usize,
-            _: &usize,
-            account: &mut Account,
-        ) -> Result<HeldOutResults, Error> {
+        fn compare(&mut self, _: &usize, _: &usize, steps: &[Step]) -> Result<HeldOutResults> {
             Ok(HeldOutResults {
                 held_out: Default::default(),
-                closed: vec![Interval::default(); account.steps.len()],
+                closed: vec![Interval::default(); steps.len()],
             })
         }
         fn describe(
@@ -339,7 +334,7 @@ mod tests {
             _: &usize,
             last: &usize,
             account: &mut Account,
-        ) -> Result<Description, Error> {
+        ) -> Result<Description> {
             Ok(Description {
                 parameters: vec![Vec::new(); account.steps.len()],
                 laws: vec![None; account.steps.len()],
@@ -350,7 +345,7 @@ mod tests {
     }
 
     #[test]
-    fn an_effect_significant_at_many_places_is_not_local() -> Result<(), Error> {
+    fn an_effect_significant_at_many_places_is_not_local() -> Result<()> {
         let found =
             |places: usize| search_evidence(&mut Places(places), &Options::default(), &|_| {});
         let few = found(3)?;

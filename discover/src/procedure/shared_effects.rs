@@ -1,6 +1,6 @@
 //! Estimates that the kinds of data of a campaign share.
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::finding::{Fitted, Rival, fitted};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Evidence, Selection};
@@ -101,7 +101,7 @@ pub trait SharesEffects: Evidence {
         fit: &Self::Fit,
         _step: usize,
         _amounts: &[Amount],
-    ) -> Result<Self::Fit, Error> {
+    ) -> Result<Self::Fit> {
         Ok(fit.clone())
     }
 }

@@ -1,6 +1,6 @@
 //! Verification on held-out data: each effect, and the whole model, must lower the misfit.
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::procedure::evidence::{Account, Evidence, not_named};
 use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::rules::SearchRules;
@@ -30,7 +30,7 @@ pub fn verify<E: Evidence>(
     mut last: E::Fit,
     account: &mut Account,
     rules: &SearchRules,
-) -> Result<E::Fit, Error> {
+) -> Result<E::Fit> {
     let mut reasons = Vec::new();
     let mut all: Option<Decrease> = None;
     while !account.steps.is_empty() {

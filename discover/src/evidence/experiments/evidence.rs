@@ -13,7 +13,7 @@ use kufe::plot::number4;
 use kufe_sled::Model;
 use kufe_sled::effects::{Effects, find};
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::evidence::experiments::base::Base;
 use crate::evidence::experiments::candidates::{FrictionChange, list};
 use crate::evidence::experiments::fit::{Between, Fit, Offsets, Setting, between, fit};
@@ -22,7 +22,7 @@ use crate::evidence::experiments::outcome::bins;
 use crate::evidence::experiments::pictures::pictures;
 use crate::evidence::experiments::rows::{Row, Untestable, read, set_films};
 use crate::evidence::experiments::screen::screen_table;
-use crate::finding::{ChannelGap, ModelKind, Report, held_out};
+use crate::finding::{ChannelGap, ModelKind, Report, Step, held_out};
 use crate::input::table::Table;
 use crate::null::clusters::members;
 use crate::options::{OUTSIDE_CATALOGUE, Options};
@@ -58,7 +58,7 @@ impl<'a> Experiments<'a> {
     /// # Errors
     /// [`Error::Cell`], [`Error::MissingColumn`], [`Error::Duplicate`], [`Error::TooFew`] below
     /// five rows.
-    pub fn read(path: &Path, model: &'a Model, options: &'a Options) -> Result<Self, Error> {
+    pub fn read(path: &Path, model: &'a Model, options: &'a Options) -> Result<Self> {
         let table = Table::read(path)?;
         let (mut rows, unreadable) = read(&table, model.sled.cda_m2)?;
         let base = Base::of(model)?;
@@ -152,7 +152,7 @@ impl Evidence for Experiments<'_> {
     type Act = FrictionChange;
     type Fit = Fit;
 
-    fn fit_base(&mut self, account: &mut Account) -> Result<Fit, Error> {
+    fn fit_base(&mut self, account: &mut Account) -> Result<Fit> {
         let remarks = &mut account.remarks;
         remarks.extend(self.options.restriction_remark());
         if !self.others.is_empty() {
@@ -184,7 +184,7 @@ impl Evidence for Experiments<'_> {
         Ok(base)
     }
 
-    fn screen(&mut self, fit: &Fit, _: &mut Account) -> Result<Screen<FrictionChange>, Error> {
+    fn screen(&mut self, fit: &Fit, _: &mut Account) -> Result<Screen<FrictionChange>> {
         let is_enough = self.training.len() > fit.step.len() + 2;
         let rules = &self.options.rules.experiments;
         let screen = screen_table(&self.setting, &self.training, fit.clone(), self.options);
@@ -206,7 +206,7 @@ impl Evidence for Experiments<'_> {
         fit: &Fit,
         selection: &Selection<FrictionChange>,
         _: usize,
-    ) -> Result<ExtendedFit<Fit>, Error> {
+    ) -> Result<ExtendedFit<Fit>> {
         let named = |c: &Candidate<FrictionChange>| c.effect == selection.candidate.effect;
         let place = self.setting.candidates.iter().position(named);
         let chosen: Vec<usize> = fit.chosen.iter().copied().chain(place).collect();
@@ -219,7 +219,7 @@ impl Evidence for Experiments<'_> {
         })
     }
 
-    fn settle(&mut self, mut fit: Fit, account: &mut Account) -> Result<Fit, Error> {
+    fn settle(&mut self, mut fit: Fit, account: &mut Account) -> Result<Fit> {
         let min_t = self.options.rules.search.superfluous_t;
         while fit.chosen.len() > 1 {
             let is_weak = |k: &usize| fit.t(&self.setting, *k).abs() < min_t;
@@ -239,13 +239,13 @@ impl Evidence for Experiments<'_> {
         Ok(fit)
     }
 
-    fn without(&mut self, fit: &Fit, step: usize) -> Result<Fit, Error> {
+    fn without(&mut self, fit: &Fit, step: usize) -> Result<Fit> {
         let mut chosen = fit.chosen.clone();
         chosen.remove(step);
         Ok(self.fitted_anew(&chosen))
     }
 
-    fn misfit_decrease(&self, from: &Fit, to: &Fit) -> Result<Option<Decrease>, Error> {
+    fn misfit_decrease(&self, from: &Fit, to: &Fit) -> Result<Option<Decrease>> {
         let setting = &self.setting;
         let offsets = [from, to].map(|fit| fit.offsets(setting, &self.training));
         // An effect within sessions and specimens is visible in residuals given their offsets, an
@@ -273,12 +273,7 @@ impl Evidence for Experiments<'_> {
         ))
     }
 
-    fn open(
-        &mut self,
-        base: &Fit,
-        last: &Fit,
-        account: &mut Account,
-    ) -> Result<HeldOutResults, Error> {
+    fn compare(&mut self, base: &Fit, last: &Fit, steps: &[Step]) -> Result<HeldOutResults> {
         let [before, after] = [base, last].map(|fit| fit.rms_of(&self.setting, &self.held_out));
         Ok(HeldOutResults {
             held_out: held_out(
@@ -286,11 +281,11 @@ impl Evidence for Experiments<'_> {
                 self.held_out.iter().map(|row| &row.name),
                 self.gap(before, after),
             ),
-            closed: vec![self.closed(base, last); account.steps.len()],
+            closed: vec![self.closed(base, last); steps.len()],
         })
     }
 
-    fn choose(&mut self, _: &Fit, last: Fit, _: &mut Account) -> Result<Choice<Fit>, Error> {
+    fn choose(&mut self, _: &Fit, last: Fit, _: &mut Account) -> Result<Choice<Fit>> {
         let candidates = &self.setting.candidates;
         let is_written = |c: &usize| candidates[*c].act.table.is_some();
         Ok(Choice {
@@ -305,12 +300,7 @@ impl Evidence for Experiments<'_> {
         })
     }
 
-    fn describe(
-        &mut self,
-        base: &Fit,
-        last: &Fit,
-        account: &mut Account,
-    ) -> Result<Description, Error> {
+    fn describe(&mut self, base: &Fit, last: &Fit, account: &mut Account) -> Result<Description> {
         let (setting, rows) = (&self.setting, &self.training);
         let rules = &self.options.rules;
         let quantile = rules.search.interval + rules.experiments.interval_few / last.freedom();
@@ -371,7 +361,7 @@ pub fn search(
     model: &Model,
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
-) -> Result<Found, Error> {
+) -> Result<Found> {
     options.check_names(Some(model))?;
     let mut experiments = Experiments::read(path, model, options)?;
     search_evidence(&mut experiments, options, progress)

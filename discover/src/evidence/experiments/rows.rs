@@ -7,7 +7,7 @@ use kufe_sled::effects::{Column, OperatingPoint};
 use kufe_sled::friction::film::Patch;
 use rayon::prelude::*;
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::input::table::Table;
 
 /// A row of friction experiments.
@@ -54,7 +54,7 @@ const KNOWN: [&str; 6] = [
 /// # Errors
 /// [`Error::MissingColumn`], [`Error::Cell`] with row and column; [`Error::Duplicate`] for a row
 /// that repeats another one under another name.
-pub fn read(table: &Table, drag_area: f64) -> Result<(Vec<Row>, Untestable), Error> {
+pub fn read(table: &Table, drag_area: f64) -> Result<(Vec<Row>, Untestable)> {
     let names = table.texts("specimen")?;
     let pressure = table.numbers("p_max_pa", 1e4, 1e11)?;
     let pressure_sd = table.numbers("p_max_sd_pa", 0.0, 1e10)?;
@@ -123,7 +123,7 @@ pub fn read(table: &Table, drag_area: f64) -> Result<(Vec<Row>, Untestable), Err
 
 /// The columns of numbers, with their values, and the laws of columns of which some cells alone are
 /// numbers.
-fn numeric_columns(table: &Table) -> Result<(Vec<(String, Vec<f64>)>, Untestable), Error> {
+fn numeric_columns(table: &Table) -> Result<(Vec<(String, Vec<f64>)>, Untestable)> {
     let (mut numeric, mut unreadable) = (Vec::new(), Vec::new());
     let further = table.header.iter();
     for name in further.filter(|name| !KNOWN.contains(&name.as_str())) {
@@ -167,7 +167,7 @@ const OF_FILM: [Column; 5] = [
 ///
 /// # Errors
 /// [`Error::MissingColumn`]; [`Error::File`] with the row if the film cannot be computed.
-pub fn set_films(rows: &mut [Row], table: &Table, boundary_shear: f64) -> Result<(), Error> {
+pub fn set_films(rows: &mut [Row], table: &Table, boundary_shear: f64) -> Result<()> {
     if let Some(column) = OF_FILM.iter().find(|c| table.place(c.name()).is_none()) {
         let reason = " (friction.longitudinal.film = true needs it)";
         return Err(table.missing(column.name(), reason));
@@ -183,7 +183,7 @@ pub fn set_films(rows: &mut [Row], table: &Table, boundary_shear: f64) -> Result
     })
 }
 
-fn refuse_copies(table: &Table) -> Result<(), Error> {
+fn refuse_copies(table: &Table) -> Result<()> {
     let name = table.place("specimen");
     let mut known: HashMap<Vec<&str>, usize> = HashMap::new();
     for (i, row) in table.rows.iter().enumerate() {

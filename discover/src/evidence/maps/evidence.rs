@@ -20,7 +20,7 @@ use std::path::Path;
 use kufe::case::effects::{CATALOGUE, Effect};
 use kufe::plot::quantity;
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::evidence::maps::bins::bins;
 use crate::evidence::maps::line::LineSearch;
 use crate::evidence::maps::measured::rows::{Measured, Row, remarks_on, typical_noise, untestable};
@@ -66,7 +66,7 @@ impl<'a> Maps<'a> {
         model: &'a Path,
         options: &'a Options,
         progress: &'a (dyn Fn(&str) + Sync),
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         let rules = &options.rules;
         let locked = rules.lock.maps(measured.rows.len());
         let pick = |which: &[usize]| which.iter().map(|i| &measured.rows[*i]).collect();
@@ -120,7 +120,7 @@ impl<'a> Maps<'a> {
     }
 
     /// Removes effects without which chi2 increases by less than a selected effect must lower it.
-    fn remove_steps(&mut self, mut fit: MapFit, account: &mut Account) -> Result<MapFit, Error> {
+    fn remove_steps(&mut self, mut fit: MapFit, account: &mut Account) -> Result<MapFit> {
         let min_decrease =
             |misfit: &Misfit| self.options.rules.maps.least_drop * misfit.mean_square();
         // On the finer meshes the misfit must decrease as well, relative to its errors and in Pa.
@@ -168,10 +168,10 @@ impl<'a> Maps<'a> {
     }
 
     /// Closed share of the explainable misfit, on the held-out rows if there are any.
-    fn closed(&self, last: &MapFit) -> Result<Interval, Error> {
+    fn closed(&self, last: &MapFit) -> Result<Interval> {
         let mut all = last.active.clone();
         all.extend(self.next);
-        let explained = |rows: &Simulations, before: &Misfit| -> Result<Vec<f64>, Error> {
+        let explained = |rows: &Simulations, before: &Misfit| -> Result<Vec<f64>> {
             let after = match rows.reporting(&all) {
                 Ok(after) => after,
                 Err(_) => rows.reporting(&last.active)?,
@@ -205,11 +205,7 @@ impl<'a> Maps<'a> {
     }
 
     /// Positions of the films that differ from zero: within the tolerance, or as a remark.
-    fn within_tolerance(
-        &self,
-        last: &MapFit,
-        account: &mut Account,
-    ) -> Result<Vec<Tolerated>, Error> {
+    fn within_tolerance(&self, last: &MapFit, account: &mut Account) -> Result<Vec<Tolerated>> {
         let rules = &self.options.rules;
         let mut within = Vec::new();
         for rows in [&self.training, &self.held_out] {
@@ -255,7 +251,7 @@ impl Evidence for Maps<'_> {
     type Act = &'static Effect;
     type Fit = MapFit;
 
-    fn fit_base(&mut self, account: &mut Account) -> Result<MapFit, Error> {
+    fn fit_base(&mut self, account: &mut Account) -> Result<MapFit> {
         let remarks = &mut account.remarks;
         remarks.extend(self.options.restriction_remark());
         remarks.extend(self.measured.remarks.iter().cloned());
@@ -263,7 +259,7 @@ impl Evidence for Maps<'_> {
         Ok(self.start.clone())
     }
 
-    fn screen(&mut self, fit: &MapFit, _: &mut Account) -> Result<Screen<Self::Act>, Error> {
+    fn screen(&mut self, fit: &MapFit, _: &mut Account) -> Result<Screen<Self::Act>> {
         let before = self.training.searching(&fit.active)?.chi2;
         self.screens += 1;
         let number = self.screens;
@@ -295,7 +291,7 @@ impl Evidence for Maps<'_> {
         fit: &MapFit,
         selection: &Selection<Self::Act>,
         _: usize,
-    ) -> Result<ExtendedFit<MapFit>, Error> {
+    ) -> Result<ExtendedFit<MapFit>> {
         (self.progress)(&format!("screen {}: finer meshes", self.screens));
         let before = self.training.searching(&fit.active)?;
         let added = (selection.candidate.act, selection.size);
@@ -311,7 +307,7 @@ impl Evidence for Maps<'_> {
         })
     }
 
-    fn settle(&mut self, fit: MapFit, account: &mut Account) -> Result<MapFit, Error> {
+    fn settle(&mut self, fit: MapFit, account: &mut Account) -> Result<MapFit> {
         let mut fit = self.remove_steps(fit, account)?;
         if let Some(doubt) = self.doubt(&fit.misfit, &account.steps) {
             account.remarks.push(doubt);
@@ -324,14 +320,14 @@ impl Evidence for Maps<'_> {
         Ok(fit)
     }
 
-    fn without(&mut self, fit: &MapFit, step: usize) -> Result<MapFit, Error> {
+    fn without(&mut self, fit: &MapFit, step: usize) -> Result<MapFit> {
         let (mut active, mut errors) = (fit.active.clone(), fit.errors.clone());
         active.remove(step);
         errors.remove(step);
         polish(&self.training, &active, &errors)
     }
 
-    fn misfit_decrease(&self, from: &MapFit, to: &MapFit) -> Result<Option<Decrease>, Error> {
+    fn misfit_decrease(&self, from: &MapFit, to: &MapFit) -> Result<Option<Decrease>> {
         if self.held_out.rows.is_empty() {
             return Ok(None);
         }
@@ -346,12 +342,7 @@ impl Evidence for Maps<'_> {
         Ok(Decrease::over(&falls, 0.0))
     }
 
-    fn open(
-        &mut self,
-        _: &MapFit,
-        last: &MapFit,
-        account: &mut Account,
-    ) -> Result<HeldOutResults, Error> {
+    fn compare(&mut self, _: &MapFit, last: &MapFit, steps: &[Step]) -> Result<HeldOutResults> {
         let rows = &self.held_out.rows;
         let before = self.held_out.reporting(&self.start.active)?;
         let after = self.held_out.reporting(&last.active)?;
@@ -361,10 +352,10 @@ impl Evidence for Maps<'_> {
                 rows.iter().map(|row| &row.name),
                 self.gap(&before, &after, rows),
             ),
-            closed: if account.steps.is_empty() {
+            closed: if steps.is_empty() {
                 Vec::new()
             } else {
-                vec![self.closed(last)?; account.steps.len()]
+                vec![self.closed(last)?; steps.len()]
             },
         })
     }
@@ -374,7 +365,7 @@ impl Evidence for Maps<'_> {
         _: &MapFit,
         last: &MapFit,
         account: &mut Account,
-    ) -> Result<Description, Error> {
+    ) -> Result<Description> {
         let (start, rows) = (&self.start, &self.training.rows);
         Ok(Description {
             report: Report {
@@ -411,7 +402,7 @@ pub fn search(
     model: &Path,
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
-) -> Result<Found, Error> {
+) -> Result<Found> {
     options.check_names(None)?;
     let measured = Measured::read(path, model, &options.rules.maps)?;
     let mut maps = Maps::new(&measured, model, options, progress)?;

@@ -1,6 +1,6 @@
 //! Pictures of measured and simulated maps, and of the peaks of rows without a map.
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::evidence::maps::simulate::{Simulations, SizedEffects};
 use crate::finding::{Maps, Peak, Picture, Plot};
 
@@ -9,10 +9,7 @@ const MAX_PEAKS: usize = 60;
 
 /// Measured and simulated pressure before and after, of training and held-out rows: the map of
 /// largest difference of each, and the peaks of rows without a map.
-pub fn pictures(
-    simulations: [&Simulations; 2],
-    active: &SizedEffects,
-) -> Result<Vec<Picture>, Error> {
+pub fn pictures(simulations: [&Simulations; 2], active: &SizedEffects) -> Result<Vec<Picture>> {
     let none = SizedEffects::new();
     let mut pictures: Vec<Picture> = peaks(simulations, active)?.into_iter().collect();
     for (simulations, kind) in simulations
@@ -47,7 +44,7 @@ pub fn pictures(
 }
 
 /// Peaks of the rows without a map; `None` if all rows have one.
-fn peaks(simulations: [&Simulations; 2], active: &SizedEffects) -> Result<Option<Picture>, Error> {
+fn peaks(simulations: [&Simulations; 2], active: &SizedEffects) -> Result<Option<Picture>> {
     let mut rows = Vec::new();
     for (simulations, not_seen) in simulations.into_iter().zip([false, true]) {
         let cells = simulations.rules.reporting_cells;

@@ -9,7 +9,7 @@ use kufe::case::effects::{Effect, Map};
 use kufe_contact::solve;
 use rayon::prelude::*;
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::evidence::maps::measured::rows::Row;
 use crate::evidence::maps::registration::{Film, Moments, Registered};
 use crate::evidence::maps::sample::SolvedPressure;
@@ -134,7 +134,7 @@ impl Misfit {
 impl<'a> Simulations<'a> {
     /// Solves each row on two meshes; their difference is the discretisation error of every later
     /// comparison.
-    pub fn new(rows: Vec<&'a Row>, rules: &MapRules) -> Result<Self, Error> {
+    pub fn new(rows: Vec<&'a Row>, rules: &MapRules) -> Result<Self> {
         let mut simulations = Simulations {
             rows,
             rules: *rules,
@@ -157,16 +157,16 @@ impl<'a> Simulations<'a> {
     }
 
     /// Simulates every row with the effects, on the meshes of the search.
-    pub fn searching(&self, active: &SizedEffects) -> Result<Misfit, Error> {
+    pub fn searching(&self, active: &SizedEffects) -> Result<Misfit> {
         self.misfit(active, self.rules.searching_cells)
     }
 
     /// Simulates every row with the effects, on the finer meshes from which sizes are reported.
-    pub fn reporting(&self, active: &SizedEffects) -> Result<Misfit, Error> {
+    pub fn reporting(&self, active: &SizedEffects) -> Result<Misfit> {
         self.misfit(active, self.rules.reporting_cells)
     }
 
-    fn misfit(&self, active: &SizedEffects, cells: usize) -> Result<Misfit, Error> {
+    fn misfit(&self, active: &SizedEffects, cells: usize) -> Result<Misfit> {
         let registered = self.registered(active, cells)?;
         let peaks = self.peaks(active, cells)?;
         let mut out = Misfit::default();
@@ -193,7 +193,7 @@ impl<'a> Simulations<'a> {
         &self,
         active: &SizedEffects,
         cells: usize,
-    ) -> Result<Vec<Option<Registered>>, Error> {
+    ) -> Result<Vec<Option<Registered>>> {
         let seen = self.simulated(active, cells)?;
         let rows = self.rows.par_iter().zip(seen.par_iter());
         Ok(rows
@@ -208,7 +208,7 @@ impl<'a> Simulations<'a> {
     }
 
     /// Simulated peaks of rows without a map, as read by the sensor [Pa]; `None` for the others.
-    pub fn peaks(&self, active: &SizedEffects, cells: usize) -> Result<Vec<Option<f64>>, Error> {
+    pub fn peaks(&self, active: &SizedEffects, cells: usize) -> Result<Vec<Option<f64>>> {
         let seen = self.simulated(active, cells)?;
         let pairs = seen.iter().zip(&self.rows);
         Ok(pairs
@@ -224,7 +224,7 @@ impl<'a> Simulations<'a> {
     }
 
     /// Solutions of the rows with the effects, from the cache if possible.
-    fn simulated(&self, active: &SizedEffects, cells: usize) -> Result<Arc<Vec<Simulated>>, Error> {
+    fn simulated(&self, active: &SizedEffects, cells: usize) -> Result<Arc<Vec<Simulated>>> {
         let sizes = active
             .iter()
             .filter(|(e, v)| !e.is_of_the_sensor() && *v != 0.0)
@@ -245,7 +245,7 @@ impl<'a> Simulations<'a> {
 }
 
 /// Solves one row with the effects.
-fn simulate(row: &Row, active: &SizedEffects, cells: usize) -> Result<Simulated, Error> {
+fn simulate(row: &Row, active: &SizedEffects, cells: usize) -> Result<Simulated> {
     let mut problem = row.problem.clone();
     for (effect, size) in active {
         effect.alter(*size, &mut problem);

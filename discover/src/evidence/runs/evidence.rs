@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use kufe_sled::effects::{CATALOGUE, Effects, Kind, Level};
 use kufe_sled::{Model, Vehicle, refuse_effects};
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::evidence::runs::campaign::{Campaign, Current, RunFit, UnwrittenEffect, gap_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::list;
@@ -21,7 +21,7 @@ use crate::evidence::runs::outcome::next_model::next_model;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
 use crate::evidence::runs::recordings::prepare::Data;
-use crate::finding::{HeldOut, Report};
+use crate::finding::{HeldOut, Report, Step};
 use crate::options::Options;
 use crate::procedure::evidence::{
     Account, Choice, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, Screen,
@@ -35,7 +35,7 @@ impl<'a> Campaign<'a> {
     ///
     /// # Errors
     /// [`Error::TooFew`] for fewer than two runs or segments to train on, [`Error::Effect`].
-    pub fn new(data: &'a Data, model: &'a Model, options: &'a Options) -> Result<Self, Error> {
+    pub fn new(data: &'a Data, model: &'a Model, options: &'a Options) -> Result<Self> {
         let mut own = Effects::from_tables(&model.effects)?;
         let contacts = Contacts::given(&mut own.active);
         let trial = own.clone();
@@ -102,7 +102,7 @@ impl Evidence for Campaign<'_> {
     type Act = Amplitude;
     type Fit = RunFit;
 
-    fn fit_base(&mut self, account: &mut Account) -> Result<RunFit, Error> {
+    fn fit_base(&mut self, account: &mut Account) -> Result<RunFit> {
         account.remarks.extend(self.options.restriction_remark());
         account.remarks.extend(self.too_few());
         let remarks = self.data.remarks.iter().chain(&self.outside);
@@ -138,7 +138,7 @@ impl Evidence for Campaign<'_> {
         Ok(base)
     }
 
-    fn screen(&mut self, fit: &RunFit, account: &mut Account) -> Result<Screen<Amplitude>, Error> {
+    fn screen(&mut self, fit: &RunFit, account: &mut Account) -> Result<Screen<Amplitude>> {
         self.runner_up = None;
         let residual_model = &fit.residual_model.with_fixed(false);
         let whitener = self.whitener(residual_model);
@@ -172,7 +172,7 @@ impl Evidence for Campaign<'_> {
         fit: &RunFit,
         selection: &Selection<Amplitude>,
         step: usize,
-    ) -> Result<ExtendedFit<RunFit>, Error> {
+    ) -> Result<ExtendedFit<RunFit>> {
         if let Some(found) = self.selected_contacts.take() {
             return self.add_contacts(fit, found, step);
         }
@@ -225,7 +225,7 @@ impl Evidence for Campaign<'_> {
         (selection, added): SelectedFit<Amplitude, RunFit>,
         step: usize,
         account: &Account,
-    ) -> Result<SelectedFit<Amplitude, RunFit>, Error> {
+    ) -> Result<SelectedFit<Amplitude, RunFit>> {
         // The track channel, levels of runs and sessions, and contacts have their own screens.
         let within = selection.candidate.act.level == Level::Sample
             && selection.parameters.is_empty()
@@ -237,24 +237,19 @@ impl Evidence for Campaign<'_> {
         }
     }
 
-    fn settle(&mut self, fit: RunFit, account: &mut Account) -> Result<RunFit, Error> {
+    fn settle(&mut self, fit: RunFit, account: &mut Account) -> Result<RunFit> {
         self.with_significant_steps(fit, account)
     }
 
-    fn without(&mut self, fit: &RunFit, step: usize) -> Result<RunFit, Error> {
+    fn without(&mut self, fit: &RunFit, step: usize) -> Result<RunFit> {
         self.without_step(fit, step)
     }
 
-    fn misfit_decrease(&self, from: &RunFit, to: &RunFit) -> Result<Option<Decrease>, Error> {
+    fn misfit_decrease(&self, from: &RunFit, to: &RunFit) -> Result<Option<Decrease>> {
         Ok(self.held_out_decrease(from, to))
     }
 
-    fn open(
-        &mut self,
-        base: &RunFit,
-        last: &RunFit,
-        account: &mut Account,
-    ) -> Result<HeldOutResults, Error> {
+    fn compare(&mut self, base: &RunFit, last: &RunFit, steps: &[Step]) -> Result<HeldOutResults> {
         let in_these = |model| self.installed_in(model, &self.held_out);
         let [given, settled] = [&self.given_as_in(last), &last.settled].map(in_these);
         let channels = channels(
@@ -265,14 +260,10 @@ impl Evidence for Campaign<'_> {
             self.used,
             self.rules().track_bin_m,
         );
-        let shown = account
-            .steps
-            .first()
-            .map_or(CHANNEL_NAMES[1].0, |s| s.channel.as_str());
-        let one = channels
-            .iter()
-            .find(|c| c.channel == shown)
-            .or(channels.first());
+        let first = steps.first();
+        let shown = first.map_or(CHANNEL_NAMES[1].0, |step| step.channel.as_str());
+        let one = channels.iter().find(|c| c.channel == shown);
+        let one = one.or(channels.first());
         Ok(HeldOutResults {
             held_out: HeldOut {
                 what: if self.data.segmented {
@@ -286,7 +277,7 @@ impl Evidence for Campaign<'_> {
                 unit: one.map_or(String::new(), |c| c.unit.clone()),
                 channels,
             },
-            closed: self.close(base, last, &account.steps),
+            closed: self.close(base, last, steps),
         })
     }
 
@@ -295,7 +286,7 @@ impl Evidence for Campaign<'_> {
         refitted: &RunFit,
         last: RunFit,
         account: &mut Account,
-    ) -> Result<Choice<RunFit>, Error> {
+    ) -> Result<Choice<RunFit>> {
         self.chosen(refitted, last, account)
     }
 
@@ -304,7 +295,7 @@ impl Evidence for Campaign<'_> {
         base: &RunFit,
         last: &RunFit,
         account: &mut Account,
-    ) -> Result<Description, Error> {
+    ) -> Result<Description> {
         let next_runs = if self.options.quick {
             Vec::new()
         } else {
@@ -400,7 +391,7 @@ pub fn search(
     model: &Model,
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
-) -> Result<Found, Error> {
+) -> Result<Found> {
     options.check_names(Some(model))?;
     let mut campaign = Campaign::new(data, model, options)?;
     let mut found = search_evidence(&mut campaign, options, progress)?;

@@ -2,7 +2,7 @@
 
 use kufe_sled::effects::Kind;
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::estimate::estimate;
@@ -77,7 +77,7 @@ impl SharesEffects for Campaign<'_> {
         fit: &RunFit,
         step: usize,
         amounts: &[Amount],
-    ) -> Result<RunFit, Error> {
+    ) -> Result<RunFit> {
         let already = fit.already();
         let mut model = fit.residual_model.clone();
         for (place, owner) in fit.owners.iter().enumerate() {

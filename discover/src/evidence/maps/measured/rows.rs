@@ -7,7 +7,7 @@ use kufe::case::Case;
 use kufe::case::effects::{CATALOGUE, Map};
 use kufe_contact::{Load, Problem};
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::evidence::maps::measured::noise::{deviations, is_blank};
 use crate::evidence::maps::registration::FilmTolerance;
 use crate::evidence::maps::simulate::SizedEffects;
@@ -65,7 +65,7 @@ impl Measured {
     /// # Errors
     /// [`Error::Cell`], [`Error::MissingColumn`], [`Error::File`], those of the cases;
     /// [`Error::Duplicate`] if two rows have the same map or are copies.
-    pub fn read(path: &Path, model: &Path, rules: &MapRules) -> Result<Self, Error> {
+    pub fn read(path: &Path, model: &Path, rules: &MapRules) -> Result<Self> {
         let (text, model_case) = read_case(model)?;
         let table = Table::read(path)?;
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -171,7 +171,7 @@ impl Measured {
 }
 
 /// A case file, as text and read.
-fn read_case(file: &Path) -> Result<(String, Case), Error> {
+fn read_case(file: &Path) -> Result<(String, Case)> {
     let text = kufe_files::text_of_regular(file, LONGEST_CASE);
     let text = text.map_err(|error| Error::file(file, error))?;
     let case = Case::parse(&text).map_err(|error| Error::file(file, error))?;

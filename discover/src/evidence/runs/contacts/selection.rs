@@ -3,7 +3,7 @@
 
 use kufe_sled::effects::{Active, Kind, Level};
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::evidence::runs::campaign::{Campaign, RunFit, gap_of};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::contacts::MIN_HITS;
@@ -177,7 +177,7 @@ impl Campaign<'_> {
         fit: &RunFit,
         found: FoundContacts,
         step: usize,
-    ) -> Result<ExtendedFit<RunFit>, Error> {
+    ) -> Result<ExtendedFit<RunFit>> {
         self.whole = found.frames;
         self.training = self.whole.iter().map(without_contacts).collect();
         let base = self.fitted(&fit.residual_model, fit.owners.clone())?;

@@ -20,7 +20,7 @@ use std::cmp::Ordering;
 
 use rayon::prelude::*;
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::contacts::own::without_pushes;
 use crate::evidence::runs::fit::row_noise::expected;
@@ -137,13 +137,13 @@ impl Campaign<'_> {
     /// The model to write: one of these two fits or the model as given.
     ///
     /// # Errors
-    /// [`Error::BaseFit`] if a fit with one effect less has a residual that is not finite.
+    /// [`Error::BaseFit`](crate::error::Error::BaseFit) if a fit with one effect less has a residual that is not finite.
     pub fn chosen(
         &mut self,
         refitted: &RunFit,
         last: RunFit,
         account: &mut Account,
-    ) -> Result<Choice<RunFit>, Error> {
+    ) -> Result<Choice<RunFit>> {
         let as_given = self.as_given(refitted);
         let given = self.performance(&as_given, None).unwrap_or_else(|reason| {
             account.remarks.push(format!(
@@ -215,7 +215,7 @@ impl Campaign<'_> {
         given: &Performance,
         withheld: &mut Vec<Withheld>,
         account: &mut Account,
-    ) -> Result<WithEffects, Error> {
+    ) -> Result<WithEffects> {
         let contacts = last.settled.contacts.as_ref();
         let has_contacts = contacts.is_some_and(|contacts| contacts.step.is_some());
         let has_effects = has_contacts || !last.owners.is_empty();
@@ -282,7 +282,7 @@ impl Campaign<'_> {
         fit: &RunFit,
         steps: &[usize],
         given: &Performance,
-    ) -> Result<Option<(usize, RunFit, Tried)>, Error> {
+    ) -> Result<Option<(usize, RunFit, Tried)>> {
         let mut best: Option<(usize, RunFit, Tried)> = None;
         for step in steps.iter().filter(|_| steps.len() > 1) {
             let mut without = self.without_step(fit, *step)?;
@@ -308,7 +308,7 @@ impl Campaign<'_> {
         (refitted, fit): (&RunFit, &RunFit),
         (own, given): (&Performance, &Performance),
         account: &mut Account,
-    ) -> Result<(), Error> {
+    ) -> Result<()> {
         /// Largest number of rivals of an effect that are fitted.
         const MAX_RIVALS: usize = 3;
         let last = account.steps.len().saturating_sub(1);

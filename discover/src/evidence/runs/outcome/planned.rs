@@ -26,7 +26,7 @@ use kufe_sled::Noise;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::design::OWN_LEVELS;
@@ -67,7 +67,7 @@ impl Campaign<'_> {
 
     /// Plans for the first step whose class has several members, the best first; empty if no track
     /// is known or fewer than two members have a model.
-    pub fn next_runs(&mut self, last: &RunFit, steps: &[Step]) -> Result<Vec<NextRuns>, Error> {
+    pub fn next_runs(&mut self, last: &RunFit, steps: &[Step]) -> Result<Vec<NextRuns>> {
         let several = steps.iter().position(|step| step.class.len() > 1);
         let Some(step) = several.filter(|_| !self.data.tracks.is_empty()) else {
             return Ok(Vec::new());
@@ -116,12 +116,7 @@ impl Campaign<'_> {
     }
 
     /// The model with each member of a step's class in turn, fitted.
-    fn members(
-        &mut self,
-        last: &RunFit,
-        step: usize,
-        reported: &Step,
-    ) -> Result<Vec<Member>, Error> {
+    fn members(&mut self, last: &RunFit, step: usize, reported: &Step) -> Result<Vec<Member>> {
         let without = self.without_step(last, step)?;
         let mut members = vec![self.member(&reported.effect, last)];
         for effect in &reported.class[1..] {

@@ -1,6 +1,6 @@
 //! Removal of effects that are insignificant given the others.
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::evidence::runs::campaign::{Campaign, RunFit, UnwrittenEffect};
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::finding::Step;
@@ -8,11 +8,7 @@ use crate::procedure::evidence::{Account, NO_SIZE};
 
 impl Campaign<'_> {
     /// The fit without the steps that are insignificant given the others, with final estimates.
-    pub fn with_significant_steps(
-        &self,
-        mut fit: RunFit,
-        account: &mut Account,
-    ) -> Result<RunFit, Error> {
+    pub fn with_significant_steps(&self, mut fit: RunFit, account: &mut Account) -> Result<RunFit> {
         loop {
             self.write(&mut fit);
             let Some(step) = self.insignificant_step(&fit, &account.steps) else {
@@ -36,7 +32,7 @@ impl Campaign<'_> {
     }
 
     /// The model without the effects of a step, fitted.
-    pub fn without_step(&self, fit: &RunFit, step: usize) -> Result<RunFit, Error> {
+    pub fn without_step(&self, fit: &RunFit, step: usize) -> Result<RunFit> {
         let already = fit.already();
         let mut residual_model = fit.residual_model.clone();
         let mut place = 0;
