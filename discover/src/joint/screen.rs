@@ -30,6 +30,15 @@ impl WeakEffect {
     }
 }
 
+/// Evidence of several kinds of data for a member of a class that another kind has determined.
+struct OtherEvidence {
+    /// Twice the log-likelihood ratio; `None` if one of the kinds cannot test the effect, which can
+    /// then not be excluded.
+    gain: Option<f64>,
+    /// Whether one of the kinds has an estimate of it.
+    is_estimated: bool,
+}
+
 impl Joint<'_> {
     /// t that a named effect must keep given a rival: the largest requirement of any kind.
     fn needed_t(&self) -> f64 {
@@ -62,23 +71,12 @@ impl Joint<'_> {
             Some(Amount::of_rival(rival, error))
         });
         let members: Vec<Amount> = [own.clone()].into_iter().chain(rivals).collect();
-        // Evidence of the other kinds; kinds that cannot measure an effect cannot exclude it.
-        let mut added = Vec::new();
-        let mut is_evaluated = false;
+        let mut others = Vec::new();
         for member in &members {
-            let mut sum = 0.0;
-            let mut is_untestable = false;
-            for other in (0..self.kinds.len()).filter(|k| *k != kind) {
-                is_untestable |= self.kinds[other].part.is_untestable(&member.effect);
-                for there in self.estimates_of(other, fit.parts[other].free, member)? {
-                    sum += there.t().powi(2) - there.t_difference(member).powi(2);
-                    is_evaluated = true;
-                }
-            }
-            added.push((!is_untestable).then_some(sum));
+            others.push(self.other_evidence(fit, kind, member)?);
         }
         let needed = self.needed_t().powi(2);
-        let evidence = |k: usize| added[k].unwrap_or(0.0);
+        let evidence = |k: usize| others[k].gain.unwrap_or(0.0);
         let better = |best, k| {
             let gain = evidence(k) - evidence(best);
             if gain > needed { k } else { best }
@@ -86,12 +84,14 @@ impl Joint<'_> {
         let best = (1..members.len()).fold(0, better);
         let named = &members[best];
         let unchanged = selection.acting(origin(selection.candidate.act));
-        if !is_evaluated || members.len() < 2 {
+        if members.len() < 2 || !others.iter().any(|other| other.is_estimated) {
             return Ok(unchanged);
         }
         let mut class = vec![named.effect.clone()];
-        for (member, added) in members.iter().zip(&added) {
-            let stays = added.is_none_or(|added| added >= evidence(best) - needed);
+        for (member, other) in members.iter().zip(&others) {
+            let stays = other
+                .gain
+                .is_none_or(|gain| gain >= evidence(best) - needed);
             if stays && !class.contains(&member.effect) {
                 class.push(member.effect.clone());
             }
@@ -127,6 +127,27 @@ impl Joint<'_> {
             joint.class = class;
         }
         Ok(joint)
+    }
+
+    /// Evidence of the kinds other than `kind` for a member of a class.
+    fn other_evidence(
+        &mut self,
+        fit: &JointFit,
+        kind: usize,
+        member: &Amount,
+    ) -> Result<OtherEvidence> {
+        let (mut gain, mut is_untestable, mut is_estimated) = (0.0, false, false);
+        for other in (0..self.kinds.len()).filter(|k| *k != kind) {
+            is_untestable |= self.kinds[other].part.is_untestable(&member.effect);
+            for there in self.estimates_of(other, fit.parts[other].free, member)? {
+                gain += there.t().powi(2) - there.t_difference(member).powi(2);
+                is_estimated = true;
+            }
+        }
+        Ok(OtherEvidence {
+            gain: (!is_untestable).then_some(gain),
+            is_estimated,
+        })
     }
 
     /// A kind's estimates of an amplitude with its fit; none of an unknown effect.

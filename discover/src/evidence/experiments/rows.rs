@@ -35,6 +35,9 @@ pub struct Row {
 /// Names of effects and laws that cannot be tested, with the reason.
 pub type Untestable = Vec<(String, String)>;
 
+/// Columns of numbers, by name.
+type NumericColumns = Vec<(String, Vec<f64>)>;
+
 /// Name of the column of row numbers, which represents drift.
 pub const ORDER: &str = "row";
 
@@ -123,7 +126,7 @@ pub fn read(table: &Table, drag_area: f64) -> Result<(Vec<Row>, Untestable)> {
 
 /// The columns of numbers, with their values, and the laws of columns of which some cells alone are
 /// numbers.
-fn numeric_columns(table: &Table) -> Result<(Vec<(String, Vec<f64>)>, Untestable)> {
+fn numeric_columns(table: &Table) -> Result<(NumericColumns, Untestable)> {
     let (mut numeric, mut unreadable) = (Vec::new(), Vec::new());
     let further = table.header.iter();
     for name in further.filter(|name| !KNOWN.contains(&name.as_str())) {

@@ -241,13 +241,12 @@ impl Campaign<'_> {
     /// A remark on effects for which the training runs are too few; `None` if they suffice for all.
     pub fn too_few(&self) -> Option<String> {
         let (rules, least) = (self.rules(), self.least_p());
-        let alpha = rules.alpha;
-        let (what, limit) = match () {
-            () if least > alpha => ("an effect within runs", alpha),
-            () if least > rules.alpha_column => {
-                ("a column outside the catalogue", rules.alpha_column)
-            }
-            () => return None,
+        let (what, limit) = if least > rules.alpha {
+            ("an effect within runs", rules.alpha)
+        } else if least > rules.alpha_column {
+            ("a column outside the catalogue", rules.alpha_column)
+        } else {
+            return None;
         };
         let needed = (1.0 - limit.log2()).ceil();
         Some(format!(

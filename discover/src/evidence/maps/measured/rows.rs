@@ -87,29 +87,26 @@ impl Measured {
         };
         let mut rows: Vec<Row> = Vec::new();
         for i in 0..cases.len() {
+            let wrong = |column: &str, found: &str, expected: &str| Error::Cell {
+                file: table.file.clone(),
+                row: table.lines[i],
+                column: column.to_owned(),
+                found: found.to_owned(),
+                expected: expected.to_owned(),
+            };
             let stated = folder.join(&cases[i]);
             let (file, case) = if same(&stated) {
                 (model, model_case.clone())
             } else {
                 (stated.as_path(), read_case(&stated)?.1)
             };
-            if case.sliding.is_some() {
-                return Err(Error::file(&stated, "[sliding]: expected a case at rest"));
-            }
-            let mut problem = case
-                .problem(file.parent().unwrap_or(Path::new("")))
-                .map_err(|error| Error::file(&stated, error))?;
+            let mut problem = at_rest(&case, &stated, file)?;
             if let Load::Force { fz: force, .. } = &mut problem.load {
                 *force = fz[i];
             }
             if radius[i] == 0.0 {
-                return Err(Error::Cell {
-                    file: table.file.clone(),
-                    row: table.lines[i],
-                    column: "radius_m".to_owned(),
-                    found: "0".to_owned(),
-                    expected: "a radius, or inf for a straight".to_owned(),
-                });
+                let expected = "a radius, or inf for a straight";
+                return Err(wrong("radius_m", "0", expected));
             }
             problem.track_curvature = 1.0 / radius[i];
             let map = if maps[i].is_empty() {
@@ -118,15 +115,9 @@ impl Measured {
                 Some(read_map(&folder.join(&maps[i]))?)
             };
             if map.as_ref().is_some_and(is_blank) {
-                return Err(Error::Cell {
-                    file: table.file.clone(),
-                    row: table.lines[i],
-                    column: "map".to_owned(),
-                    found: maps[i].clone(),
-                    expected:
-                        "a map with more pressure in the contact than at its outermost pixels"
-                            .to_owned(),
-                });
+                let expected =
+                    "a map with more pressure in the contact than at its outermost pixels";
+                return Err(wrong("map", &maps[i], expected));
             }
             let is_copy = |k: &usize| {
                 (map.is_some() && rows[*k].map == map) || table.rows[*k] == table.rows[i]
@@ -176,6 +167,16 @@ fn read_case(file: &Path) -> Result<(String, Case)> {
     let text = text.map_err(|error| Error::file(file, error))?;
     let case = Case::parse(&text).map_err(|error| Error::file(file, error))?;
     Ok((text, case))
+}
+
+/// The contact problem of a case that a table names as `stated`, read from `file`.
+fn at_rest(case: &Case, stated: &Path, file: &Path) -> Result<Problem> {
+    if case.sliding.is_some() {
+        return Err(Error::file(stated, "[sliding]: expected a case at rest"));
+    }
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let problem = case.problem(folder);
+    problem.map_err(|error| Error::file(stated, error))
 }
 
 /// A number of a TOML file, whole or not.

@@ -17,7 +17,7 @@ use crate::evidence::runs::contacts::own::{
     residuals_without, set_own, set_own_of, without_contacts,
 };
 use crate::evidence::runs::fit::gauss_newton::residuals;
-use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ChannelRows, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::null::combined_p_value;
 use crate::procedure::candidate::Candidate;
@@ -53,30 +53,10 @@ impl Campaign<'_> {
         let side: Vec<Vec<f64>> = residual.iter().map(|l| l[1].clone()).collect();
         let rules = &self.options.rules.runs;
         let hit = hit(effect, whole, &side, &rules.contacts, self.options.seed)?;
-        let (mut places, mut frames) = (hit.places, hit.frames);
-        // Places are found after removal of grip variation. Forces are estimated from the full
-        // residual, as in the held-out runs. A place without hits then has neither a force nor an
-        // interval and is dropped.
-        loop {
-            for (frame, residual) in frames.iter_mut().zip(&unchanged) {
-                set_own_of(frame, &residual[1], &places);
-            }
-            let hits = |k: usize| {
-                let own = frames.iter().flat_map(|f| &f.contacts);
-                own.filter(|own| own.place == k).count()
-            };
-            let hit: Vec<Active> = (0..places.len())
-                .filter(|k| hits(*k) >= MIN_HITS)
-                .map(|k| places[k].clone())
-                .collect();
-            if hit.is_empty() {
-                return None;
-            }
-            let all = hit.len() == places.len();
-            places = hit;
-            if all {
-                break;
-            }
+        let mut frames = hit.frames;
+        let mut places = hit_places(hit.places, &mut frames, &unchanged);
+        if places.is_empty() {
+            return None;
         }
         let interval = self.options.rules.search.interval;
         let shared_m = shared_with_side(&frames, &residual, 2);
@@ -215,6 +195,33 @@ impl Campaign<'_> {
         self.training = self.whole.iter().map(without_contacts).collect();
         set_own(&mut self.held_out, &self.given, &contacts.places);
         self.given.contacts = Some(contacts);
+    }
+}
+
+/// The places that several runs hit. Sets the contacts of the runs there.
+///
+/// Places are found after removal of grip variation. Forces are estimated from the full residual, as
+/// in the held-out runs. A place without hits then has neither a force nor an interval and is
+/// dropped.
+fn hit_places(
+    mut places: Vec<Active>,
+    frames: &mut [Frame],
+    residual: &[ChannelRows],
+) -> Vec<Active> {
+    loop {
+        for (frame, residual) in frames.iter_mut().zip(residual) {
+            set_own_of(frame, &residual[1], &places);
+        }
+        let is_hit = |k: usize| {
+            let own = frames.iter().flat_map(|f| &f.contacts);
+            own.filter(|own| own.place == k).count() >= MIN_HITS
+        };
+        let count = places.len();
+        let hit = places.into_iter().enumerate().filter(|(k, _)| is_hit(*k));
+        places = hit.map(|(_, place)| place).collect();
+        if places.is_empty() || places.len() == count {
+            return places;
+        }
     }
 }
 

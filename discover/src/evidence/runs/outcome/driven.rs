@@ -127,8 +127,11 @@ pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
     plans
 }
 
-/// Sensors, and a better instrument's change of their noise.
-const INSTRUMENTS: [(&str, fn(&mut Noise)); 6] = [
+/// A sensor's name, and the change of the noise by a better one.
+type Instrument = (&'static str, fn(&mut Noise));
+
+/// Sensors that plans improve.
+const INSTRUMENTS: [Instrument; 6] = [
     ("an accelerometer", |n| n.accel_mps2 *= NOISE_RATIO),
     ("a gyroscope", |n| n.rate_radps *= NOISE_RATIO),
     ("a speed sensor", |n| n.speed_mps *= NOISE_RATIO),
