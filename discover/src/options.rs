@@ -50,7 +50,7 @@ impl Default for Options {
 
 impl Options {
     /// Whether an effect is searched for.
-    pub fn looks_for(&self, effect: &str) -> bool {
+    pub fn includes(&self, effect: &str) -> bool {
         self.only.is_empty() || self.only.iter().any(|name| name == effect)
     }
 

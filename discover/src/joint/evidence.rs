@@ -81,7 +81,7 @@ impl Evidence for Joint<'_> {
         let own = part.own_step(step);
         let own_step = own.unwrap_or(part.steps.len());
         let kind = &mut self.kinds[first].part;
-        let added = kind.add(&part.free, &selection.acting(place), own_step)?;
+        let added = kind.add(&part.free, &selection.with_act(place), own_step)?;
         part.free = added.fit;
         part.steps.extend(own.is_none().then_some(step));
         for (k, part) in next.parts.iter_mut().enumerate() {

@@ -35,7 +35,7 @@ impl<E: Evidence> Indexed<E> {
 
     /// Stores a selection and returns it with its index as action.
     fn selected(&mut self, selection: Selection<E::Act>) -> Selection<usize> {
-        let indexed = selection.acting(self.selections.len());
+        let indexed = selection.with_act(self.selections.len());
         self.selections.push(selection);
         indexed
     }

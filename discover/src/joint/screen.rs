@@ -83,7 +83,7 @@ impl Joint<'_> {
         };
         let best = (1..members.len()).fold(0, better);
         let named = &members[best];
-        let unchanged = selection.acting(origin(selection.candidate.act));
+        let unchanged = selection.with_act(origin(selection.candidate.act));
         if members.len() < 2 || !others.iter().any(|other| other.is_estimated) {
             return Ok(unchanged);
         }
@@ -104,7 +104,7 @@ impl Joint<'_> {
         let mut joint = other.map_or(unchanged, |other| Selection {
             p_value: selection.p_value,
             rivals: rivals_of_member(selection, &named.effect),
-            ..other.acting(origin(other.candidate.act))
+            ..other.with_act(origin(other.candidate.act))
         });
         let names = members.iter().map(|member| member.effect.as_str());
         let excluded: Vec<&str> = names
@@ -185,7 +185,7 @@ impl Joint<'_> {
             .max_by(|a, b| a.1.t().abs().total_cmp(&b.1.t().abs()))?;
         let part = &mut self.kinds[*kind].part;
         let selection = part.select(&fit.parts[*kind].free, surest)?;
-        let mut joint = selection.acting(Origin {
+        let mut joint = selection.with_act(Origin {
             kind: *kind,
             selection: selection.candidate.act,
         });

@@ -73,7 +73,7 @@ impl SharesEffects for StatedData {
     }
     fn select(&mut self, _: &String, amount: &Amount) -> Option<Selection<()>> {
         let known = self.sizes.iter().any(|own| own.is_same(amount));
-        known.then(|| selection_of(&amount.effect, amount.value, &[]).acting(()))
+        known.then(|| selection_of(&amount.effect, amount.value, &[]).with_act(()))
     }
     fn amounts(&self, fit: &String, _: usize) -> Vec<Amount> {
         let own = self.sizes.iter().filter(|own| own.effect == *fit);

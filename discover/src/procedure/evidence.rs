@@ -273,9 +273,9 @@ impl<A> Selection<A> {
     }
 
     /// This selection with another action.
-    pub fn acting<B>(&self, act: B) -> Selection<B> {
+    pub fn with_act<B>(&self, act: B) -> Selection<B> {
         Selection {
-            candidate: self.candidate.acting(act),
+            candidate: self.candidate.with_act(act),
             size: self.size,
             error: self.error,
             class: self.class.clone(),

@@ -79,7 +79,7 @@ impl<'a> Experiments<'a> {
         untestable.extend(unreadable);
         let is_requested = |effect: &str| {
             let is_outside = effect.starts_with("unknown:");
-            options.looks_for(if is_outside {
+            options.includes(if is_outside {
                 OUTSIDE_CATALOGUE
             } else {
                 effect

@@ -12,7 +12,7 @@ const ROWS: usize = 5;
 
 /// Measured coefficients with the law, and each named effect over its strongest column.
 pub fn pictures(setting: &Setting, rows: &[Row], first: &Fit, last: &Fit) -> Vec<Picture> {
-    let named = (0..last.chosen.len()).filter_map(|k| driven(setting, rows, last, k));
+    let named = (0..last.chosen.len()).filter_map(|k| effect_picture(setting, rows, last, k));
     [law(setting, rows, first)]
         .into_iter()
         .chain(named)
@@ -20,7 +20,7 @@ pub fn pictures(setting: &Setting, rows: &[Row], first: &Fit, last: &Fit) -> Vec
 }
 
 /// Contribution of an effect over its strongest column, with residuals of the fit without it.
-fn driven(setting: &Setting, rows: &[Row], last: &Fit, k: usize) -> Option<Picture> {
+fn effect_picture(setting: &Setting, rows: &[Row], last: &Fit, k: usize) -> Option<Picture> {
     let adds = |row: &Row| 1e3 * last.added(setting, row, k);
     let added: Vec<f64> = rows.iter().map(adds).collect();
     let strength = |values: &[f64]| correlation(values, &added).abs();

@@ -40,7 +40,7 @@ pub fn screen_maps(
     for effect in CATALOGUE.iter() {
         let name = effect.info().name;
         let on = active.iter().any(|(e, _)| e.info().name == name);
-        if on || !options.looks_for(name) || (!mapped && effect.search.needs_map) {
+        if on || !options.includes(name) || (!mapped && effect.search.needs_map) {
             continue;
         }
         progress(name);

@@ -277,7 +277,7 @@ impl Evidence for Campaign<'_> {
                 unit: one.map_or(String::new(), |c| c.unit.clone()),
                 channels,
             },
-            closed: self.close(base, last, steps),
+            closed: self.closed_shares(base, last, steps),
         })
     }
 

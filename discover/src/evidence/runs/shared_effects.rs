@@ -96,7 +96,7 @@ impl SharesEffects for Campaign<'_> {
         }
         let mut fixed = self.fitted(&model, fit.owners.clone())?;
         fixed.unwritten.clone_from(&fit.unwritten);
-        self.write(&mut fixed);
+        self.set_final_estimates(&mut fixed);
         Ok(fixed)
     }
 }

@@ -29,7 +29,7 @@ pub fn list(data: &Data, model: &Effects, along: bool, options: &Options) -> Can
     let mut out = Candidates::default();
     for effect in CATALOGUE.iter() {
         let info = effect.info();
-        if !options.looks_for(info.name) {
+        if !options.includes(info.name) {
             continue;
         }
         if let Some(reason) = untestable_reason(info, data, along) {
@@ -63,13 +63,13 @@ pub fn list(data: &Data, model: &Effects, along: bool, options: &Options) -> Can
             }
         }
     }
-    if options.looks_for(OUTSIDE_CATALOGUE) && !data.segmented {
+    if options.includes(OUTSIDE_CATALOGUE) && !data.segmented {
         out.levels.extend(covariates(data, along));
     }
     for effect in &model.active {
         if let Kind::Custom(custom) = &effect.kind
             && effect.values[0] == 0.0
-            && options.looks_for(&effect.name)
+            && options.includes(&effect.name)
         {
             let candidate = custom_candidate(&effect.name, custom.clone(), &effect.track);
             out.regular.push(candidate);

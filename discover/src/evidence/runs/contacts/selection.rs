@@ -45,7 +45,7 @@ impl Campaign<'_> {
         if !lateral || model.contacts.is_some() || self.data.segmented {
             return None;
         }
-        let effect = wall().filter(|e| self.options.looks_for(e.info.name))?;
+        let effect = wall().filter(|e| self.options.includes(e.info.name))?;
         let whole = self.whole();
         let unchanged = residuals_without(model, whole);
         let mut residual = unchanged.clone();

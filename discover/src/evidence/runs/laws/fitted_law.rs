@@ -7,7 +7,7 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::laws::formulas::formula::Formula;
 use crate::evidence::runs::laws::formulas::shape::unit;
 use crate::evidence::runs::laws::formulas::shapes::rounded;
-use crate::evidence::runs::laws::judged::SmoothLaw;
+use crate::evidence::runs::laws::smooth_laws::SmoothLaw;
 use crate::evidence::runs::laws::sums::LawSums;
 use crate::evidence::runs::laws::term::KNOWN;
 use crate::evidence::runs::laws::terms::Terms;

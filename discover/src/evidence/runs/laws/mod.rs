@@ -2,9 +2,9 @@
 
 pub(crate) mod fitted_law;
 pub(crate) mod formulas;
-pub(crate) mod judged;
+pub(crate) mod group_tests;
 pub(crate) mod selection;
-pub(crate) mod smooth;
+pub(crate) mod smooth_laws;
 pub(crate) mod sums;
 pub(crate) mod term;
 pub(crate) mod terms;

@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::laws::fitted_law::{FittedLaw, LawFitter, name};
-use crate::evidence::runs::laws::judged::SmoothLaw;
+use crate::evidence::runs::laws::smooth_laws::SmoothLaw;
 use crate::evidence::runs::laws::sums::{LawSums, difference, total};
 use crate::evidence::runs::laws::terms::Terms;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;

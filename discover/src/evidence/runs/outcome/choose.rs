@@ -102,13 +102,13 @@ fn is_larger(after: &Squares, before: &Squares, rules: &SearchRules) -> bool {
 }
 
 /// A model that may be written, and the reasons against writing it.
-struct Tried {
+struct Trial {
     fit: RunFit,
     performance: Option<Performance>,
     reasons: Vec<String>,
 }
 
-impl Tried {
+impl Trial {
     /// Sum of the logarithms of the mean squares; infinite for a model that cannot be simulated.
     fn misfit(&self) -> f64 {
         let misfit = self.performance.as_ref().map(Performance::misfit);
@@ -117,7 +117,7 @@ impl Tried {
 
     /// Orders models without a reason against them first, then by misfit.
     fn cmp(&self, other: &Self) -> Ordering {
-        let [own, its] = [self, other].map(|tried| !tried.reasons.is_empty());
+        let [own, its] = [self, other].map(|trial| !trial.reasons.is_empty());
         let by_misfit = || self.misfit().total_cmp(&other.misfit());
         own.cmp(&its).then_with(by_misfit)
     }
@@ -161,7 +161,7 @@ impl Campaign<'_> {
         {
             self.join_better_rivals((refitted, fit), (own, &given), account)?;
         }
-        let mut base = self.tried(refitted, &given);
+        let mut base = self.trial(refitted, &given);
         if base.performance.is_some() && base.misfit() > given.misfit() {
             let reason = "other runs are not replayed better".to_owned();
             base.reasons.push(reason);
@@ -219,26 +219,26 @@ impl Campaign<'_> {
         let contacts = last.settled.contacts.as_ref();
         let has_contacts = contacts.is_some_and(|contacts| contacts.step.is_some());
         let has_effects = has_contacts || !last.owners.is_empty();
-        let mut next = has_effects.then(|| self.tried(&last, given));
-        while let Some(tried) = next.take() {
-            if tried.reasons.is_empty() {
+        let mut next = has_effects.then(|| self.trial(&last, given));
+        while let Some(trial) = next.take() {
+            if trial.reasons.is_empty() {
                 // With the base as stated a size may be within its error.
-                let Some(step) = self.insignificant_step(&tried.fit, &account.steps) else {
+                let Some(step) = self.insignificant_step(&trial.fit, &account.steps) else {
                     return Ok(WithEffects {
                         last,
-                        accepted: Some(tried.fit),
-                        performance: tried.performance,
+                        accepted: Some(trial.fit),
+                        performance: trial.performance,
                     });
                 };
                 account.remove_step(step, NO_SIZE);
                 let fit = self.without_step(&last, step)?;
                 last = self.with_significant_steps(fit, account)?;
-                next = (!account.steps.is_empty()).then(|| self.tried(&last, given));
+                next = (!account.steps.is_empty()).then(|| self.trial(&last, given));
                 continue;
             }
-            let reason = tried.reasons.join("; ");
-            let effects = &tried.fit.residual_model.effects;
-            let added = effects.active[tried.fit.already()..].iter();
+            let reason = trial.reasons.join("; ");
+            let effects = &trial.fit.residual_model.effects;
+            let added = effects.active[trial.fit.already()..].iter();
             withheld.push(Withheld {
                 model: ModelKind::WithEffect,
                 effects: added.map(|e| e.effect_name().to_owned()).collect(),
@@ -256,7 +256,7 @@ impl Campaign<'_> {
                 return Ok(WithEffects {
                     last,
                     accepted: None,
-                    performance: tried.performance,
+                    performance: trial.performance,
                 });
             };
             account.remove_step(step, &format!("made other runs worse ({reason})"));
@@ -265,7 +265,7 @@ impl Campaign<'_> {
             next = match account.steps.len() {
                 n if n == remaining => Some(shorter),
                 0 => None,
-                _ => Some(self.tried(&last, given)),
+                _ => Some(self.trial(&last, given)),
             };
         }
         Ok(WithEffects {
@@ -282,17 +282,17 @@ impl Campaign<'_> {
         fit: &RunFit,
         steps: &[usize],
         given: &Performance,
-    ) -> Result<Option<(usize, RunFit, Tried)>> {
-        let mut best: Option<(usize, RunFit, Tried)> = None;
+    ) -> Result<Option<(usize, RunFit, Trial)>> {
+        let mut best: Option<(usize, RunFit, Trial)> = None;
         for step in steps.iter().filter(|_| steps.len() > 1) {
             let mut without = self.without_step(fit, *step)?;
-            self.write(&mut without);
-            let tried = self.tried(&without, given);
+            self.set_final_estimates(&mut without);
+            let trial = self.trial(&without, given);
             if best
                 .as_ref()
-                .is_none_or(|(_, _, best)| tried.cmp(best).is_lt())
+                .is_none_or(|(_, _, best)| trial.cmp(best).is_lt())
             {
-                best = Some((*step, without, tried));
+                best = Some((*step, without, trial));
             }
         }
         Ok(best)
@@ -324,11 +324,11 @@ impl Campaign<'_> {
                     continue;
                 };
                 let mut other = self.add(&without, &selection, last)?.fit;
-                self.write(&mut other);
-                let tried = self.tried(&other, given);
+                self.set_final_estimates(&mut other);
+                let trial = self.trial(&other, given);
                 let rules = &self.options.rules.search;
                 let better = |other: &Performance| !own.worse_than(other, rules).is_empty();
-                if !tried.performance.as_ref().is_some_and(better) {
+                if !trial.performance.as_ref().is_some_and(better) {
                     break;
                 }
                 rival.in_class = true;
@@ -344,7 +344,7 @@ impl Campaign<'_> {
     }
 
     /// The better base of a fit, refitted or as stated, each with the friction of the replays.
-    fn tried(&self, fit: &RunFit, given: &Performance) -> Tried {
+    fn trial(&self, fit: &RunFit, given: &Performance) -> Trial {
         let mut bases = vec![fit.clone()];
         if let Some(other) = &fit.base_as_given {
             let settled = self.installed_in(&other.settled, &self.training);
@@ -353,7 +353,7 @@ impl Campaign<'_> {
                 ..(**other).clone()
             });
         }
-        let tried = bases.into_iter().map(|fit| {
+        let trial = bases.into_iter().map(|fit| {
             let fit = self.with_replayed_friction(fit, &given.replayed);
             let (performance, reasons) = match self.performance(&fit, Some(&given.replayed)) {
                 Ok(performance) => {
@@ -362,13 +362,13 @@ impl Campaign<'_> {
                 }
                 Err(reason) => (None, vec![reason]),
             };
-            Tried {
+            Trial {
                 fit,
                 performance,
                 reasons,
             }
         });
-        tried.min_by(Tried::cmp).expect("a refitted base")
+        trial.min_by(Trial::cmp).expect("a refitted base")
     }
 
     /// Base parameters that the refit changes by more than the plausible factor.

@@ -99,7 +99,7 @@ impl Campaign<'_> {
     }
 
     /// Closed share of the explainable misfit on the held-out runs, by step.
-    pub fn close(&self, base: &RunFit, last: &RunFit, steps: &[Step]) -> Vec<Interval> {
+    pub fn closed_shares(&self, base: &RunFit, last: &RunFit, steps: &[Step]) -> Vec<Interval> {
         if steps.is_empty() || base.whitener.count() == 0 || self.held_out.is_empty() {
             return Vec::new();
         }

@@ -61,7 +61,7 @@ impl Campaign<'_> {
                     model
                 });
                 let rows = [&rows_of(&without), &rows[1]];
-                pictures.extend(driven(active.effect_name(), channel, &frames, rows));
+                pictures.extend(effect_picture(active.effect_name(), channel, &frames, rows));
             }
         }
         pictures
@@ -179,7 +179,7 @@ fn means_along(s: &[f64], rows: &[f64], from: f64, step: f64, to: f64) -> Vec<f6
 ///
 /// The column is the one of [`COLUMNS`] and [`STATED`] with the largest correlation ratio: the
 /// share of the contribution's variance between its bins.
-fn driven(
+fn effect_picture(
     effect: &str,
     channel: usize,
     frames: &[Frame],

@@ -55,14 +55,6 @@ pub struct Squares {
     pub pieces: Vec<[f64; 2]>,
 }
 
-/// A replay of one run by column of [`REPLAYED`].
-struct ReplayedRun {
-    /// Mean squares of the differences from the recorded run.
-    mean_squares: [f64; 3],
-    /// Standard deviations of the differences by the noise of the sensors.
-    noise_sd: [f64; 3],
-}
-
 impl Squares {
     pub fn mean(&self) -> f64 {
         let [sum, count] = [0, 1].map(|k| self.pieces.iter().map(|p| p[k]).sum::<f64>());
@@ -72,6 +64,14 @@ impl Squares {
     pub fn rms(&self) -> f64 {
         self.mean().sqrt()
     }
+}
+
+/// A replay of one run by column of [`REPLAYED`].
+struct ReplayedRun {
+    /// Mean squares of the differences from the recorded run.
+    mean_squares: [f64; 3],
+    /// Standard deviations of the differences by the noise of the sensors.
+    noise_sd: [f64; 3],
 }
 
 /// Factor on friction at which runs are replayed best.

@@ -12,7 +12,7 @@ use crate::procedure::evidence::Account;
 impl Campaign<'_> {
     /// Sets the final estimates of a fit and their model. Effects are also estimated given the base
     /// as stated.
-    pub fn write(&self, fit: &mut RunFit) {
+    pub fn set_final_estimates(&self, fit: &mut RunFit) {
         let model = fit.residual_model.with_fixed(false);
         let found = estimate(&self.fitting(), &model, &fit.whitener);
         let stated = found.clone().given_base(&self.free);

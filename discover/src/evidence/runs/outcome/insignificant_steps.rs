@@ -10,7 +10,7 @@ impl Campaign<'_> {
     /// The fit without the steps that are insignificant given the others, with final estimates.
     pub fn with_significant_steps(&self, mut fit: RunFit, account: &mut Account) -> Result<RunFit> {
         loop {
-            self.write(&mut fit);
+            self.set_final_estimates(&mut fit);
             let Some(step) = self.insignificant_step(&fit, &account.steps) else {
                 return Ok(fit);
             };

@@ -162,7 +162,7 @@ impl Plan {
 }
 
 /// A simulated run of a plan, processed as a recorded one; `None` if it cannot be simulated.
-pub fn driven(
+pub fn simulated_run(
     campaign: &Campaign,
     model: &ResidualModel,
     plan: &Plan,

@@ -32,7 +32,7 @@ use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::design::OWN_LEVELS;
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::model::whiten::Whitener;
-use crate::evidence::runs::outcome::driven::{Plan, RUNS, driven, plans};
+use crate::evidence::runs::outcome::run_plans::{Plan, RUNS, plans, simulated_run};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::levels::group;
 use crate::finding::NextRuns;
@@ -188,7 +188,7 @@ impl Campaign<'_> {
     ) -> Option<Vec<Pair>> {
         let mut pairs: Vec<Pair> = Vec::new();
         for (a, truth) in members.iter().enumerate() {
-            let simulate = |noise: Option<&Noise>| driven(self, &truth.model, plan, noise);
+            let simulate = |noise: Option<&Noise>| simulated_run(self, &truth.model, plan, noise);
             let frame = simulate(None)?;
             let whitener = match plan.noise {
                 None => whitener.clone(),
