@@ -64,6 +64,12 @@ fn usual(training: &[Frame]) -> Conditions {
     }
 }
 
+/// A condition changed by each of these steps, within limits; nothing if it is not stated (NaN).
+fn changed(usual: f64, steps: [f64; 2], [low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
+    let steps = steps.into_iter().filter(move |_| !usual.is_nan());
+    steps.map(move |step| (usual + step).clamp(low, high))
+}
+
 /// Plans for each track: unchanged conditions, then one change each.
 pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
     let first = training.iter().filter_map(|frame| frame.v.first());
@@ -102,14 +108,12 @@ pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
                 p.conditions.mass_kg = mass;
             });
         }
-        for step in ICE_K {
-            let ice = (conditions.ice_c + step).min(-0.5);
+        for ice in changed(conditions.ice_c, ICE_K, [f64::NEG_INFINITY, -0.5]) {
             let change = format!("on ice of {ice:.1} °C instead of {:.1}", conditions.ice_c);
             add(change, &|p| p.conditions.ice_c = ice);
         }
         let usual = conditions.humidity_pct;
-        for step in HUMIDITY_PCT.into_iter().filter(|_| !usual.is_nan()) {
-            let humidity = (usual + step).clamp(5.0, 100.0);
+        for humidity in changed(usual, HUMIDITY_PCT, [5.0, 100.0]) {
             let change = format!("in air of {humidity:.0} % humidity instead of {usual:.0}");
             add(change, &|p| p.conditions.humidity_pct = humidity);
         }
@@ -189,4 +193,16 @@ pub fn simulated_run(
     let surveys = Surveys::from([(plan.track.name.clone(), profile)]);
     let rules = &campaign.rules().recordings;
     frame(&run, &signal_kernel(run.dt_s, rules), &surveys, rules).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_condition_that_is_not_stated_is_not_changed() {
+        let limits = [f64::NEG_INFINITY, -0.5];
+        assert!(changed(-4.0, ICE_K, limits).eq([-9.0, -0.5]));
+        assert_eq!(changed(f64::NAN, ICE_K, limits).count(), 0);
+    }
 }
