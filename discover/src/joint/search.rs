@@ -7,7 +7,7 @@ use kufe_sled::Model;
 use crate::error::Result;
 use crate::evidence::experiments::evidence::Experiments;
 use crate::evidence::maps::evidence::Maps;
-use crate::evidence::maps::measured::rows::Measured;
+use crate::evidence::maps::rows::Measured;
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::{experiments, maps, runs};
 use crate::joint::file::{CampaignFile, case_of};

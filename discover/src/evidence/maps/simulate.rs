@@ -10,8 +10,8 @@ use kufe_contact::solve;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::evidence::maps::measured::rows::Row;
 use crate::evidence::maps::registration::{Film, Moments, Registered};
+use crate::evidence::maps::rows::Row;
 use crate::evidence::maps::sample::SolvedPressure;
 use crate::procedure::rules::MapRules;
 
@@ -342,7 +342,7 @@ mod tests {
     use kufe_mesh::Paraboloid;
 
     use super::*;
-    use crate::evidence::maps::measured::noise::deviations;
+    use crate::evidence::maps::noise::deviations;
     use crate::evidence::maps::polish::polish;
     use crate::evidence::maps::registration::FilmTolerance;
     use crate::null::random::{normal, stream};

@@ -314,6 +314,8 @@ impl Evidence for Campaign<'_> {
         let bins_after = bins(last);
         let faults = shared_faults(&account.steps, &self.training, rules.alpha);
         account.depends.extend(faults);
+        self.describe_contacts(last, &mut account.steps);
+        let base_parameters = self.base_parameters(last);
         let data = if self.data.segmented {
             "one run, in segments"
         } else {
@@ -347,8 +349,8 @@ impl Evidence for Campaign<'_> {
                 .concat(),
                 training,
                 within_tolerance: self.within_tolerance(last, account),
-                implausible: self.implausible(&self.base_parameters(last), account),
-                base: self.base_parameters(last),
+                implausible: self.implausible(&base_parameters, account),
+                base: base_parameters,
                 bins: bins(base),
                 clean: bins_after.iter().all(|b| b.p_value > rules.bin_unclean),
                 bins_after,
@@ -362,10 +364,7 @@ impl Evidence for Campaign<'_> {
                 next_runs,
                 ..Report::default()
             },
-            parameters: {
-                self.describe_contacts(last, &mut account.steps);
-                self.parameters(last, account.steps.len())
-            },
+            parameters: self.parameters(last, account.steps.len()),
             laws: self.laws(last, account.steps.len()),
             effects: CATALOGUE.iter().map(|e| Meaning::of(e.info())).collect(),
             nothing: self

@@ -4,9 +4,8 @@ use kufe_sled::effects::{Channel, Custom, Kind};
 
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::laws::formulas::formula::Formula;
-use crate::evidence::runs::laws::formulas::shape::unit;
-use crate::evidence::runs::laws::formulas::shapes::rounded;
+use crate::evidence::runs::laws::formula::Formula;
+use crate::evidence::runs::laws::shape::{rounded, unit};
 use crate::evidence::runs::laws::smooth_laws::SmoothLaw;
 use crate::evidence::runs::laws::sums::LawSums;
 use crate::evidence::runs::laws::term::KNOWN;

@@ -107,10 +107,11 @@ fn cells(residual_model: &ResidualModel, whitener: &Whitener, frames: &[Frame]) 
             let on: Vec<usize> = (0..frames.len()).filter(is_on).collect();
             let mut all: Vec<f64> = on.iter().flat_map(|i| &values[*i]).copied().collect();
             all.sort_by(f64::total_cmp);
+            let Some(last) = all.len().checked_sub(1) else {
+                continue;
+            };
             let parts = if track.is_some() { 40 } else { 10 };
-            let mut edges: Vec<f64> = (0..=parts)
-                .map(|k| all[(k * (all.len() - 1)) / parts])
-                .collect();
+            let mut edges: Vec<f64> = (0..=parts).map(|k| all[k * last / parts]).collect();
             edges.dedup();
             for pair in edges.windows(2) {
                 let is_inside = |x: f64| x >= pair[0] && x < pair[1];

@@ -4,8 +4,7 @@ use kufe_sled::effects::Channel;
 use nalgebra::DMatrix;
 
 use crate::evidence::runs::laws::fitted_law::LawFitter;
-use crate::evidence::runs::laws::formulas::shape::Shape;
-use crate::evidence::runs::laws::formulas::shapes::{around, formulas};
+use crate::evidence::runs::laws::shape::{Shape, around, formulas};
 use crate::evidence::runs::laws::smooth_laws::SmoothLaw;
 use crate::evidence::runs::laws::sums::{LawSums, difference};
 use crate::evidence::runs::laws::term::Term;

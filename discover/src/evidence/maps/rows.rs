@@ -8,7 +8,7 @@ use kufe::case::effects::{CATALOGUE, Map};
 use kufe_contact::{Load, Problem};
 
 use crate::error::{Error, Result};
-use crate::evidence::maps::measured::noise::{deviations, is_blank};
+use crate::evidence::maps::noise::{deviations, is_blank};
 use crate::evidence::maps::registration::FilmTolerance;
 use crate::evidence::maps::simulate::SizedEffects;
 use crate::input::exr_map::read_map;
