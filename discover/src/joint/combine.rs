@@ -33,10 +33,7 @@ pub fn disagreement(amounts: &[Amount]) -> f64 {
 
 /// Twice the log-likelihood ratio of one common size to a size of 0: the square of the common t.
 pub fn gain(amounts: &[Amount]) -> f64 {
-    let Some(common) = together(amounts) else {
-        return 0.0;
-    };
-    common.t().powi(2)
+    together(amounts).map_or(0.0, |common| common.t().powi(2))
 }
 
 #[cfg(test)]

@@ -24,14 +24,13 @@ pub struct Decrease {
 impl Decrease {
     /// The sum over independent pieces, with a standard error from their scatter; `None` without
     /// pieces.
-    pub fn over(pieces: &[f64], repeats: f64) -> Option<Self> {
+    pub fn over(pieces: &[f64]) -> Option<Self> {
         let n = pieces.len() as f64;
         let by: f64 = pieces.iter().sum();
         let squares: f64 = pieces.iter().map(|piece| (piece - by / n).powi(2)).sum();
         (n > 0.0).then(|| Self {
             by,
             error: (squares * n / (n - 1.0).max(1.0)).sqrt(),
-            repeats,
             ..Self::default()
         })
     }
@@ -57,7 +56,7 @@ impl Decrease {
     ) -> Option<Self> {
         let over = |weights: [f64; C]| {
             let sum = |piece: &[f64; C]| piece.iter().zip(&weights).map(|(f, w)| f * w).sum();
-            Self::over(&pieces.iter().map(sum).collect::<Vec<f64>>(), 0.0)
+            Self::over(&pieces.iter().map(sum).collect::<Vec<f64>>())
         };
         let weighted = over(weights(training))?;
         let of_channel = |(c, name): (usize, &'static str)| {
@@ -240,7 +239,7 @@ mod tests {
         let rules = SearchRules::default();
         let observed = |observed| Decrease {
             contact_evidence: Some([observed, 3.7]),
-            ..Decrease::over(&[5.0, 6.0, 5.5], 0.0).unwrap()
+            ..Decrease::over(&[5.0, 6.0, 5.5]).unwrap()
         };
         assert!(observed(3.8).is_accepted(&rules));
         assert!(!observed(3.6).is_accepted(&rules) && !observed(-4.0).is_accepted(&rules));

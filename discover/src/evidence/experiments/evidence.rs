@@ -252,7 +252,7 @@ impl Evidence for Experiments<'_> {
         // effect between them in residuals without offsets.
         let decrease = |row: &Row| {
             let squares = |of: &Fit, offsets: &Offsets| {
-                let residual = row.mu - of.predict(setting, row).1;
+                let residual = of.residual(setting, row);
                 let given = (residual - offsets.of(row)) / from.own_deviation(setting, row);
                 let alone = residual / from.deviation(setting, row);
                 [given, alone].map(|r| r * r)
@@ -263,7 +263,7 @@ impl Evidence for Experiments<'_> {
         let decreases: Vec<[f64; 2]> = self.held_out.iter().map(decrease).collect();
         if setting.between.both() == 0.0 {
             let without_offsets: Vec<f64> = decreases.iter().map(|by| by[1]).collect();
-            return Ok(Decrease::over(&without_offsets, 0.0));
+            return Ok(Decrease::over(&without_offsets));
         }
         let training: Vec<[f64; 2]> = self.training.iter().map(decrease).collect();
         Ok(Decrease::over_channels(

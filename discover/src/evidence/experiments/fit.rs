@@ -229,20 +229,27 @@ impl Fit {
         (self.rest.len() as f64 - self.step.len() as f64).max(1.0)
     }
 
-    /// mu of a row by the base alone, and with the known and selected effects.
-    pub fn predict(&self, setting: &Setting, row: &Row) -> (f64, f64) {
-        let base = base_law(setting.base, row, &self.step);
+    /// mu of a row by the base law alone.
+    pub fn base_law(&self, setting: &Setting, row: &Row) -> f64 {
+        base_law(setting.base, row, &self.step)
+    }
+
+    /// mu of a row with the known and selected effects.
+    pub fn predict(&self, setting: &Setting, row: &Row) -> f64 {
+        let base = self.base_law(setting, row);
         let changes = (0..self.chosen.len()).map(|k| self.added(setting, row, k));
         let selected: f64 = changes.sum();
-        (
-            base,
-            base + setting.known.add(row, base.max(MIN_MU)) + selected,
-        )
+        base + setting.known.add(row, base.max(MIN_MU)) + selected
+    }
+
+    /// Measured minus predicted mu of a row.
+    pub fn residual(&self, setting: &Setting, row: &Row) -> f64 {
+        row.mu - self.predict(setting, row)
     }
 
     /// Contribution of the `k`-th selected effect to mu of a row.
     pub fn added(&self, setting: &Setting, row: &Row, k: usize) -> f64 {
-        let base = base_law(setting.base, row, &self.step);
+        let base = self.base_law(setting, row);
         let size = self.step[setting.base.len() + k];
         setting.candidates[self.chosen[k]].change(row, base.max(MIN_MU), size)
     }
@@ -269,14 +276,13 @@ impl Fit {
 
     /// Standard deviation of mu of a row: measurement, pressure, specimen and session.
     pub fn deviation(&self, setting: &Setting, row: &Row) -> f64 {
-        deviation(row, &self.step, setting.base).hypot(setting.between.both())
+        self.own_deviation(setting, row)
+            .hypot(setting.between.both())
     }
 
     /// Root mean square of the residual of these rows.
     pub fn rms_of(&self, setting: &Setting, rows: &[Row]) -> f64 {
-        let squares = rows
-            .iter()
-            .map(|row| (row.mu - self.predict(setting, row).1).powi(2));
+        let squares = rows.iter().map(|row| self.residual(setting, row).powi(2));
         (squares.sum::<f64>() / rows.len().max(1) as f64).sqrt()
     }
 }

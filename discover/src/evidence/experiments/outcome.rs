@@ -60,11 +60,10 @@ impl Experiments<'_> {
     pub fn closed(&self, before: &Fit, after: &Fit) -> Interval {
         let all: Vec<usize> = after.chosen.iter().copied().chain(self.next_best).collect();
         let least = self.fitted(&all);
+        let setting = &self.setting;
         let rest = |rows: &[Row], fit: &Fit| -> Vec<f64> {
-            let residual = |row: &Row| row.mu - fit.predict(&self.setting, row).1;
-            let rows = rows.iter();
-            rows.map(|row| residual(row) / after.deviation(&self.setting, row))
-                .collect()
+            let of_row = |row| fit.residual(setting, row) / after.deviation(setting, row);
+            rows.iter().map(of_row).collect()
         };
         let judged = if self.held_out.is_empty() {
             &self.training
@@ -85,8 +84,7 @@ impl Experiments<'_> {
 
 /// Significant bins of the residual of mu, strongest first; p-values are Bonferroni-corrected.
 pub fn bins(setting: &Setting, rows: &[Row], fit: &Fit) -> Vec<Bin> {
-    let residual = |row: &Row| row.mu - fit.predict(setting, row).1;
-    let rest: Vec<f64> = rows.iter().map(residual).collect();
+    let rest: Vec<f64> = rows.iter().map(|row| fit.residual(setting, row)).collect();
     let pressure = rows.iter().map(|r| r.pressure).collect();
     let mut columns = vec![("p_max_pa", pressure)];
     columns.extend(further_columns(rows));

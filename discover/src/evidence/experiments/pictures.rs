@@ -37,8 +37,7 @@ fn effect_picture(setting: &Setting, rows: &[Row], last: &Fit, k: usize) -> Opti
         )
     });
     let (line_x, line_y) = means.unzip();
-    let without =
-        |(row, added): (&Row, &f64)| 1e3 * (row.mu - last.predict(setting, row).1) + added;
+    let without = |(row, added): (&Row, &f64)| 1e3 * last.residual(setting, row) + added;
     let effect = &setting.candidates[last.chosen[k]].effect;
     Some(Picture {
         title: format!("{effect} over {column}"),
@@ -85,7 +84,7 @@ fn law(setting: &Setting, rows: &[Row], first: &Fit) -> Picture {
                 let p = low + (high - low) * f64::from(k) / 60.0;
                 let mut row = rows[0].clone();
                 row.pressure = 1e6 * p;
-                (p, 1e3 * first.predict(setting, &row).0)
+                (p, 1e3 * first.base_law(setting, &row))
             };
             let (x, y) = (0..=60).map(point).unzip();
             (

@@ -104,7 +104,7 @@ pub fn screen_table<'a>(
     let inverse = ridge_inverse(now.columns.tr_mul(&now.columns));
     let whitened = |c: usize| -> DVector<f64> {
         now.whitening.apply(&DVector::from_fn(n, |i, _| {
-            let (mu, _) = now.predict(setting, &rows[i]);
+            let mu = now.base_law(setting, &rows[i]);
             candidates[c].slope(&rows[i], mu.max(1e-5), 0.0)
         }))
     };
@@ -179,8 +179,7 @@ fn simulated_rows(
     let mut rng = stream(seed, 0x7A17, draw);
     let mut drawn = rows.to_vec();
     for (drawn, row) in drawn.iter_mut().zip(rows) {
-        let (_, mu) = now.predict(setting, row);
-        drawn.mu = mu + row.mu_sd * normal(&mut rng);
+        drawn.mu = now.predict(setting, row) + row.mu_sd * normal(&mut rng);
         drawn.pressure = row.pressure + row.pressure_sd * normal(&mut rng);
     }
     for (groups, sd) in offsets.iter().filter(|(_, sd)| *sd > 0.0) {

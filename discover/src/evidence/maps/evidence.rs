@@ -28,7 +28,7 @@ use crate::evidence::maps::pictures::pictures;
 use crate::evidence::maps::polish::{MapFit, polish};
 use crate::evidence::maps::rows::{Measured, Row, remarks_on, typical_noise, untestable};
 use crate::evidence::maps::screen::{Steps, detectable, place, screen_maps, select};
-use crate::evidence::maps::simulate::{Misfit, Simulations, SizedEffects};
+use crate::evidence::maps::simulate::{Misfit, PIECES, Simulations, SizedEffects};
 use crate::finding::{ChannelGap, Fitted, Interval, Report, Step, Tolerated, fitted, held_out};
 use crate::options::Options;
 use crate::procedure::closed::{ClosedGap, change};
@@ -55,9 +55,6 @@ pub struct Maps<'a> {
     next: Option<(&'static Effect, f64)>,
     screens: usize,
 }
-
-/// Pieces of the residuals over which misfits are compared.
-const PIECES: usize = 16;
 
 impl<'a> Maps<'a> {
     /// Holds out the last map and solves all rows on two meshes.
@@ -335,11 +332,11 @@ impl Evidence for Maps<'_> {
         let (before, after) = (of(from)?, of(to)?);
         // Relative to its errors and in Pa.
         let falls = if after.rms < before.rms {
-            before.decreases(&after, PIECES)
+            before.decreases(&after)
         } else {
             vec![0.0; PIECES]
         };
-        Ok(Decrease::over(&falls, 0.0))
+        Ok(Decrease::over(&falls))
     }
 
     fn compare(&mut self, _: &MapFit, last: &MapFit, steps: &[Step]) -> Result<HeldOutResults> {

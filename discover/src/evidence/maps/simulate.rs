@@ -22,6 +22,9 @@ pub type SizedEffects = Vec<(&'static Effect, f64)>;
 /// although the simulation has no contact there: less than one of a million by chance.
 const ABOVE_NOISE: f64 = 5.0;
 
+/// Pieces of the residuals over which misfits are compared.
+pub const PIECES: usize = 16;
+
 /// Solution of a row before the sensor: the pressure of a row with a map, or the peak alone.
 enum Simulated {
     Pressure(SolvedPressure),
@@ -122,8 +125,8 @@ impl Misfit {
 
     /// Decrease of the sum of squares from this misfit to another one of the same rows, by piece of
     /// the residuals. Neighbouring pixels are correlated, so that the scatter is taken over pieces.
-    pub fn decreases(&self, other: &Self, pieces: usize) -> Vec<f64> {
-        let size = self.residuals.len().div_ceil(pieces).max(1);
+    pub fn decreases(&self, other: &Self) -> Vec<f64> {
+        let size = self.residuals.len().div_ceil(PIECES).max(1);
         let own = self.residuals.chunks(size);
         own.zip(other.residuals.chunks(size))
             .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a * a - b * b).sum())

@@ -16,7 +16,6 @@ use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::residual_model::{BASE, CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::outcome::bins::significant_bins;
 use crate::evidence::runs::outcome::conclude::shared_faults;
-use crate::evidence::runs::outcome::misfits::{by_run, channels};
 use crate::evidence::runs::outcome::next_model::next_model;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
@@ -252,14 +251,8 @@ impl Evidence for Campaign<'_> {
     fn compare(&mut self, base: &RunFit, last: &RunFit, steps: &[Step]) -> Result<HeldOutResults> {
         let in_these = |model| self.installed_in(model, &self.held_out);
         let [given, settled] = [&self.given_as_in(last), &last.settled].map(in_these);
-        let channels = channels(
-            &given,
-            &settled,
-            &self.held_out,
-            &self.simulator(&last.settled),
-            self.used,
-            self.rules().track_bin_m,
-        );
+        let simulator = self.simulator(&last.settled);
+        let channels = self.channel_gaps(&given, &settled, &self.held_out, &simulator);
         let first = steps.first();
         let shown = first.map_or(CHANNEL_NAMES[1].0, |step| step.channel.as_str());
         let one = channels.iter().find(|c| c.channel == shown);
@@ -303,14 +296,7 @@ impl Evidence for Campaign<'_> {
         };
         let simulator = self.simulator(&last.settled);
         let rules = &self.options.rules.runs;
-        let bins = |fit: &RunFit| {
-            significant_bins(
-                &fit.residual_model,
-                &fit.whitener,
-                &self.training,
-                self.options.seed,
-            )
-        };
+        let bins = |fit: &RunFit| significant_bins(fit, &self.training, self.options.seed);
         let bins_after = bins(last);
         let faults = shared_faults(&account.steps, &self.training, rules.alpha);
         account.depends.extend(faults);
@@ -322,14 +308,7 @@ impl Evidence for Campaign<'_> {
             "runs"
         };
         let given = self.installed_in(&self.given_as_in(last), self.whole());
-        let training = channels(
-            &given,
-            &last.settled,
-            self.whole(),
-            &simulator,
-            self.used,
-            self.rules().track_bin_m,
-        );
+        let training = self.channel_gaps(&given, &last.settled, self.whole(), &simulator);
         // With coloured or misstated noise bins are significant, too.
         let is_noise_stated = !matches!(
             self.data.noise_from,
@@ -354,12 +333,7 @@ impl Evidence for Campaign<'_> {
                 bins: bins(base),
                 clean: bins_after.iter().all(|b| b.p_value > rules.bin_unclean),
                 bins_after,
-                by_run: by_run(
-                    &base.residual_model,
-                    &last.residual_model,
-                    &self.training,
-                    self.used,
-                ),
+                by_run: self.by_run(&base.residual_model, &last.residual_model),
                 untestable: self.candidates.untestable.clone(),
                 next_runs,
                 ..Report::default()

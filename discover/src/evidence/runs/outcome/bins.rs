@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use nalgebra::DMatrix;
 
+use crate::evidence::runs::campaign::RunFit;
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::model::whiten::Whitener;
@@ -64,13 +65,8 @@ impl Cell {
 
 /// Bins of every column with a significant whitened residual: sign-flips over runs, max-T over
 /// bins.
-pub fn significant_bins(
-    residual_model: &ResidualModel,
-    whitener: &Whitener,
-    frames: &[Frame],
-    seed: u64,
-) -> Vec<Bin> {
-    let cells = cells(residual_model, whitener, frames);
+pub fn significant_bins(fit: &RunFit, frames: &[Frame], seed: u64) -> Vec<Bin> {
+    let cells = cells(&fit.residual_model, &fit.whitener, frames);
     if cells.is_empty() {
         return Vec::new();
     }

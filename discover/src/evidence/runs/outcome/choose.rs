@@ -87,7 +87,7 @@ impl Performance {
 fn is_larger(after: &Squares, before: &Squares, rules: &SearchRules) -> bool {
     let both = after.pieces.iter().zip(&before.pieces);
     let decreases: Vec<f64> = both.map(|(a, b)| b[0] - a[0]).collect();
-    let Some(decrease) = Decrease::over(&decreases, 0.0) else {
+    let Some(decrease) = Decrease::over(&decreases) else {
         return false;
     };
     let n = decreases.len() as f64;

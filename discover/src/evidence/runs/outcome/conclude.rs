@@ -8,7 +8,6 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::Candidates;
 use crate::evidence::runs::model::residual_model::{BASE_NAMES, CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::outcome::bins::significant_bins;
-use crate::evidence::runs::outcome::explained::explainable_closed;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::channel::TrackChannel;
 use crate::finding::{Bin, Fitted, Interval, Step, undetermined_share};
@@ -16,7 +15,6 @@ use crate::null::clusters::session_numbers;
 use crate::options::OUTSIDE_CATALOGUE;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Dependence;
-use crate::procedure::rules::RunRules;
 use crate::procedure::shared_effects::Amount;
 
 impl Campaign<'_> {
@@ -124,16 +122,10 @@ impl Campaign<'_> {
         let designs = models
             .each_ref()
             .map(|model| self.design(model, &base.whitener, &directions));
-        let closed = explainable_closed(
-            designs.each_ref(),
-            last_model.held_out,
-            [&self.training, &self.held_out],
-            &simulator,
-            self.rules(),
-            self.options.seed,
-        );
+        let after = last_model.held_out;
+        let closed = self.explainable_closed(designs.each_ref(), after, &simulator);
         let held_out = [base_model.held_out, last_model.held_out];
-        let by_track = || track_closed(held_out, &self.held_out, self.rules());
+        let by_track = || self.track_closed(held_out);
         let track = CHANNEL_NAMES[3].0;
         let contacts = last.settled.contacts.as_ref().and_then(|c| c.step);
         let of_step = |(k, step): (usize, &Step)| {
@@ -150,41 +142,32 @@ impl Campaign<'_> {
         steps.iter().enumerate().map(of_step).collect()
     }
 
+    /// Closed share of the track channel's mean square on the held-out runs, less its scatter;
+    /// without an interval.
+    fn track_closed(&self, models: [&ResidualModel; 2]) -> Interval {
+        let [before, after] = models.map(|model| {
+            let channel = TrackChannel::new(model, &self.held_out, self.rules());
+            channel.map(|channel| channel.closure().powi(2))
+        });
+        undetermined_share(match (before, after) {
+            (Some(before), Some(after)) if before > 0.0 => (1.0 - after / before).clamp(-1.0, 1.0),
+            _ => 0.0,
+        })
+    }
+
     /// Whether bins are significant that are not so in any simulated run: noisy inputs bias bins in
     /// every run alike.
     pub fn has_significant_bins(&self, last: &RunFit, bins: &[Bin]) -> bool {
         let simulator = self.simulator(&last.settled);
-        let rules = self.rules();
-        let strong = |bins: &[Bin]| bins.iter().any(|b| b.p_value <= rules.alpha_levels);
-        strong(bins)
-            && (0..6).all(|k| {
-                let model = &last.residual_model;
-                let simulated = simulator.simulated(&self.training, model, 5_000_011 + k);
-                !strong(&significant_bins(
-                    model,
-                    &last.whitener,
-                    &simulated,
-                    self.options.seed,
-                ))
-            })
+        let limit = self.rules().alpha_levels;
+        let are_strong = |bins: &[Bin]| bins.iter().any(|b| b.p_value <= limit);
+        let by_noise = |k: u64| {
+            let model = &last.residual_model;
+            let simulated = simulator.simulated(&self.training, model, 5_000_011 + k);
+            are_strong(&significant_bins(last, &simulated, self.options.seed))
+        };
+        are_strong(bins) && !(0..6).any(by_noise)
     }
-}
-
-/// Closed share of the track channel's mean square on other runs, less its scatter; without an
-/// interval.
-fn track_closed(
-    [before, after]: [&ResidualModel; 2],
-    frames: &[Frame],
-    rules: &RunRules,
-) -> Interval {
-    let of = |residual_model: &ResidualModel| {
-        TrackChannel::new(residual_model, frames, rules).map(|c| c.closure().powi(2))
-    };
-    let value = match (of(before), of(after)) {
-        (Some(b), Some(a)) if b > 0.0 => (1.0 - a / b).clamp(-1.0, 1.0),
-        _ => 0.0,
-    };
-    undetermined_share(value)
 }
 
 /// Steps that are not significant at this level if the runs of a session share an error.

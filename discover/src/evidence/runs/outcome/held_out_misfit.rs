@@ -32,7 +32,6 @@ use crate::evidence::runs::model::residual_model::{
 };
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::choose::PIECE_ROWS;
-use crate::evidence::runs::outcome::misfits::comparison_rows;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::bins::{numbered_rates, rates};
 use crate::finding::{Interval, undetermined_share};
@@ -93,7 +92,7 @@ impl Campaign<'_> {
 
     /// Rows of the training runs and their whitening.
     fn training_rows(&self, model: &ResidualModel) -> (Vec<ChannelRows>, Whitener) {
-        let learned = comparison_rows(model, &self.training, self.rules().track_bin_m);
+        let learned = self.comparison_rows(model, &self.training);
         let whitener = Whitener::estimate(&self.training, &learned, self.used);
         (learned, whitener)
     }
@@ -124,7 +123,7 @@ impl Campaign<'_> {
         let each: Vec<[f64; 2]> = self.held_out.iter().map(of_run).collect();
         let total: f64 = each.iter().map(|[before, _]| before).sum();
         let decreases: Vec<f64> = each.iter().map(|[_, decrease]| *decrease).collect();
-        let decrease = Decrease::over(&decreases, total).filter(|_| total > 0.0);
+        let decrease = Decrease::over(&decreases).filter(|_| total > 0.0);
         let share = |by: f64| (by / total).clamp(-1.0, 1.0);
         decrease.map_or(undetermined_share(0.0), |decrease| {
             let half = self.options.rules.search.interval * decrease.error;
@@ -247,7 +246,7 @@ impl<'a> Comparison<'a> {
         // more than is learned.
         let evidence: f64 = each.iter().map(|(_, evidence)| evidence).sum();
         let totals: Vec<f64> = pieces.iter().map(|by| by.iter().sum()).collect();
-        let decrease = Decrease::over(&totals, 0.0)?;
+        let decrease = Decrease::over(&totals)?;
         Some(Decrease {
             by: decrease.by + evidence,
             error: decrease.error.hypot(EVIDENCE_UNDER_NOISE),
