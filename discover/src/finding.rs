@@ -42,15 +42,15 @@ pub(crate) fn undetermined_share(value: f64) -> Interval {
 pub(crate) fn held_out<'a>(
     what: &str,
     names: impl Iterator<Item = &'a String>,
-    gap: ChannelGap,
+    misfit: ChannelGap,
 ) -> HeldOut {
     let runs: Vec<String> = names.cloned().collect();
     HeldOut {
         what: what.to_owned(),
-        gap_before: gap.before,
-        gap_after: gap.after,
-        unit: gap.unit.clone(),
-        channels: Vec::from_iter((!runs.is_empty()).then_some(gap)),
+        gap_before: misfit.before,
+        gap_after: misfit.after,
+        unit: misfit.unit.clone(),
+        channels: Vec::from_iter((!runs.is_empty()).then_some(misfit)),
         runs,
     }
 }

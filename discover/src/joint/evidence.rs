@@ -97,7 +97,7 @@ impl Evidence for Joint<'_> {
         Ok(ExtendedFit {
             fit: next,
             written: added.written,
-            gap: added.gap,
+            rms: added.rms,
             place: added.place,
         })
     }

@@ -69,7 +69,7 @@ impl<E: Evidence> Evidence for Indexed<E> {
         Ok(ExtendedFit {
             fit: self.stored(Ok(added.fit))?,
             written: added.written,
-            gap: added.gap,
+            rms: added.rms,
             place: added.place,
         })
     }

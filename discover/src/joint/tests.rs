@@ -40,7 +40,7 @@ impl Evidence for StatedData {
         Ok(ExtendedFit {
             fit: selection.candidate.effect.clone(),
             written: true,
-            gap: [0.0, 0.0],
+            rms: [0.0, 0.0],
             place: None,
         })
     }

@@ -3,7 +3,7 @@
 use crate::finding::{Interval, undetermined_share};
 
 /// Residuals and directions, in units of their standard deviations.
-pub struct ClosedGap<'a> {
+pub struct ClosedMisfit<'a> {
     /// Direction f: change of the residuals by everything that was fitted to the training rows.
     pub direction: &'a [f64],
     pub before: &'a [f64],
@@ -14,7 +14,7 @@ pub struct ClosedGap<'a> {
     pub spread: f64,
 }
 
-impl ClosedGap<'_> {
+impl ClosedMisfit<'_> {
     /// Closed share `1 - |f . r_after| / (f . r_before)` with its 95 % interval. The magnitude
     /// counts a change that is too large like one that is too small.
     ///
@@ -76,7 +76,7 @@ mod tests {
             let by_size = |part: &[f64]| -> Vec<f64> { part.iter().map(|c| size * c).collect() };
             let scaled = by_size(locked);
             let after: Vec<f64> = before.iter().zip(&scaled).map(|(r, s)| r - s).collect();
-            let seen = ClosedGap {
+            let seen = ClosedMisfit {
                 direction: &scaled,
                 before: &before,
                 after: &after,
@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn without_an_explainable_misfit_the_interval_is_unbounded() {
-        let seen = ClosedGap {
+        let seen = ClosedMisfit {
             direction: &[0.1, -0.1],
             before: &[0.5, 0.4],
             after: &[0.4, 0.5],
@@ -111,7 +111,7 @@ mod tests {
         // A change of 50 standard deviations: noise subtracts 2e-4 of a half.
         for (remaining, closed) in [(0.5, 0.5), (-1.0, 0.0), (0.0, 1.0)] {
             let after = f.map(|f| remaining * f);
-            let seen = ClosedGap {
+            let seen = ClosedMisfit {
                 direction: &f,
                 before: &f,
                 after: &after,

@@ -296,7 +296,7 @@ pub struct ExtendedFit<F> {
     /// Whether a model file can contain the effect; if not, the search ends.
     pub written: bool,
     /// Root mean square of the selected effect's channel before and after.
-    pub gap: [f64; 2],
+    pub rms: [f64; 2],
     /// Where it acts, if that follows from the fit; includes earlier places of the effect.
     pub place: Option<String>,
 }

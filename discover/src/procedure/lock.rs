@@ -75,7 +75,7 @@ impl LockRules {
                 .filter(|i| runs[*i].session == *session)
                 .collect();
             let is_eligible = own.len() >= self.fewest && Some(session) != whole;
-            is_eligible.then(|| EligibleSession {
+            is_eligible.then_some(EligibleSession {
                 number,
                 spare: own.len() / 2,
                 runs: own,
@@ -143,7 +143,10 @@ fn next_single_run(
     let order = |number: usize, before: usize, i: usize| {
         let by_track = share(&|run| run.track == runs[i].track);
         let by_driver = share(&|run| run.driver == runs[i].driver);
-        (by_track + by_driver, (before, number % 2 == 0, number))
+        (
+            by_track + by_driver,
+            (before, number.is_multiple_of(2), number),
+        )
     };
     let mut available = Vec::new();
     for (k, session) in sessions.iter().enumerate().filter(|(_, s)| s.spare > 0) {

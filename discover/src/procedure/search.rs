@@ -155,10 +155,10 @@ fn with_effects<E: Evidence>(
             if let Some(place) = added.place.filter(|place| !place.is_empty()) {
                 step.place = format!("{}; {place}", step.place);
             }
-            step.gap_after = added.gap[1];
+            step.gap_after = added.rms[1];
             account.remarks.extend(remark);
         } else {
-            account.steps.push(step(selection, added.place, added.gap));
+            account.steps.push(step(selection, added.place, added.rms));
             account.remarks.extend(remark.filter(|_| added.written));
         }
         fit = added.fit;
@@ -310,7 +310,7 @@ mod tests {
             Ok(ExtendedFit {
                 fit: added + 1,
                 written: true,
-                gap: [1.0, 0.5],
+                rms: [1.0, 0.5],
                 place: Some(format!("place {added}")),
             })
         }

@@ -28,7 +28,7 @@ pub fn sentence(report: &Report, account: &Account, nothing: &str) -> String {
     };
     let names: Vec<String> = steps.iter().map(name).collect();
     let names = names.join(", then ");
-    let gap = gap(steps, report);
+    let misfit = misfit(steps, report);
     let more = if report.adequate {
         ""
     } else {
@@ -36,14 +36,14 @@ pub fn sentence(report: &Report, account: &Account, nothing: &str) -> String {
     };
     let next = &report.next_experiment;
     match report.verdict {
-        Verdict::Law => format!("Outside the catalogue: {names}{more}.{gap}"),
-        Verdict::Named => format!("Missing from the model: {names}{more}.{gap}"),
+        Verdict::Law => format!("Outside the catalogue: {names}{more}.{misfit}"),
+        Verdict::Named => format!("Missing from the model: {names}{more}.{misfit}"),
         Verdict::OneOf => format!(
-            "Missing from the model: {names}{more}. These data cannot distinguish the members of a class; this would: {next}.{gap}"
+            "Missing from the model: {names}{more}. These data cannot distinguish the members of a class; this would: {next}.{misfit}"
         ),
         Verdict::DependsOn => {
             let depends = account.depends.iter().map(|one| one.assumption.as_str());
-            format!("{names}; {}.{gap}", depends.collect::<Vec<_>>().join("; "))
+            format!("{names}; {}.{misfit}", depends.collect::<Vec<_>>().join("; "))
         }
         Verdict::Located => "The residual is significant at the places listed, and no effect of the catalogue explains it.".to_owned(),
         Verdict::Inadequate => "Part of the misfit repeats from run to run; neither the model nor an effect of the catalogue explains it.".to_owned(),
@@ -57,7 +57,7 @@ pub fn sentence(report: &Report, account: &Account, nothing: &str) -> String {
 }
 
 /// The misfit on held-out data by each of the compared models.
-fn gap(steps: &[Step], report: &Report) -> String {
+fn misfit(steps: &[Step], report: &Report) -> String {
     let held_out = &report.held_out;
     let data = match held_out.runs.len() {
         0 => return String::new(),

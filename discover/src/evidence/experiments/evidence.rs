@@ -136,7 +136,7 @@ impl<'a> Experiments<'a> {
         format!("chi2 = {:.1} on {freedom} degrees of freedom", base.chi2)
     }
 
-    fn gap(&self, before: f64, after: f64) -> ChannelGap {
+    fn channel_misfit(&self, before: f64, after: f64) -> ChannelGap {
         let squares = self.training.iter().map(|r| r.mu_sd * r.mu_sd);
         ChannelGap {
             channel: "mu".to_owned(),
@@ -212,7 +212,7 @@ impl Evidence for Experiments<'_> {
         let chosen: Vec<usize> = fit.chosen.iter().copied().chain(place).collect();
         let next = self.fitted_anew(&chosen);
         Ok(ExtendedFit {
-            gap: [fit.rms, next.rms],
+            rms: [fit.rms, next.rms],
             fit: next,
             written: true,
             place: None,
@@ -279,7 +279,7 @@ impl Evidence for Experiments<'_> {
             held_out: held_out(
                 "row",
                 self.held_out.iter().map(|row| &row.name),
-                self.gap(before, after),
+                self.channel_misfit(before, after),
             ),
             closed: vec![self.closed(base, last); steps.len()],
         })
@@ -318,7 +318,7 @@ impl Evidence for Experiments<'_> {
         Ok(Description {
             report: Report {
                 data: "friction experiments".to_owned(),
-                training: vec![self.gap(base.rms, last.rms)],
+                training: vec![self.channel_misfit(base.rms, last.rms)],
                 base: self.base_parameters(last, quantile),
                 bins: bins(setting, rows, base),
                 bins_after: bins(setting, rows, last),

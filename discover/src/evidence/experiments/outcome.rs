@@ -7,7 +7,7 @@ use crate::evidence::experiments::evidence::Experiments;
 use crate::evidence::experiments::fit::{Fit, Setting};
 use crate::evidence::experiments::rows::{Row, further_columns};
 use crate::finding::{Bin, Fitted, Interval, bin, fitted, significant};
-use crate::procedure::closed::{ClosedGap, change};
+use crate::procedure::closed::{ClosedMisfit, change};
 use crate::procedure::evidence::Account;
 
 /// Number of bins of a column.
@@ -71,7 +71,7 @@ impl Experiments<'_> {
             &self.held_out
         };
         let first = rest(judged, before);
-        ClosedGap {
+        ClosedMisfit {
             direction: &change(&first, &rest(judged, &least)),
             before: &first,
             after: &rest(judged, after),

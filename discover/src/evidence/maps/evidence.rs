@@ -31,7 +31,7 @@ use crate::evidence::maps::screen::{Steps, detectable, place, screen_maps, selec
 use crate::evidence::maps::simulate::{Misfit, PIECES, Simulations, SizedEffects};
 use crate::finding::{ChannelGap, Fitted, Interval, Report, Step, Tolerated, fitted, held_out};
 use crate::options::Options;
-use crate::procedure::closed::{ClosedGap, change};
+use crate::procedure::closed::{ClosedMisfit, change};
 use crate::procedure::evidence::{
     Account, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, NO_SIZE, SUPERFLUOUS,
     Screen, Selection,
@@ -181,7 +181,7 @@ impl<'a> Maps<'a> {
             &self.held_out
         };
         let before = judged.reporting(&self.start.active)?;
-        Ok(ClosedGap {
+        Ok(ClosedMisfit {
             direction: &explained(judged, &before)?,
             before: &before.residuals,
             after: &judged.reporting(&last.active)?.residuals,
@@ -191,7 +191,7 @@ impl<'a> Maps<'a> {
         .closed())
     }
 
-    fn gap(&self, before: &Misfit, after: &Misfit, rows: &[&Row]) -> ChannelGap {
+    fn channel_misfit(&self, before: &Misfit, after: &Misfit, rows: &[&Row]) -> ChannelGap {
         ChannelGap {
             channel: "p".to_owned(),
             unit: "Pa".to_owned(),
@@ -297,7 +297,7 @@ impl Evidence for Maps<'_> {
         let next = polish(&self.training, &active, &errors)?;
         let after = self.training.searching(&next.active)?;
         Ok(ExtendedFit {
-            gap: [fit.misfit.rms, next.misfit.rms],
+            rms: [fit.misfit.rms, next.misfit.rms],
             place: Some(place(&self.training, &before, &after)),
             fit: next,
             written: true,
@@ -347,7 +347,7 @@ impl Evidence for Maps<'_> {
             held_out: held_out(
                 "measurement",
                 rows.iter().map(|row| &row.name),
-                self.gap(&before, &after, rows),
+                self.channel_misfit(&before, &after, rows),
             ),
             closed: if steps.is_empty() {
                 Vec::new()
@@ -367,7 +367,7 @@ impl Evidence for Maps<'_> {
         Ok(Description {
             report: Report {
                 data: "pressure measurements".to_owned(),
-                training: vec![self.gap(&start.misfit, &last.misfit, rows)],
+                training: vec![self.channel_misfit(&start.misfit, &last.misfit, rows)],
                 within_tolerance: self.within_tolerance(last, account)?,
                 bins: bins(&self.training, &start.active)?,
                 bins_after: bins(&self.training, &last.active)?,

@@ -295,10 +295,11 @@ pub fn scale_of(rows: &[f64]) -> f64 {
 }
 
 /// Root mean square of one channel over all runs.
-pub fn gap_of(residual_model: &ResidualModel, frames: &[Frame], channel: usize) -> f64 {
-    let rows: Vec<f64> = residuals(residual_model, frames)
+pub fn channel_rms(residual_model: &ResidualModel, frames: &[Frame], channel: usize) -> f64 {
+    let runs = residuals(residual_model, frames);
+    let rows: Vec<f64> = runs
         .into_iter()
-        .flat_map(|r| r[channel].clone())
+        .flat_map(|rows| rows[channel].clone())
         .collect();
     scale_of(&rows)
 }

@@ -6,7 +6,7 @@ use kufe_sled::effects::{CATALOGUE, Effects, Kind, Level};
 use kufe_sled::{Model, Vehicle, refuse_effects};
 
 use crate::error::{Error, Result};
-use crate::evidence::runs::campaign::{Campaign, Current, RunFit, UnwrittenEffect, gap_of};
+use crate::evidence::runs::campaign::{Campaign, Current, RunFit, UnwrittenEffect, channel_rms};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::list;
 use crate::evidence::runs::channels::{channels_in_use, outside, remarks_on_channels};
@@ -177,10 +177,10 @@ impl Evidence for Campaign<'_> {
         }
         let residual_model = &fit.residual_model;
         let channel = CHANNEL_NAMES.iter().position(|c| *c == selection.channel);
-        let gap = |residual_model: &ResidualModel| {
-            gap_of(residual_model, &self.training, channel.unwrap_or(1))
+        let rms = |residual_model: &ResidualModel| {
+            channel_rms(residual_model, &self.training, channel.unwrap_or(1))
         };
-        let before = gap(residual_model);
+        let before = rms(residual_model);
         if selection.candidate.act.carrier.is_some() {
             let mut next = fit.clone();
             next.unwritten = Some(UnwrittenEffect {
@@ -192,7 +192,7 @@ impl Evidence for Campaign<'_> {
             return Ok(ExtendedFit {
                 fit: next,
                 written: false,
-                gap: [before, before],
+                rms: [before, before],
                 place: None,
             });
         }
@@ -211,7 +211,7 @@ impl Evidence for Campaign<'_> {
         let next = self.fitted_anew(&next, owners)?;
         let stretch = selection.candidate.act.track.is_some();
         Ok(ExtendedFit {
-            gap: [before, gap(&next.residual_model)],
+            rms: [before, rms(&next.residual_model)],
             place: stretch.then(|| selection.place.clone()),
             fit: next,
             written: true,

@@ -4,7 +4,7 @@
 use kufe_sled::effects::{Active, Kind, Level};
 
 use crate::error::Result;
-use crate::evidence::runs::campaign::{Campaign, RunFit, gap_of};
+use crate::evidence::runs::campaign::{Campaign, RunFit, channel_rms};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::contacts::MIN_HITS;
 use crate::evidence::runs::contacts::grip::subtract_grip;
@@ -178,9 +178,9 @@ impl Campaign<'_> {
             model.contacts = Some(contacts.clone());
         }
         let yaw = 2;
-        let gap = |fit: &RunFit| gap_of(&fit.residual_model, self.whole(), yaw);
+        let rms = |fit: &RunFit| channel_rms(&fit.residual_model, self.whole(), yaw);
         Ok(ExtendedFit {
-            gap: [gap(fit), gap(&next)],
+            rms: [rms(fit), rms(&next)],
             place: Some(places_in_words(&contacts)),
             fit: next,
             written: true,

@@ -6,7 +6,9 @@ use kufe_sled::effects::{Active, Kind};
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::Candidates;
-use crate::evidence::runs::model::residual_model::{BASE_NAMES, CHANNEL_NAMES, ResidualModel};
+use crate::evidence::runs::model::residual_model::{
+    BASE_NAMES, CHANNEL_NAMES, ResidualModel, TRACK,
+};
 use crate::evidence::runs::outcome::bins::significant_bins;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::channel::TrackChannel;
@@ -126,7 +128,7 @@ impl Campaign<'_> {
         let closed = self.explainable_closed(designs.each_ref(), after, &simulator);
         let held_out = [base_model.held_out, last_model.held_out];
         let by_track = || self.track_closed(held_out);
-        let track = CHANNEL_NAMES[3].0;
+        let track = CHANNEL_NAMES[TRACK].0;
         let contacts = last.settled.contacts.as_ref().and_then(|c| c.step);
         let of_step = |(k, step): (usize, &Step)| {
             if step.channel == track {

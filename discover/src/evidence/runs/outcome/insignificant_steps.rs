@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::evidence::runs::campaign::{Campaign, RunFit, UnwrittenEffect};
-use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, TRACK};
 use crate::finding::Step;
 use crate::procedure::evidence::{Account, NO_SIZE};
 
@@ -21,7 +21,7 @@ impl Campaign<'_> {
 
     /// The first step whose amplitudes all have intervals that contain 0.
     pub fn insignificant_step(&self, last: &RunFit, steps: &[Step]) -> Option<usize> {
-        let of_forces = |step: &usize| steps[*step].channel != CHANNEL_NAMES[3].0;
+        let of_forces = |step: &usize| steps[*step].channel != CHANNEL_NAMES[TRACK].0;
         let sizes = self.parameters(last, steps.len());
         let is_insignificant = |step: &usize| {
             let mut sizes = sizes[*step].iter();

@@ -139,9 +139,9 @@ fn shown_channels(steps: &[Step], gaps: &[ChannelGap]) -> Vec<usize> {
         shown.extend(place(&step.channel).filter(|c| !shown.contains(c)));
     }
     if shown.is_empty() {
-        let above = |gap: &&ChannelGap| gap.before / gap.noise;
+        let above = |misfit: &&ChannelGap| misfit.before / misfit.noise;
         let most = gaps.iter().max_by(|a, b| above(a).total_cmp(&above(b)));
-        shown.extend(most.and_then(|gap| place(&gap.channel)));
+        shown.extend(most.and_then(|misfit| place(&misfit.channel)));
     }
     shown.truncate(MAX_CHANNELS);
     shown
