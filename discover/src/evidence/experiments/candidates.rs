@@ -261,10 +261,8 @@ fn mark_sessions(rows: &[Row], candidates: &mut [Candidate<FrictionChange>]) {
         return;
     }
     for candidate in candidates {
-        let slopes: Vec<f64> = rows
-            .iter()
-            .map(|row| candidate.slope(row, 0.004, 0.0))
-            .collect();
+        let slopes = rows.iter().map(|row| candidate.slope(row, 0.004, 0.0));
+        let slopes: Vec<f64> = slopes.collect();
         let mean = slopes.iter().sum::<f64>() / slopes.len() as f64;
         let all: f64 = slopes.iter().map(|x| (x - mean).powi(2)).sum();
         let between = sessions.values().map(|own| {

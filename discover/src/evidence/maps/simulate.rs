@@ -236,11 +236,8 @@ impl<'a> Simulations<'a> {
         if let Some(seen) = self.solved.borrow().get(&key) {
             return Ok(seen.clone());
         }
-        let seen: Vec<Simulated> = self
-            .rows
-            .par_iter()
-            .map(|row| simulate(row, active, cells))
-            .collect::<Result<_, _>>()?;
+        let seen = self.rows.par_iter().map(|row| simulate(row, active, cells));
+        let seen: Vec<Simulated> = seen.collect::<Result<_, _>>()?;
         let seen = Arc::new(seen);
         self.solved.borrow_mut().insert(key, seen.clone());
         Ok(seen)

@@ -297,9 +297,7 @@ pub fn scale_of(rows: &[f64]) -> f64 {
 /// Root mean square of one channel over all runs.
 pub fn channel_rms(residual_model: &ResidualModel, frames: &[Frame], channel: usize) -> f64 {
     let runs = residuals(residual_model, frames);
-    let rows: Vec<f64> = runs
-        .into_iter()
-        .flat_map(|rows| rows[channel].clone())
-        .collect();
+    let rows = runs.into_iter().flat_map(|rows| rows[channel].clone());
+    let rows: Vec<f64> = rows.collect();
     scale_of(&rows)
 }

@@ -56,11 +56,8 @@ impl Campaign<'_> {
         let mut tracks: Vec<&str> = places.iter().map(|p| p.track.as_str()).collect();
         tracks.dedup();
         let picture = |track: &str| {
-            let mut own: Vec<&RunContact> = places
-                .iter()
-                .filter(|p| p.track == track)
-                .flat_map(|p| &p.contacts)
-                .collect();
+            let own = places.iter().filter(|p| p.track == track);
+            let mut own: Vec<&RunContact> = own.flat_map(|p| &p.contacts).collect();
             own.sort_by(|a, b| (a.from_m + a.to_m).total_cmp(&(b.from_m + b.to_m)));
             (own.len() >= MIN_CONTACTS).then(|| Picture {
                 title: format!("wall-contact by run on track {track}"),

@@ -111,10 +111,8 @@ impl<'a> Terms<'a> {
         shares
             .iter()
             .map(|share| {
-                let runs: Vec<DMatrix<f64>> = products
-                    .iter()
-                    .map(|[plain, noise]| plain - noise * *share)
-                    .collect();
+                let runs = products.iter().map(|[plain, noise]| plain - noise * *share);
+                let runs: Vec<DMatrix<f64>> = runs.collect();
                 LawSums::new(&runs, OWN_LEVELS, &prior)
             })
             .collect()

@@ -47,12 +47,8 @@ impl Campaign<'_> {
                 residual_model.contacts = None;
             }
         }
-        let owners = fit
-            .owners
-            .iter()
-            .filter(|o| **o != step)
-            .map(|o| o - usize::from(*o > step))
-            .collect();
+        let owners = fit.owners.iter().filter(|o| **o != step);
+        let owners = owners.map(|o| o - usize::from(*o > step)).collect();
         let mut next = self.fitted(&residual_model, owners)?;
         let unwritten = fit
             .unwritten
