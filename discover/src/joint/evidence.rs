@@ -96,19 +96,20 @@ impl Evidence for Joint<'_> {
         }
         Ok(ExtendedFit {
             fit: next,
-            written: added.written,
+            is_writable: added.is_writable,
             rms: added.rms,
             place: added.place,
         })
     }
 
-    fn settle(&mut self, mut fit: JointFit, account: &mut Account) -> Result<JointFit> {
+    fn remove_superfluous(&mut self, mut fit: JointFit, account: &mut Account) -> Result<JointFit> {
         for k in 0..self.kinds.len() {
             let part = &mut fit.parts[k];
             let free = part.free;
-            let settle = |kind: &mut KindEvidence, own: &mut Account| kind.settle(free, own);
-            let (settled, own) = self.of_kind(k, &part.steps, account, settle)?;
-            (part.free, part.written) = (settled, settled);
+            let reduce =
+                |kind: &mut KindEvidence, own: &mut Account| kind.remove_superfluous(free, own);
+            let (reduced, own) = self.of_kind(k, &part.steps, account, reduce)?;
+            (part.free, part.written) = (reduced, reduced);
             part.steps.retain(|step| {
                 let known = &mut account.steps[*step];
                 let own = own.iter().find(|s| s.effect == known.effect);
@@ -153,10 +154,10 @@ impl Evidence for Joint<'_> {
     }
 
     fn misfit_decrease(&self, from: &JointFit, to: &JointFit) -> Result<Option<Decrease>> {
-        let settled = |fit: &JointFit| {
+        let is_combined = |fit: &JointFit| {
             !fit.estimates.is_empty() || fit.parts.iter().all(|p| p.steps.is_empty())
         };
-        let both = settled(from) && settled(to);
+        let both = is_combined(from) && is_combined(to);
         let of = |part: &PartFit| if both { part.written } else { part.free };
         let mut sum: Option<Decrease> = None;
         for (kind, (from, to)) in self.kinds.iter().zip(from.parts.iter().zip(&to.parts)) {

@@ -68,15 +68,17 @@ impl<E: Evidence> Evidence for Indexed<E> {
         let added = self.evidence.add(&self.fits[*fit], selection, step)?;
         Ok(ExtendedFit {
             fit: self.stored(Ok(added.fit))?,
-            written: added.written,
+            is_writable: added.is_writable,
             rms: added.rms,
             place: added.place,
         })
     }
 
-    fn settle(&mut self, fit: usize, account: &mut Account) -> Result<usize> {
-        let settled = self.evidence.settle(self.fits[fit].clone(), account);
-        self.stored(settled)
+    fn remove_superfluous(&mut self, fit: usize, account: &mut Account) -> Result<usize> {
+        let reduced = self
+            .evidence
+            .remove_superfluous(self.fits[fit].clone(), account);
+        self.stored(reduced)
     }
 
     fn without(&mut self, fit: &usize, step: usize) -> Result<usize> {

@@ -32,7 +32,7 @@ pub struct Joint<'a> {
 #[derive(Clone)]
 pub struct JointFit {
     pub parts: Vec<PartFit>,
-    /// Estimates by step, once settled.
+    /// Estimates by step; empty until sizes are combined.
     pub estimates: Vec<StepEstimates>,
 }
 

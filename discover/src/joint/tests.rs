@@ -39,12 +39,12 @@ impl Evidence for StatedData {
     ) -> Result<ExtendedFit<String>> {
         Ok(ExtendedFit {
             fit: selection.candidate.effect.clone(),
-            written: true,
+            is_writable: true,
             rms: [0.0, 0.0],
             place: None,
         })
     }
-    fn settle(&mut self, fit: String, _: &mut Account) -> Result<String> {
+    fn remove_superfluous(&mut self, fit: String, _: &mut Account) -> Result<String> {
         Ok(fit)
     }
     fn without(&mut self, fit: &String, _: usize) -> Result<String> {

@@ -44,7 +44,7 @@ pub trait Evidence {
     }
 
     /// Removes from fit and account the effects that later ones have made superfluous, and refits.
-    fn settle(&mut self, fit: Self::Fit, account: &mut Account) -> Result<Self::Fit>;
+    fn remove_superfluous(&mut self, fit: Self::Fit, account: &mut Account) -> Result<Self::Fit>;
 
     /// Refits without the effects of a step.
     fn without(&mut self, fit: &Self::Fit, step: usize) -> Result<Self::Fit>;
@@ -294,7 +294,7 @@ impl<A> Selection<A> {
 pub struct ExtendedFit<F> {
     pub fit: F,
     /// Whether a model file can contain the effect; if not, the search ends.
-    pub written: bool,
+    pub is_writable: bool,
     /// Root mean square of the selected effect's channel before and after.
     pub rms: [f64; 2],
     /// Where it acts, if that follows from the fit; includes earlier places of the effect.

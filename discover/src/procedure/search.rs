@@ -36,11 +36,11 @@ pub fn search_evidence<E: Evidence>(
         return quick_search(evidence, base, account, options, progress);
     }
     let (fit, detectable) = with_effects(evidence, &base, &mut account, options, progress)?;
-    let mut last = evidence.settle(fit, &mut account)?;
+    let mut last = evidence.remove_superfluous(fit, &mut account)?;
     progress("evaluating the held-out data");
     let mut refitted = last.clone();
     if !account.steps.is_empty() {
-        refitted = evidence.settle(base.clone(), &mut Account::default())?;
+        refitted = evidence.remove_superfluous(base.clone(), &mut Account::default())?;
         last = verify(
             evidence,
             &refitted,
@@ -159,10 +159,10 @@ fn with_effects<E: Evidence>(
             account.remarks.extend(remark);
         } else {
             account.steps.push(step(selection, added.place, added.rms));
-            account.remarks.extend(remark.filter(|_| added.written));
+            account.remarks.extend(remark.filter(|_| added.is_writable));
         }
         fit = added.fit;
-        if !added.written {
+        if !added.is_writable {
             account.remarks.push(format!(
                 "{}: the model has no such column, so that nothing was switched on",
                 account.steps[at].effect
@@ -184,7 +184,7 @@ fn quick_search<E: Evidence>(
 ) -> Result<Found> {
     progress("screen");
     let screen = evidence.screen(&base, &mut account)?;
-    let base = evidence.settle(base, &mut account)?;
+    let base = evidence.remove_superfluous(base, &mut account)?;
     let described = evidence.describe(&base, &base, &mut account)?;
     let adequate = described.is_adequate();
     let selected = screen.selection.as_ref();
@@ -309,12 +309,12 @@ mod tests {
         ) -> Result<ExtendedFit<usize>> {
             Ok(ExtendedFit {
                 fit: added + 1,
-                written: true,
+                is_writable: true,
                 rms: [1.0, 0.5],
                 place: Some(format!("place {added}")),
             })
         }
-        fn settle(&mut self, added: usize, _: &mut Account) -> Result<usize> {
+        fn remove_superfluous(&mut self, added: usize, _: &mut Account) -> Result<usize> {
             Ok(added)
         }
         fn without(&mut self, _: &usize, _: usize) -> Result<usize> {

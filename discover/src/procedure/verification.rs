@@ -80,7 +80,7 @@ pub fn verify<E: Evidence>(
         last = if account.steps.is_empty() {
             base.clone()
         } else {
-            evidence.settle(weakest.without, account)?
+            evidence.remove_superfluous(weakest.without, account)?
         };
     }
     if !reasons.is_empty() {

@@ -214,12 +214,12 @@ impl Evidence for Experiments<'_> {
         Ok(ExtendedFit {
             rms: [fit.rms, next.rms],
             fit: next,
-            written: true,
+            is_writable: true,
             place: None,
         })
     }
 
-    fn settle(&mut self, mut fit: Fit, account: &mut Account) -> Result<Fit> {
+    fn remove_superfluous(&mut self, mut fit: Fit, account: &mut Account) -> Result<Fit> {
         let min_t = self.options.rules.search.superfluous_t;
         while fit.chosen.len() > 1 {
             let is_weak = |k: &usize| fit.t(&self.setting, *k).abs() < min_t;

@@ -300,11 +300,11 @@ impl Evidence for Maps<'_> {
             rms: [fit.misfit.rms, next.misfit.rms],
             place: Some(place(&self.training, &before, &after)),
             fit: next,
-            written: true,
+            is_writable: true,
         })
     }
 
-    fn settle(&mut self, fit: MapFit, account: &mut Account) -> Result<MapFit> {
+    fn remove_superfluous(&mut self, fit: MapFit, account: &mut Account) -> Result<MapFit> {
         let mut fit = self.remove_steps(fit, account)?;
         if let Some(doubt) = self.doubt(&fit.misfit, &account.steps) {
             account.remarks.push(doubt);

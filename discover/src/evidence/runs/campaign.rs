@@ -103,7 +103,7 @@ pub struct RunFit {
     /// Final corrected estimates: base multipliers, amplitudes, installation errors.
     pub estimates: Vec<Estimate>,
     /// The model of the final estimates.
-    pub settled: ResidualModel,
+    pub final_model: ResidualModel,
     /// The same with the final estimates given the base as stated.
     pub base_as_given: Option<Box<RunFit>>,
     /// For each session its training runs and the model of the final estimates without it.
@@ -114,7 +114,7 @@ impl RunFit {
     /// A fit before estimates are made.
     pub fn new(residual_model: ResidualModel, whitener: Whitener, owners: Vec<usize>) -> Self {
         Self {
-            settled: residual_model.clone(),
+            final_model: residual_model.clone(),
             residual_model,
             held_out: OnceLock::new(),
             whitener,

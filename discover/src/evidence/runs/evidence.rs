@@ -191,7 +191,7 @@ impl Evidence for Campaign<'_> {
             });
             return Ok(ExtendedFit {
                 fit: next,
-                written: false,
+                is_writable: false,
                 rms: [before, before],
                 place: None,
             });
@@ -214,7 +214,7 @@ impl Evidence for Campaign<'_> {
             rms: [before, rms(&next.residual_model)],
             place: stretch.then(|| selection.place.clone()),
             fit: next,
-            written: true,
+            is_writable: true,
         })
     }
 
@@ -228,7 +228,7 @@ impl Evidence for Campaign<'_> {
         // The track channel, levels of runs and sessions, and contacts have their own screens.
         let within = selection.candidate.act.level == Level::Sample
             && selection.parameters.is_empty()
-            && added.written;
+            && added.is_writable;
         if within {
             self.exchanged(before, (selection, added), step, account)
         } else {
@@ -236,7 +236,7 @@ impl Evidence for Campaign<'_> {
         }
     }
 
-    fn settle(&mut self, fit: RunFit, account: &mut Account) -> Result<RunFit> {
+    fn remove_superfluous(&mut self, fit: RunFit, account: &mut Account) -> Result<RunFit> {
         self.with_significant_steps(fit, account)
     }
 
@@ -250,9 +250,9 @@ impl Evidence for Campaign<'_> {
 
     fn compare(&mut self, base: &RunFit, last: &RunFit, steps: &[Step]) -> Result<HeldOutResults> {
         let in_these = |model| self.installed_in(model, &self.held_out);
-        let [given, settled] = [&self.given_as_in(last), &last.settled].map(in_these);
-        let simulator = self.simulator(&last.settled);
-        let channels = self.channel_gaps(&given, &settled, &self.held_out, &simulator);
+        let [given, last_model] = [&self.given_as_in(last), &last.final_model].map(in_these);
+        let simulator = self.simulator(&last.final_model);
+        let channels = self.channel_gaps(&given, &last_model, &self.held_out, &simulator);
         let first = steps.first();
         let shown = first.map_or(CHANNEL_NAMES[1].0, |step| step.channel.as_str());
         let one = channels.iter().find(|c| c.channel == shown);
@@ -294,7 +294,7 @@ impl Evidence for Campaign<'_> {
         } else {
             self.next_runs(last, &account.steps)?
         };
-        let simulator = self.simulator(&last.settled);
+        let simulator = self.simulator(&last.final_model);
         let rules = &self.options.rules.runs;
         let bins = |fit: &RunFit| significant_bins(fit, &self.training, self.options.seed);
         let bins_after = bins(last);
@@ -308,7 +308,7 @@ impl Evidence for Campaign<'_> {
             "runs"
         };
         let given = self.installed_in(&self.given_as_in(last), self.whole());
-        let training = self.channel_gaps(&given, &last.settled, self.whole(), &simulator);
+        let training = self.channel_gaps(&given, &last.final_model, self.whole(), &simulator);
         // With coloured or misstated noise bins are significant, too.
         let is_noise_stated = !matches!(
             self.data.noise_from,
@@ -348,7 +348,7 @@ impl Evidence for Campaign<'_> {
                     format!("Too few runs to find what acts within them: {few}.")
                 }),
             next_after_nothing: self.runs_to_halve(),
-            next_model: next_model(self.model, &last.settled, last.already()).to_toml(),
+            next_model: next_model(self.model, &last.final_model, last.already()).to_toml(),
             next_case: None,
         })
     }

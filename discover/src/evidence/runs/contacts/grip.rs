@@ -5,7 +5,7 @@
 
 use kufe_sled::scatter;
 
-use crate::evidence::runs::contacts::own::residuals_without;
+use crate::evidence::runs::contacts::run_contacts::residuals_without;
 use crate::evidence::runs::model::residual_model::{BASE, ChannelRows, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::levels::group;

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::evidence::runs::contacts::MIN_HITS;
 use crate::evidence::runs::contacts::find::stretches;
 use crate::evidence::runs::contacts::model::at_stretch;
-use crate::evidence::runs::contacts::own::set_own_of;
+use crate::evidence::runs::contacts::run_contacts::set_contacts_of;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::rules::ContactRules;
 
@@ -45,7 +45,7 @@ pub fn hit(
     // run hits.
     for round in 0..3 {
         let both = frames.par_iter_mut().zip(side_n);
-        both.for_each(|(frame, side_n)| set_own_of(frame, side_n, &places));
+        both.for_each(|(frame, side_n)| set_contacts_of(frame, side_n, &places));
         let stretches = std::mem::take(&mut places).into_iter();
         let stretches = stretches.zip(std::mem::take(&mut p_values)).enumerate();
         for (k, (stretch, p_value)) in stretches {

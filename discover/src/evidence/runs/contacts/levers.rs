@@ -4,7 +4,7 @@
 use kufe_sled::WallContact;
 use kufe_sled::effects::Active;
 
-use crate::evidence::runs::contacts::own::{OwnContact, beneath};
+use crate::evidence::runs::contacts::run_contacts::{OwnContact, is_in_contact};
 use crate::evidence::runs::model::residual_model::ChannelRows;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::finding::{Interval, symmetric};
@@ -253,7 +253,7 @@ pub fn shared_with_side(frames: &[Frame], residual: &[ChannelRows], balance: usi
                 (both, squares) = (both + x * y, squares + x * x);
                 (wave.s_m, x, y) = (s, 0.0, 0.0);
             }
-            if !beneath(frame, s) {
+            if !is_in_contact(frame, s) {
                 let w = wave.force_at(s);
                 (x, y) = (x + w * residual[1][i], y + w * residual[balance][i]);
             }

@@ -7,7 +7,9 @@ use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::contacts::MIN_HITS;
 use crate::evidence::runs::contacts::find::{Stretch, stretches};
 use crate::evidence::runs::contacts::model::{at_stretch, wall};
-use crate::evidence::runs::contacts::own::{own_contacts, residuals_without, without_contacts};
+use crate::evidence::runs::contacts::run_contacts::{
+    contacts_of, residuals_without, without_contacts,
+};
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
 
@@ -80,7 +82,7 @@ impl Campaign<'_> {
             let own: Vec<_> = frames
                 .par_iter()
                 .zip(side)
-                .map(|(frame, y)| own_contacts(frame, y, &place))
+                .map(|(frame, y)| contacts_of(frame, y, &place))
                 .collect();
             let hit: Vec<usize> = (0..own.len()).filter(|i| !own[*i].is_empty()).collect();
             let on = |f: &&Frame| f.track == stretch.track;

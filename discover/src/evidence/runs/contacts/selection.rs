@@ -13,8 +13,8 @@ use crate::evidence::runs::contacts::levers::{
     excess, ratio, ratio_of_strong, shared_with_side, subtract_side_noise, yaw_p_value,
 };
 use crate::evidence::runs::contacts::model::{Contacts, wall};
-use crate::evidence::runs::contacts::own::{
-    residuals_without, set_own, set_own_of, without_contacts,
+use crate::evidence::runs::contacts::run_contacts::{
+    residuals_without, set_contacts, set_contacts_of, without_contacts,
 };
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ChannelRows, ResidualModel};
@@ -173,8 +173,8 @@ impl Campaign<'_> {
         }
         contacts.step = Some(step);
         let mut next = self.fitted_anew(&base.residual_model, fit.owners.clone())?;
-        set_own(&mut self.held_out, &next.residual_model, &contacts.places);
-        for model in [&mut next.residual_model, &mut next.settled] {
+        set_contacts(&mut self.held_out, &next.residual_model, &contacts.places);
+        for model in [&mut next.residual_model, &mut next.final_model] {
             model.contacts = Some(contacts.clone());
         }
         let yaw = 2;
@@ -183,17 +183,17 @@ impl Campaign<'_> {
             rms: [rms(fit), rms(&next)],
             place: Some(places_in_words(&contacts)),
             fit: next,
-            written: true,
+            is_writable: true,
         })
     }
 
     /// Adopts the places of contacts of the given model, and estimates the contacts of every run
     /// there.
     pub fn given_contacts(&mut self, contacts: Contacts) {
-        set_own(&mut self.training, &self.given, &contacts.places);
+        set_contacts(&mut self.training, &self.given, &contacts.places);
         self.whole.clone_from(&self.training);
         self.training = self.whole.iter().map(without_contacts).collect();
-        set_own(&mut self.held_out, &self.given, &contacts.places);
+        set_contacts(&mut self.held_out, &self.given, &contacts.places);
         self.given.contacts = Some(contacts);
     }
 }
@@ -210,7 +210,7 @@ fn hit_places(
 ) -> Vec<Active> {
     loop {
         for (frame, residual) in frames.iter_mut().zip(residual) {
-            set_own_of(frame, &residual[1], &places);
+            set_contacts_of(frame, &residual[1], &places);
         }
         let is_hit = |k: usize| {
             let own = frames.iter().flat_map(|f| &f.contacts);

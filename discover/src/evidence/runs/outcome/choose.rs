@@ -22,7 +22,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::evidence::runs::campaign::{Campaign, RunFit};
-use crate::evidence::runs::contacts::own::without_pushes;
+use crate::evidence::runs::contacts::run_contacts::without_pushes;
 use crate::evidence::runs::fit::row_noise::expected;
 use crate::evidence::runs::model::residual_model::{
     BALANCES, BASE_NAMES, CHANNEL_NAMES, ResidualModel,
@@ -186,7 +186,7 @@ impl Campaign<'_> {
                 reason: refusal,
             });
         }
-        if written == ModelKind::Refitted && fit.settled.base == self.given.base {
+        if written == ModelKind::Refitted && fit.final_model.base == self.given.base {
             written = ModelKind::AsGiven;
         }
         let rms = |performance: &Option<Performance>, k: usize| {
@@ -216,7 +216,7 @@ impl Campaign<'_> {
         withheld: &mut Vec<Withheld>,
         account: &mut Account,
     ) -> Result<WithEffects> {
-        let contacts = last.settled.contacts.as_ref();
+        let contacts = last.final_model.contacts.as_ref();
         let has_contacts = contacts.is_some_and(|contacts| contacts.step.is_some());
         let has_effects = has_contacts || !last.owners.is_empty();
         let mut next = has_effects.then(|| self.trial(&last, given));
@@ -347,9 +347,9 @@ impl Campaign<'_> {
     fn trial(&self, fit: &RunFit, given: &Performance) -> Trial {
         let mut bases = vec![fit.clone()];
         if let Some(other) = &fit.base_as_given {
-            let settled = self.installed_in(&other.settled, &self.training);
+            let final_model = self.installed_in(&other.final_model, &self.training);
             bases.push(RunFit {
-                settled,
+                final_model,
                 ..(**other).clone()
             });
         }
@@ -392,8 +392,8 @@ impl Campaign<'_> {
     /// The model as given, with the discrepancy and the model error of a fit.
     pub fn given_as_in(&self, fit: &RunFit) -> ResidualModel {
         ResidualModel {
-            discrepancy: fit.settled.discrepancy.clone(),
-            model_error: fit.settled.model_error,
+            discrepancy: fit.final_model.discrepancy.clone(),
+            model_error: fit.final_model.model_error,
             ..self.given.clone()
         }
     }
@@ -401,14 +401,14 @@ impl Campaign<'_> {
     /// The fit of the model as given: the estimates of a refit, restated as the given values.
     fn as_given(&self, refitted: &RunFit) -> RunFit {
         let model = self.given_as_in(refitted);
-        let settled = self.installed_in(&model, &self.training);
+        let final_model = self.installed_in(&model, &self.training);
         let mut estimates = refitted.estimates.clone();
         for (b, estimate) in self.free.iter().zip(&mut estimates) {
-            *estimate = estimate.stated_as(settled.base[*b]);
+            *estimate = estimate.stated_as(final_model.base[*b]);
         }
         RunFit {
             estimates,
-            settled,
+            final_model,
             left_out: Vec::new(),
             ..refitted.clone()
         }
@@ -419,7 +419,7 @@ impl Campaign<'_> {
     /// Replays the stated `runs`, or all that are possible.
     fn performance(&self, fit: &RunFit, runs: Option<&[usize]>) -> Result<Performance, String> {
         let read = |model: &ResidualModel| self.read_back(model, fit.already());
-        let mut vehicles = vec![read(&fit.settled)?];
+        let mut vehicles = vec![read(&fit.final_model)?];
         // Index of the vehicle that each run is replayed with.
         let mut vehicle_index = vec![0; self.data.runs.len()];
         for (session, model) in &fit.left_out {
@@ -430,7 +430,7 @@ impl Campaign<'_> {
         }
         let vehicle_of = |run: usize| &vehicles[vehicle_index[run]];
         let (replayed, replays) = self.replay_squares(vehicle_of, runs)?;
-        let held_out = self.installed_in(&fit.settled, &self.held_out);
+        let held_out = self.installed_in(&fit.final_model, &self.held_out);
         Ok(Performance {
             channels: self.channel_squares(&held_out),
             replays,

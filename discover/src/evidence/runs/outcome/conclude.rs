@@ -129,7 +129,7 @@ impl Campaign<'_> {
         let held_out = [base_model.held_out, last_model.held_out];
         let by_track = || self.track_closed(held_out);
         let track = CHANNEL_NAMES[TRACK].0;
-        let contacts = last.settled.contacts.as_ref().and_then(|c| c.step);
+        let contacts = last.final_model.contacts.as_ref().and_then(|c| c.step);
         let of_step = |(k, step): (usize, &Step)| {
             if step.channel == track {
                 // Without significance in the forces the share is that of the track's bins, of
@@ -160,7 +160,7 @@ impl Campaign<'_> {
     /// Whether bins are significant that are not so in any simulated run: noisy inputs bias bins in
     /// every run alike.
     pub fn has_significant_bins(&self, last: &RunFit, bins: &[Bin]) -> bool {
-        let simulator = self.simulator(&last.settled);
+        let simulator = self.simulator(&last.final_model);
         let limit = self.rules().alpha_levels;
         let are_strong = |bins: &[Bin]| bins.iter().any(|b| b.p_value <= limit);
         let by_noise = |k: u64| {

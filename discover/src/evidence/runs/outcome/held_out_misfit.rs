@@ -24,7 +24,9 @@ use crate::evidence::runs::campaign::{Campaign, RunFit, UnwrittenEffect};
 use crate::evidence::runs::contacts::grip::subtract_grip;
 use crate::evidence::runs::contacts::likelihood::{correlated_rows, log_likelihood_ratio};
 use crate::evidence::runs::contacts::model::Contacts;
-use crate::evidence::runs::contacts::own::{residuals_without, rows_beneath, without_pushes};
+use crate::evidence::runs::contacts::run_contacts::{
+    residuals_without, rows_in_contact, without_pushes,
+};
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::fit::row_noise::expected;
 use crate::evidence::runs::model::residual_model::{
@@ -108,13 +110,13 @@ impl Campaign<'_> {
             ..with.clone()
         };
         let of_run = |frame: &Frame| -> [f64; 2] {
-            let beneath = rows_beneath(frame);
+            let is_in_contact = rows_in_contact(frame);
             let square = |model: &ResidualModel| -> f64 {
                 let rows = whitener.rows(frame, &model.residuals(frame));
                 let both = [0, 2]
                     .into_iter()
-                    .flat_map(|c| rows[c].iter().zip(&beneath));
-                let at_contacts = both.filter(|(_, beneath)| **beneath);
+                    .flat_map(|c| rows[c].iter().zip(&is_in_contact));
+                let at_contacts = both.filter(|(_, is_in_contact)| **is_in_contact);
                 at_contacts.map(|(r, _)| r * r - 1.0).sum()
             };
             let before = square(&bare);

@@ -40,7 +40,7 @@ impl Campaign<'_> {
     ) -> Vec<Picture> {
         let frames: Vec<Frame> = self.whole().iter().chain(&self.held_out).cloned().collect();
         let parts = [self.whole(), &self.held_out];
-        let models = [given, &last.settled].map(|model| {
+        let models = [given, &last.final_model].map(|model| {
             let held_out = self.installed_in(model, &self.held_out);
             [model.clone(), held_out]
         });
@@ -51,7 +51,7 @@ impl Campaign<'_> {
         let rows = models.each_ref().map(rows_of);
         let shown = shown_channels(steps, gaps);
         let mut pictures = strips(last, &shown, &frames, &rows);
-        let active = last.settled.effects.active.iter().enumerate();
+        let active = last.final_model.effects.active.iter().enumerate();
         for ((e, active), owner) in active.skip(last.already()).zip(&last.owners) {
             let step = &steps[*owner];
             let channel = CHANNEL_NAMES.iter().position(|c| c.0 == step.channel);
@@ -76,7 +76,7 @@ fn strips(
     rows: &[Vec<ChannelRows>; 2],
 ) -> Vec<Picture> {
     let tracks: BTreeSet<&str> = frames.iter().map(|f| f.track.as_str()).collect();
-    let added = &last.settled.effects.active[last.already()..];
+    let added = &last.final_model.effects.active[last.already()..];
     let mut strips = Vec::new();
     for &c in shown {
         for track in &tracks {
@@ -112,7 +112,7 @@ fn strips(
                     discrepancy: {
                         let count = ((to - from) / step_m).ceil() as usize;
                         let at = (0..count).map(|k| from + step_m * (k as f64 + 0.5));
-                        let discrepancy = &last.settled.discrepancy;
+                        let discrepancy = &last.final_model.discrepancy;
                         discrepancy.along(track, c, at).unwrap_or_default()
                     },
                     runs: on

@@ -275,7 +275,7 @@ impl Campaign<'_> {
             return fit;
         }
         let squares = |by: f64| -> Result<Vec<[f64; 2]>, String> {
-            let mut model = fit.settled.clone();
+            let mut model = fit.final_model.clone();
             model.base[0] *= by;
             let vehicle = self.read_back(&model, fit.already())?;
             let (_, replays) = self.replay_squares(|_| &vehicle, Some(&runs))?;
@@ -284,7 +284,7 @@ impl Campaign<'_> {
         let Some(FrictionFactor { by, without }) = self.friction_factor(&runs, squares) else {
             return fit;
         };
-        let (own, stated) = (fit.settled.base[0], self.given.base[0]);
+        let (own, stated) = (fit.final_model.base[0], self.given.base[0]);
         let n = without.len() as f64;
         let mean = without.values().sum::<f64>() / n;
         let squares: f64 = without.values().map(|by| (by - mean).powi(2)).sum();
@@ -302,7 +302,7 @@ impl Campaign<'_> {
             model.base[0] = written(model.base[0] * by_others.copied().unwrap_or(by));
         }
         let friction = written(own * by);
-        fit.settled.base[0] = friction;
+        fit.final_model.base[0] = friction;
         let number = self.free.iter().position(|b| *b == 0);
         if let Some(estimate) = number.and_then(|k| fit.estimates.get_mut(k)) {
             *estimate = estimate.stated_as(friction);
