@@ -140,7 +140,9 @@ fn shown_channels(steps: &[Step], gaps: &[ChannelGap]) -> Vec<usize> {
     }
     if shown.is_empty() {
         let above = |misfit: &&ChannelGap| misfit.before / misfit.noise;
-        let most = gaps.iter().max_by(|a, b| above(a).total_cmp(&above(b)));
+        // The ratio of a channel without rows is NaN.
+        let known = gaps.iter().filter(|misfit| !above(misfit).is_nan());
+        let most = known.max_by(|a, b| above(a).total_cmp(&above(b)));
         shown.extend(most.and_then(|misfit| place(&misfit.channel)));
     }
     shown.truncate(MAX_CHANNELS);
@@ -298,6 +300,24 @@ mod tests {
         assert_eq!(means[0], 2.0);
         assert!(means[1].is_nan());
         assert_eq!(means[2], 6.0);
+    }
+
+    #[test]
+    fn without_steps_the_channel_farthest_above_its_noise_is_shown_and_none_without_rows() {
+        let misfit = |c: usize, before: f64, noise: f64| ChannelGap {
+            channel: CHANNEL_NAMES[c].0.to_owned(),
+            unit: String::new(),
+            before,
+            after: before,
+            noise,
+        };
+        let gaps = [
+            misfit(0, 3.0, 2.0),
+            misfit(1, 5.0, 2.0),
+            misfit(3, 0.0, 0.0),
+        ];
+        assert_eq!(shown_channels(&[], &gaps), [1]);
+        assert!(shown_channels(&[], &gaps[2..]).is_empty());
     }
 
     /// The means of two runs differ by 2: the standard error is 1, however many rows there are.
