@@ -85,16 +85,7 @@ fn on_track(
     }
     let of_runs = runs.iter().map(|(frame, y)| means(frame, y, low, cells));
     let mut rows: Vec<Vec<f64>> = of_runs.collect();
-    for cell in 0..cells {
-        let values = rows.iter().map(|row| row[cell]);
-        let mut here: Vec<f64> = values.filter(|x| x.is_finite()).collect();
-        here.sort_by(f64::total_cmp);
-        let middle = match here.len() {
-            0 => f64::NAN,
-            n => 0.5 * (here[(n - 1) / 2] + here[n / 2]),
-        };
-        rows.iter_mut().for_each(|row| row[cell] -= middle);
-    }
+    subtract_median(&mut rows, cells);
     let sums: Vec<Vec<f64>> = rows
         .iter()
         .map(|row| row.windows(SUM).map(|w| w.iter().sum()).collect())
@@ -145,6 +136,20 @@ fn on_track(
         start = end;
     }
     found
+}
+
+/// Subtracts the median over the runs from each cell.
+fn subtract_median(rows: &mut [Vec<f64>], cells: usize) {
+    for cell in 0..cells {
+        let values = rows.iter().map(|row| row[cell]);
+        let mut here: Vec<f64> = values.filter(|x| x.is_finite()).collect();
+        here.sort_by(f64::total_cmp);
+        let middle = match here.len() {
+            0 => f64::NAN,
+            n => 0.5 * (here[(n - 1) / 2] + here[n / 2]),
+        };
+        rows.iter_mut().for_each(|row| row[cell] -= middle);
+    }
 }
 
 /// Squares of sums in units of their scatter, clipped at six deviations.
