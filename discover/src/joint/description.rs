@@ -70,8 +70,8 @@ pub fn described(
     all
 }
 
-/// Adds the report of one kind of data; names of parameters and pictures state the kind if there are
-/// several.
+/// Adds the report of one kind of data; names of parameters and pictures state the kind if there
+/// are several.
 fn add_report(all: &mut Report, mut report: Report, name: &str, several: bool) {
     let base = report.base.iter_mut().map(|parameter| &mut parameter.name);
     let pictures = report.pictures.iter_mut().map(|picture| &mut picture.title);

@@ -145,7 +145,8 @@ impl Account {
         (!is_outside && size.abs() > half).then_some(Tolerated { what, size, unit })
     }
 
-    /// Removes a selected effect for a reason: [`SUPERFLUOUS`], the insufficient size or worse runs.
+    /// Removes a selected effect for a reason: [`SUPERFLUOUS`], the insufficient size or worse
+    /// runs.
     pub fn remove_step(&mut self, step: usize, why: &str) {
         let removed = self.steps.remove(step);
         let message = match self.steps.is_empty() {
@@ -168,7 +169,8 @@ impl Account {
         self.explain_removal(removed.iter().zip(closed).map(message).collect());
     }
 
-    /// Removes these steps because the model with them is worse than the given one, for this reason.
+    /// Removes these steps because the model with them is worse than the given one, for this
+    /// reason.
     pub fn withhold(&mut self, steps: &[usize], reason: &str) {
         let all = std::mem::take(&mut self.steps).into_iter().enumerate();
         let (removed, kept): (Vec<_>, Vec<_>) = all.partition(|(step, _)| steps.contains(step));

@@ -94,7 +94,8 @@ impl Decrease {
         }
     }
 
-    /// Whether the decrease is accepted: significant, and a material share of the repeatable misfit.
+    /// Whether the decrease is accepted: significant, and a material share of the repeatable
+    /// misfit.
     ///
     /// If it is clearly significant with weighted channels, the unweighted decrease may be within
     /// its scatter of 0. The evidence of contacts must exceed its bound under noise.

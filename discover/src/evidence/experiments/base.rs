@@ -21,7 +21,8 @@ impl Base {
     /// The base law of a model.
     ///
     /// # Errors
-    /// [`Error::Sled`](crate::error::Error::Sled) if the model has no friction law for a table of coefficients.
+    /// [`Error::Sled`](crate::error::Error::Sled) if the model has no friction law for a table of
+    /// coefficients.
     pub fn of(model: &Model) -> Result<Base> {
         let keys = &model.friction.longitudinal;
         if keys.film()?.is_some() {

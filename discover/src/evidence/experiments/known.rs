@@ -19,7 +19,8 @@ impl ModelEffects {
     /// The model's effects on mu, and the names of its other effects.
     ///
     /// # Errors
-    /// [`Error::MissingColumn`](crate::error::Error::MissingColumn) if the table does not have a column that an effect needs.
+    /// [`Error::MissingColumn`](crate::error::Error::MissingColumn) if the table does not have a
+    /// column that an effect needs.
     pub fn new(model: &Effects, table: &Table, base: Base) -> Result<(Self, Vec<String>)> {
         let not_stated = |effect: &Effect| match effect.info.experiments {
             Experiments::OverFilm => base != Base::Film,
