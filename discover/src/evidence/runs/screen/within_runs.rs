@@ -34,7 +34,7 @@ impl Campaign<'_> {
                 detectable: Vec::new(),
             };
         }
-        let searches_outside = self.options.looks_for(OUTSIDE_CATALOGUE);
+        let searches_outside = self.options.includes(OUTSIDE_CATALOGUE);
         let regular = self.everywhere(at.residual_model);
         let all_windows = windows(
             &self.training,
@@ -113,7 +113,7 @@ impl Campaign<'_> {
     /// The global candidates that are not in the model, those outside the catalogue last.
     pub fn everywhere(&self, model: &ResidualModel) -> Vec<Candidate<Amplitude>> {
         let mut regular = self.fresh(model, &self.candidates.regular);
-        if self.options.looks_for(OUTSIDE_CATALOGUE) {
+        if self.options.includes(OUTSIDE_CATALOGUE) {
             regular.extend(unknown(self.data, self.model.sled.mass_kg, self.used[0]));
         }
         // A custom effect may have such a name, too.
