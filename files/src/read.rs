@@ -65,7 +65,9 @@ pub fn broken_at(text: &str, span: Option<Range<usize>>, message: &str) -> Strin
     let message = message
         .replace("invalid type: string", "found")
         .replace("invalid value: string", "found")
-        .replace("expected f64", "expected a number");
+        .replace("expected f64", "expected a number")
+        .replace("expected usize", "expected a whole number, 0 or more")
+        .replace(" as i128", "");
     let message = match message.split_once("expected struct ") {
         // The message contains the name of a type of this program, which is replaced.
         Some((before, name)) => {

@@ -1,5 +1,7 @@
 //! Lateral friction of both runners from measured runs.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -19,7 +21,8 @@ use crate::signals::prepare::Prepared;
 /// The forces come from [`crate::one_track::inverse`], which takes the longitudinal friction from
 /// `vehicle`; of its lateral laws only C is used, where the data do not determine it. The fit
 /// corrects for the slip noise that each run states. With `leave_out_contacts`, stretches with a
-/// force from outside, such as a wall, are found ([`find_contacts`]) and excluded.
+/// force from outside, such as a wall, are found ([`find_contacts`]) and excluded. Slip angles whose
+/// zero is off in a session, as of sensors that are mounted anew, are corrected ([`SlipOffset`]).
 ///
 /// # Errors
 /// [`Error::Undetermined`] where the data do not determine a runner's stiffness; [`Error::TooFew`]
@@ -44,15 +47,15 @@ pub fn fit(
         };
         fit_lateral(samples, &options)
     };
-    let both = |contacts: &[Vec<bool>], fitted: &Vehicle| {
-        let ([front, rear], excluded) = lateral_samples(runs, fitted, contacts);
+    let both = |contacts: &[Vec<bool>], offsets: &[SlipOffset], fitted: &Vehicle| {
+        let ([front, rear], excluded) = lateral_samples(runs, fitted, contacts, offsets);
         let (front, rear) = rayon::join(
             || fit_one(&front, &vehicle.front, 0),
             || fit_one(&rear, &vehicle.rear, 1),
         );
         Ok::<_, Error>((front?, rear?, excluded))
     };
-    let (mut front, mut rear, excluded) = both(&[], vehicle)?;
+    let (mut front, mut rear, excluded) = both(&[], &[], vehicle)?;
     let mut contacts = 0;
     let mut marked = Vec::new();
     // The first fit is biased by the contacts, so that they are searched for again with the second
@@ -68,10 +71,25 @@ pub fn fit(
         if contacts == 0 && vehicle.effects.is_empty() {
             break;
         }
-        (front, rear, _) = both(&marked, &fitted)?;
+        (front, rear, _) = both(&marked, &[], &fitted)?;
     }
-    let fitted = vehicle.with_lateral(front.law(), rear.law());
+    let mut fitted = vehicle.with_lateral(front.law(), rear.law());
+    let mut slip_offsets = Vec::new();
+    for _ in 0..MAX_OFFSET_ROUNDS {
+        let found = significant_offsets(runs, &fitted, &marked, &slip_offsets);
+        if are_alike(&found, &slip_offsets) {
+            break;
+        }
+        // Without these offsets the fit converged; that one remains.
+        let Ok(corrected) = both(&marked, &found, &fitted) else {
+            break;
+        };
+        (front, rear, _) = corrected;
+        fitted = vehicle.with_lateral(front.law(), rear.law());
+        slip_offsets = found;
+    }
     Ok(FitResult {
+        slip_offsets,
         front,
         rear,
         confidence: CONFIDENCE,
@@ -113,10 +131,138 @@ pub struct FitResult {
     pub excluded_roll_acceleration: usize,
     /// Samples excluded because of a force from outside.
     pub excluded_contacts: usize,
+    /// Zero offsets of slip angles by session that the fit subtracted.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub slip_offsets: Vec<SlipOffset>,
     /// Root mean square residuals of the balances with the fitted laws.
     pub balances_left_rms: BalanceResidual,
     /// Text on the parameters that the data can determine.
     pub identifiability: String,
+}
+
+/// Zero offset of the slip angle of a runner in the runs of a session: that of the slip sensor, and
+/// for the front runner that of the steering sensor, too.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SlipOffset {
+    /// Session.
+    pub session: String,
+    /// Runner.
+    pub runner: Axle,
+    /// Recorded minus true slip angle [rad].
+    pub offset_rad: f64,
+    /// Standard error, from the scatter between stretches of four seconds [rad].
+    pub error_rad: f64,
+}
+
+/// Front or rear runner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Axle {
+    /// Front runner.
+    Front,
+    /// Rear runner.
+    Rear,
+}
+
+impl Axle {
+    /// Both, as they are indexed.
+    const BOTH: [Axle; 2] = [Axle::Front, Axle::Rear];
+
+    /// The runner in words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Axle::Front => "front",
+            Axle::Rear => "rear",
+        }
+    }
+}
+
+/// Largest number of rounds of offsets and laws, each given the other.
+const MAX_OFFSET_ROUNDS: usize = 8;
+/// Ratio of an offset to its standard error from which it is corrected.
+const SIGNIFICANT_OFFSET: f64 = 3.0;
+/// Smallest number of stretches from which an offset has a standard error.
+const MIN_STRETCHES: usize = 5;
+
+/// The offset of a runner's slip angle in a session [rad]; 0 if none is known.
+fn offset_of(offsets: &[SlipOffset], session: &str, runner: Axle) -> f64 {
+    let mut offsets = offsets.iter();
+    let known = offsets.find(|one| one.session == session && one.runner == runner);
+    known.map_or(0.0, |one| one.offset_rad)
+}
+
+/// Whether two lists name the same offsets, with changes far below their errors.
+fn are_alike(found: &[SlipOffset], before: &[SlipOffset]) -> bool {
+    let is_alike = |one: &SlipOffset| {
+        let change = one.offset_rad - offset_of(before, &one.session, one.runner);
+        change.abs() < 0.1 * one.error_rad
+    };
+    found.len() == before.len() && found.iter().all(is_alike)
+}
+
+/// The significant offsets given the laws of `vehicle`, by one Gauss-Newton step from the offsets
+/// `before`.
+///
+/// ```text
+/// r = F_y - F(alpha - o),   dr/do = F' = g,   o <- o - sum(r g) / sum(g^2)
+/// var(o) = n / (n - 1) sum over stretches of (sum of r g after the step)^2 / (sum(g^2))^2
+/// ```
+///
+/// A law vanishes at zero slip, so that an offset differs from any change of the law.
+fn significant_offsets(
+    runs: &[Prepared],
+    vehicle: &Vehicle,
+    contacts: &[Vec<bool>],
+    before: &[SlipOffset],
+) -> Vec<SlipOffset> {
+    let laws = [&vehicle.front.lateral, &vehicle.rear.lateral];
+    let of_run = |(number, run): (usize, &Prepared)| {
+        let marked = contacts.get(number).map(Vec::as_slice);
+        let (samples, _) = samples_of_run(run, vehicle, marked, before);
+        [0, 1].map(|axle| {
+            let mut sums: BTreeMap<u32, [f64; 2]> = BTreeMap::new();
+            for s in samples[axle].iter().filter(|s| s.fz > 0.0) {
+                let law = laws[axle].derivatives(s.alpha, s.fz);
+                let [score, information] = sums.entry(s.cluster).or_default();
+                *score += (s.fy - law.fy) * law.alpha;
+                *information += law.alpha * law.alpha;
+            }
+            sums.into_values().collect::<Vec<_>>()
+        })
+    };
+    let by_run: Vec<[Vec<[f64; 2]>; 2]> = runs.par_iter().enumerate().map(of_run).collect();
+    let mut sessions: BTreeMap<&str, [Vec<[f64; 2]>; 2]> = BTreeMap::new();
+    for (run, sums) in runs.iter().zip(by_run) {
+        let all = sessions.entry(&run.entry.session).or_default();
+        for (all, sums) in all.iter_mut().zip(sums) {
+            all.extend(sums);
+        }
+    }
+    let offset = |session: &str, runner: Axle, stretches: &[[f64; 2]]| {
+        let [score, information] = [0, 1].map(|k| stretches.iter().map(|s| s[k]).sum::<f64>());
+        let step = -score / information;
+        let remaining = stretches.iter().map(|s| (s[0] + step * s[1]).powi(2));
+        let n = stretches.len() as f64;
+        let variance = n / (n - 1.0) * remaining.sum::<f64>() / information.powi(2);
+        let offset_rad = offset_of(before, session, runner) + step;
+        let error_rad = variance.sqrt();
+        let is_significant =
+            stretches.len() >= MIN_STRETCHES && offset_rad.abs() > SIGNIFICANT_OFFSET * error_rad;
+        is_significant.then(|| SlipOffset {
+            session: session.to_owned(),
+            runner,
+            offset_rad,
+            error_rad,
+        })
+    };
+    let of_session = |(session, both): (&str, [Vec<[f64; 2]>; 2])| {
+        Axle::BOTH.map(|runner| offset(session, runner, &both[runner as usize]))
+    };
+    sessions
+        .into_iter()
+        .flat_map(of_session)
+        .flatten()
+        .collect()
 }
 
 /// Samples with a larger roll acceleration are excluded [rad/s2]: the paper's 100 degrees/s2.
@@ -125,39 +271,26 @@ const MAX_ROLL_ACCEL: f64 = 100.0 * std::f64::consts::PI / 180.0;
 /// Samples of both runners (front, rear), with the forces of the base laws: measured forces minus
 /// those of the vehicle's effects. Also the number of samples excluded for their roll acceleration.
 ///
-/// `contacts` flags the samples to leave out, run by run; it may be empty. A cluster is a run if
-/// there are at least twelve runs, else a stretch of four seconds of a run.
+/// `contacts` flags the samples to leave out, run by run; it may be empty. `offsets` are subtracted
+/// from the slip angles. A cluster is a run if there are at least twelve runs, else a stretch of
+/// four seconds of a run.
 pub fn lateral_samples(
     runs: &[Prepared],
     vehicle: &Vehicle,
     contacts: &[Vec<bool>],
+    offsets: &[SlipOffset],
 ) -> ([Vec<LateralSample>; 2], usize) {
     let by_run = runs.len() >= 12;
     let of_run = |(number, run): (usize, &Prepared)| {
-        let vehicle = &with_own_contacts(run, vehicle);
-        let stretch = (4.0 / run.dt_s) as usize;
-        let (mut samples, mut excluded) = ([Vec::new(), Vec::new()], 0);
-        for (i, (state, motion)) in run.states.iter().zip(&run.motions).enumerate() {
-            if state.roll_accel_radps2.abs() > MAX_ROLL_ACCEL {
-                excluded += 1;
-                continue;
-            }
-            if contacts.get(number).is_some_and(|marked| marked[i]) {
-                continue;
-            }
-            let forces = inverse(vehicle, state, motion);
-            let across = share_of_laws(vehicle, state, &forces);
-            let of_stretch = number * 100_000 + i / stretch;
-            let cluster = if by_run { number } else { of_stretch } as u32;
-            let alpha = [state.alpha_f_rad, state.alpha_r_rad];
-            for (axle, load) in [forces.front[2], forces.rear[2]].into_iter().enumerate() {
-                samples[axle].push(LateralSample {
-                    alpha: alpha[axle],
-                    fz: load,
-                    fy: across[axle],
-                    cluster,
-                });
-            }
+        let marked = contacts.get(number).map(Vec::as_slice);
+        let (mut samples, excluded) = samples_of_run(run, vehicle, marked, offsets);
+        let number = number as u32;
+        for sample in samples.iter_mut().flatten() {
+            sample.cluster = if by_run {
+                number
+            } else {
+                number * 100_000 + sample.cluster
+            };
         }
         (samples, excluded)
     };
@@ -170,4 +303,39 @@ pub fn lateral_samples(
         excluded += left_out;
     }
     (all, excluded)
+}
+
+/// Samples of both runners in one run, as [`lateral_samples`]; a cluster is a stretch of four
+/// seconds.
+fn samples_of_run(
+    run: &Prepared,
+    vehicle: &Vehicle,
+    marked: Option<&[bool]>,
+    offsets: &[SlipOffset],
+) -> ([Vec<LateralSample>; 2], usize) {
+    let vehicle = &with_own_contacts(run, vehicle);
+    let stretch = (4.0 / run.dt_s) as usize;
+    let offset = Axle::BOTH.map(|runner| offset_of(offsets, &run.entry.session, runner));
+    let (mut samples, mut excluded) = ([Vec::new(), Vec::new()], 0);
+    for (i, (state, motion)) in run.states.iter().zip(&run.motions).enumerate() {
+        if state.roll_accel_radps2.abs() > MAX_ROLL_ACCEL {
+            excluded += 1;
+            continue;
+        }
+        if marked.is_some_and(|marked| marked[i]) {
+            continue;
+        }
+        let forces = inverse(vehicle, state, motion);
+        let across = share_of_laws(vehicle, state, &forces);
+        let alpha = [state.alpha_f_rad, state.alpha_r_rad];
+        for (axle, load) in [forces.front[2], forces.rear[2]].into_iter().enumerate() {
+            samples[axle].push(LateralSample {
+                alpha: alpha[axle] - offset[axle],
+                fz: load,
+                fy: across[axle],
+                cluster: (i / stretch) as u32,
+            });
+        }
+    }
+    (samples, excluded)
 }

@@ -26,7 +26,7 @@ pub struct Forms {
     /// Write a MATLAB v5 file
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     pub mat: Option<Option<PathBuf>>,
-    /// Write a C99 header with arrays and functions
+    /// Write a C99 header with arrays and functions, whose names begin with that of the file
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     pub header: Option<Option<PathBuf>>,
     /// Write a block for Simulink into the folder of the table: a C header, an S-function and the
@@ -157,6 +157,25 @@ impl Forms {
         requested
     }
 
+    /// Checks that a rocker radius is given for the formats without that axis.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] if the table has a rocker radius axis and none is given.
+    pub fn check_radius(&self, has_axis: bool) -> Result<(), Failure> {
+        let has_none =
+            |format: Format| matches!(format, Format::Csv | Format::Mat | Format::Octave);
+        let mut requested = self.requested(Path::new("")).into_iter();
+        if has_axis
+            && self.rocker_radius_m.is_none()
+            && requested.any(|(_, format)| !has_none(format))
+        {
+            return Err(Failure::Usage(
+                "the table has a rocker radius axis, and C, Simulink and FMUs have none: give --rocker-radius-m".into(),
+            ));
+        }
+        Ok(())
+    }
+
     /// The files of the requested formats.
     pub fn paths(&self, table: &Path) -> Vec<PathBuf> {
         let requested = self.requested(table).into_iter();
@@ -185,8 +204,13 @@ impl Forms {
     /// [`Failure::BadInput`] if a format does not support this table or a file cannot be written.
     fn write(&self, table: &Table, out: &Path, files: &OutputFiles) -> Result<(), Failure> {
         for (path, format) in self.requested(out) {
+            // Headers of one table, such as those of two rocker radii, differ by their files' names.
+            let name = match format {
+                Format::Header => stem(&path),
+                _ => stem(out),
+            };
             let mut bytes = Vec::new();
-            let written = format.write(table, &stem(out), self.rocker_radius_m, &mut bytes);
+            let written = format.write(table, &name, self.rocker_radius_m, &mut bytes);
             written.in_file(&path)?;
             files.bytes(&path, &bytes)?;
         }

@@ -8,13 +8,16 @@ use kufe::jobs::table::{Solver, TableSpec};
 use kufe::plot::{percent, short};
 use kufe::results::{TableInfo, TableSummary};
 use kufe_files::resolved;
-use kufe_lut::{Mode, Point, Quantity, SweepResult, Table};
+use kufe_lut::{AxisKind, Mode, Point, Quantity, SweepResult, Table};
 
 use crate::lut::SUBCOMMANDS;
 use crate::lut::export::Forms;
 use crate::output::OutputFiles;
-use crate::terminal::{Global, misspelt};
+use crate::terminal::{Global, misspelt, warn};
 use crate::text::document_text;
+
+/// Measured relative error of the interpolation above which a table of given nodes is warned about.
+const MAX_INTERPOLATION: f64 = 0.1;
 
 /// Arguments of `kufe lut` without a subcommand.
 #[derive(clap::Args, Debug)]
@@ -41,6 +44,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         return Err(Failure::Usage(text));
     }
     let spec = TableSpec::read(path)?;
+    let has_radii = spec.plan.get(AxisKind::RockerRadius).is_some();
+    args.forms.check_radius(has_radii)?;
     let out = args.out.clone();
     let out = out.unwrap_or_else(|| path.with_extension("lut"));
     let started = Instant::now();
@@ -79,6 +84,13 @@ pub fn finish(
         let place = error.max_at.named();
         let place = place.map(|(key, value)| format!("{key} = {}", short(value)));
         let place = place.collect::<Vec<_>>().join(", ");
+        if error.max > MAX_INTERPOLATION {
+            warn(&format!(
+                "between the nodes the {} is uncertain by up to {}: nodes closer together lower that, or from and to in place of values, or flush where the runner lies flush on the track",
+                table.judged().title(),
+                percent(error.max)
+            ));
+        }
         format!("smooth interpolation is least accurate at {place}\n")
     });
     global.print(&summary, || {

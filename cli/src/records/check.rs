@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use kufe::charts::odd_curves;
 use kufe::jobs::Failure;
 use kufe::jobs::runs::run_inputs;
-use kufe::report::{record_page, run_findings};
+use kufe::report::{record_page, run_findings, verdict};
 use kufe::results::RunCheck;
 use kufe_sled::{Error, Examination, Run, examine};
 use rayon::prelude::*;
@@ -80,9 +80,8 @@ fn summary(runs: &[Examination]) -> String {
         let (class, head, what) = (finding.class, finding.head, finding.what);
         text += &format!("{class:5}  {head}: {what}{todo}  ({shown}{more})\n");
     }
-    let good = runs.iter().filter(|run| !run.is_wrong()).count();
-    let count = runs.len();
-    text + &format!("{good} of {count} runs show nothing that is provably wrong\n")
+    let wrong = runs.iter().filter(|run| run.is_wrong()).count();
+    text + &verdict(wrong, runs.len()) + "\n"
 }
 
 #[cfg(test)]

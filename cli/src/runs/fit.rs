@@ -60,7 +60,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     } else {
         Vec::new()
     };
-    let ([front, rear], _) = lateral_samples(prepared, vehicle, &marked);
+    let ([front, rear], _) = lateral_samples(prepared, vehicle, &marked, &fit.slip_offsets);
     let pictures = [("front", &front, &front_law), ("rear", &rear, &rear_law)];
     for (runner, samples, law) in pictures {
         let name = format!("fit_{runner}.png");

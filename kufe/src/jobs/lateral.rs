@@ -9,6 +9,7 @@ use kufe_sled::{Model, Vehicle, by_track, fit, validate};
 use crate::jobs::failure::{Failure, Located};
 use crate::jobs::runs::{PreparedRuns, RunSelection};
 use crate::jobs::watch::Watch;
+use crate::plot::measured;
 use crate::results::{LateralFitDocument, Validation};
 
 /// A fit of the lateral friction of both runners, and its runs.
@@ -48,6 +49,14 @@ pub fn fit_lateral(
     }
     watch.progress("fitting");
     let fit = fit(&loaded.prepared, &loaded.vehicle, leave_out_contacts)?;
+    for one in &fit.slip_offsets {
+        watch.warn(&format!(
+            "session {}: the zero of the {} runner's slip angle is off by {}, which the fit subtracts: calibrate the slip or the steering sensor",
+            one.session,
+            one.runner.name(),
+            measured(one.offset_rad, 1.96 * one.error_rad, "rad")
+        ));
+    }
     let model = fit.applied_to(&loaded.model).to_toml();
     // The written model must be readable.
     Model::from_toml(&model, "model.fit.toml").and_then(|model| Vehicle::with_effects(&model))?;

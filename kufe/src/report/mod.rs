@@ -45,7 +45,7 @@ pub use folder::{MAX_TREE_BYTES, PAGE, ResultPage, TABLE_PICTURES, read_json, re
 pub use grid::PackedGrid;
 pub use index::index_page;
 pub use page::{Kind, page};
-pub use record::{RunFinding, record_page, run_findings};
+pub use record::{RunFinding, record_page, run_findings, verdict};
 pub use results::{Picture, picture_url, results_page};
 pub use runs::RunsPage;
 pub use table::TablePage;

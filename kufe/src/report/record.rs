@@ -12,16 +12,22 @@ use crate::report::html::{columns, fold, fold_with, for_both, plain_page, small,
 use crate::report::viewer::{Stretch, ViewedPart, viewer_links};
 use crate::results::RunCheck;
 
+/// The number of runs that are provably wrong, as a sentence.
+pub fn verdict(wrong: usize, count: usize) -> String {
+    match (wrong, count) {
+        (0, 1) => "Nothing is provably wrong in the run.".to_owned(),
+        (0, _) => format!("Nothing is provably wrong in {count} runs."),
+        (1, 1) => "The run is provably wrong.".to_owned(),
+        (1, _) => format!("1 of {count} runs is provably wrong."),
+        _ => format!("{wrong} of {count} runs are provably wrong."),
+    }
+}
+
 /// The page of `check.json`: one HTML file without scripts. It begins with a summary, which lists
 /// each finding once with its runs; the runs follow, the worst first. `curves` are the curves of
 /// each run. `viewer` is the address of the page of the runs, if it exists.
 pub fn record_page(check: &RunCheck, curves: &[Vec<OddCurve>], viewer: Option<&str>) -> String {
-    let count = check.runs.len();
-    let verdict = match check.wrong {
-        0 => format!("Nothing is provably wrong in {count} runs."),
-        1 => format!("1 of {count} runs is provably wrong."),
-        wrong => format!("{wrong} of {count} runs are provably wrong."),
-    };
+    let verdict = verdict(check.wrong, check.runs.len());
     let class = if check.wrong == 0 { "good" } else { "wrong" };
     let mut out = format!(
         "<h1>Recorded runs</h1>\n<p class=\"finding {class}\"><b>{verdict}</b> <small>{}</small></p>\n",

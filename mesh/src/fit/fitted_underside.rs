@@ -137,6 +137,13 @@ impl FittedUnderside {
         self.judgement.error_within(self.near(patch))
     }
 
+    /// The longest stretch `[from, to]` along a contact patch `[x_min, x_max, y_min, y_max]` in
+    /// which the hull has no vertex [m].
+    pub fn longest_gap(&self, [x0, x1, y0, y1]: [f64; 4]) -> [f64; 2] {
+        let [t0, t1] = [y0, y1].map(|y| self.surface.arc_length.value(y));
+        self.judgement.longest_gap([x0, x1, t0, t1])
+    }
+
     /// A patch with a margin of one station along the hull on each side, so that it contains places
     /// at which the fit was judged. The margin applies across, too: heights around a patch that is
     /// narrower than the spacing of vertices bound the curvature in it.

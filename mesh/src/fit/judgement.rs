@@ -82,6 +82,8 @@ pub(crate) struct Judgement {
     /// Figures near the keel.
     pub quality: FitQuality,
     checks: Vec<Check>,
+    /// Vertices near the keel: x and the arc length across [m].
+    vertices: Vec<[f64; 2]>,
 }
 
 impl Judgement {
@@ -125,6 +127,8 @@ impl Judgement {
         };
         let residual = |s: &Sample| s.weight * (surface.spline.value(s.at) - s.height);
         let residuals: Vec<f64> = samples.iter().filter(near).map(residual).collect();
+        let mut vertices: Vec<[f64; 2]> = samples.iter().filter(near).map(|s| s.at).collect();
+        vertices.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let square = residuals.iter().fold(0.0, |sum, r| sum + r * r);
         let axes = surface.spline.axes.each_ref();
         let distances = samples.iter().map(|s| [s.at[0], residual(s).abs()]);
@@ -150,7 +154,26 @@ impl Judgement {
         for check in &mut checks {
             check.error = check.error.hypot(scatter);
         }
-        Self { quality, checks }
+        Self {
+            quality,
+            checks,
+            vertices,
+        }
+    }
+
+    /// The longest stretch `[from, to]` of x from `x0` to `x1` without a vertex whose arc length
+    /// across is from `t0` to `t1` [m].
+    pub fn longest_gap(&self, [x0, x1, t0, t1]: [f64; 4]) -> [f64; 2] {
+        let is_within = |[x, t]: &&[f64; 2]| (x0..=x1).contains(x) && (t0..=t1).contains(t);
+        let within = self.vertices.iter().filter(is_within).map(|[x, _]| *x);
+        let (mut longest, mut from) = ([x0, x0], x0);
+        for to in within.chain([x1]) {
+            if to - from > longest[1] - longest[0] {
+                longest = [from, to];
+            }
+            from = to;
+        }
+        longest
     }
 
     /// The fit's largest estimated error where the height is at most `height` [m].

@@ -39,7 +39,7 @@ impl HullFormat {
             "gltf" | "glb" => Ok(Self::Gltf),
             "stl" => Ok(Self::Stl),
             found => Err(MeshError::Invalid(format!(
-                "the ending {found:?}: expected obj, gltf, glb or stl; 3mf is read and not written"
+                "the ending {found:?}: expected obj, gltf, glb or stl, or to read a hull 3mf"
             ))),
         }
     }

@@ -411,9 +411,13 @@ pub fn check_hull(hull: &Hull) -> Result<HullReport, MeshError> {
     // The volume of a flat hull is rounding of either sign.
     let rounding = 1e-6 * extent.iter().product::<f64>();
     if open_edges == 0 && volume < -rounding {
+        let remedy = if flipped_edges > 0 {
+            format!("they disagree along {flipped_edges} edges: unify their winding")
+        } else {
+            "reverse their winding (flip normals)".to_owned()
+        };
         return Err(MeshError::Invalid(format!(
-            "the hull's triangles face inwards (signed volume {volume:.3e} m^3); reverse their \
-             winding (flip normals)"
+            "the hull's triangles face inwards (signed volume {volume:.3e} m^3); {remedy}"
         )));
     }
     let mut warnings = size_warnings(extent);

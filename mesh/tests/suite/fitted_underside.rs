@@ -284,3 +284,24 @@ fn hulls_without_an_underside_are_refused() {
             .contains("at least 16")
     );
 }
+
+#[test]
+fn a_hole_is_the_longest_gap_of_a_contact_patch() {
+    let xs: Vec<f64> = (-60..=60).map(|i| 1e-3 * f64::from(i)).collect();
+    let ys: Vec<f64> = (-20..=20).map(|j| 0.05e-3 * f64::from(j)).collect();
+    let mut hull = sheet(&xs, &ys, |x, y| x * x / 60.0 + y * y / 0.01);
+    let patch = [-0.025, 0.025, -0.14e-3, 0.14e-3];
+    let gap = |hull: &Hull| {
+        let [from, to] = FittedUnderside::new(hull, 0.0).unwrap().longest_gap(patch);
+        to - from
+    };
+    assert!((gap(&hull) - 1e-3).abs() < 1e-9);
+    let positions = hull.positions.clone();
+    let is_in_hole = |corner: &u32| {
+        let [x, y, _] = positions[*corner as usize];
+        x > -0.0205 && x < 0.0105 && y.abs() < 0.5e-3
+    };
+    hull.triangles
+        .retain(|corners| !corners.iter().any(is_in_hole));
+    assert!((gap(&hull) - 32e-3).abs() < 1e-9);
+}

@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use kufe_sled::sample_data::{drive_sample, sample_plan};
 use kufe_sled::{
-    FitResult, Group, Model, PrepareOptions, Prepared, RunEvaluation, Vehicle, by_track, evaluate,
-    fit, groups, prepare_all, validate,
+    Axle, FitResult, Group, Model, PrepareOptions, Prepared, RunEvaluation, Vehicle, by_track,
+    evaluate, fit, groups, prepare_all, validate,
 };
 
 struct Sample {
@@ -74,6 +74,45 @@ fn fit_of_the_sample_data_is_its_truth_within_five_percent() {
     ] {
         assert!((fit.k_n_per_rad.value / truth.k_n_per_rad - 1.0).abs() < 0.05);
         assert!((fit.mu_zeta_c.value / truth.mu_zeta_c() - 1.0).abs() < 0.05);
+    }
+}
+
+/// As of a slip sensor and a steering sensor that are mounted anew for each session.
+#[test]
+fn zero_offsets_of_sessions_are_found_and_do_not_change_the_fit() {
+    let offsets = [
+        ("d1", 1.2e-3, 0.0),
+        ("d2", -0.8e-3, 1.0e-3),
+        ("d3", 0.5e-3, -1.5e-3),
+    ];
+    let fitted = |run: &&Prepared| SAMPLE.fit.runs.contains(&run.entry.run);
+    let mut runs: Vec<Prepared> = SAMPLE.prepared.iter().filter(fitted).cloned().collect();
+    for run in &mut runs {
+        let own = offsets
+            .iter()
+            .find(|(session, ..)| *session == run.entry.session);
+        let (_, slip, steering) = own.unwrap();
+        for state in &mut run.states {
+            state.alpha_r_rad += slip;
+            state.alpha_f_rad += slip + steering;
+        }
+    }
+    let fit = fit(&runs, &SAMPLE.vehicle, true).unwrap();
+    let truth = &SAMPLE.model.friction;
+    for (fit, truth) in [(&fit.front, truth.front), (&fit.rear, truth.rear)] {
+        let k = fit.k_n_per_rad.value;
+        assert!((k / truth.k_n_per_rad - 1.0).abs() < 0.05, "{k}");
+    }
+    for (session, slip, steering) in offsets {
+        for (runner, offset) in [(Axle::Rear, slip), (Axle::Front, slip + steering)] {
+            let mut found = fit.slip_offsets.iter();
+            let found = found.find(|one| one.session == session && one.runner == runner);
+            let found = found.map_or(0.0, |one| one.offset_rad);
+            assert!(
+                (found - offset).abs() < 0.1e-3,
+                "{session} {runner:?}: {found}, {offset}"
+            );
+        }
     }
 }
 

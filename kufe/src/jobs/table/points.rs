@@ -157,6 +157,11 @@ impl PointStore {
         &self.damaged
     }
 
+    /// Whether no point is solved.
+    pub fn is_empty(&self) -> bool {
+        self.lock().solved.is_empty()
+    }
+
     /// The results at a point, if it is solved.
     pub fn get(&self, point: &Point) -> Option<Figures> {
         self.lock().solved.get(&key(point)).copied()

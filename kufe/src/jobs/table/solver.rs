@@ -288,6 +288,9 @@ impl Solver {
         watch: &Watch,
     ) -> Result<usize, Failure> {
         let interrupted = |failure: Failure| match failure {
+            Failure::Partial(_) if store.is_empty() => {
+                Failure::Partial("interrupted before the first point was solved".into())
+            }
             Failure::Partial(_) => Failure::Partial(format!(
                 "interrupted; finished points are stored in {}, the same command resumes",
                 store.path().display()
@@ -297,6 +300,9 @@ impl Solver {
         let missing = points.iter().filter(|point| store.get(point).is_none());
         let groups = groups(missing);
         if !groups.is_empty() {
+            watch.progress(
+                "comparing boundary elements with finite elements at the table's corners",
+            );
             self.anchor(watch).map_err(interrupted)?;
         }
         let solved = AtomicUsize::new(0);
@@ -312,13 +318,13 @@ impl Solver {
                 None => group.iter().map(|point| self.press(point, watch)).collect(),
             };
             let count = results.len();
-            show(solved.fetch_add(count, Ordering::Relaxed) + count);
             for (&point, result) in group.iter().zip(results) {
                 let figures = result.map_err(at_point(&point)).map_err(interrupted)?;
                 check_finite(&point, &figures)?;
                 let stored = store.append(&Solve { point, figures });
                 store_failed.fetch_or(stored.is_err(), Ordering::Relaxed);
                 stored?;
+                show(solved.fetch_add(1, Ordering::Relaxed) + 1);
             }
             Ok(count)
         });

@@ -34,6 +34,9 @@ pub fn step(number: usize, step: &Step, report: &Report) -> String {
     );
     let (effect, text) = (escape(&step.effect), escape(&text));
     let mut out = format!("<h2>{number}. {effect}</h2>\n<p>{text}</p>\n");
+    if let Some(law) = &step.law {
+        out += &format!("<p>Law: <code>{}</code></p>\n", escape(law));
+    }
     out += &evidence(&step.evidence);
     out += &folded("Its size, with the interval", parameters(&step.parameters));
     let title = format!("Why {} and not its rivals", step.effect);

@@ -237,11 +237,9 @@ impl Campaign<'_> {
                 continue;
             }
             let reason = trial.reasons.join("; ");
-            let effects = &trial.fit.residual_model.effects;
-            let added = effects.active[trial.fit.already()..].iter();
             withheld.push(Withheld {
                 model: ModelKind::WithEffect,
-                effects: added.map(|e| e.effect_name().to_owned()).collect(),
+                effects: account.steps.iter().map(|s| s.effect.clone()).collect(),
                 reason: reason.clone(),
             });
             // A dependence that simulations cannot include stays.
