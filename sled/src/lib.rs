@@ -80,7 +80,7 @@ pub use motion::{aero, one_track};
 pub use record::check;
 pub use record::check::columns::LARGEST_VALUE;
 pub use record::check::examine::{Examination, Note, examine};
-pub use record::check::judge::{RelationRules, check_relations, judge, judge_by};
+pub use record::check::faults::{RelationRules, check_relations, find_faults, find_faults_with};
 pub use record::check::profile::{OddKind, OddStretch, Profile};
 pub use record::file_names::{file_stem, run_file, track_file};
 pub use record::files::{RunFormat, read_good_runs, read_run, read_runs, write_run};

@@ -15,7 +15,7 @@ use crate::columns::parquet::write_parquet;
 use crate::columns::{is_cut_short, read_columns, write_csv};
 use crate::error::Error;
 use crate::record::check::columns::check_columns;
-use crate::record::check::judge::{judge, remark};
+use crate::record::check::faults::{add_remarks, find_faults};
 use crate::record::gaps::OnGaps;
 use crate::record::index::{Entry, read_index};
 use crate::record::needs::Needs;
@@ -25,7 +25,7 @@ use crate::series::bridged;
 /// Reads the index and every run it names, in the index's order; a run must have what it `needs`.
 ///
 /// Files are CSV, Parquet (`.parquet`) or MATLAB v5 (`.mat`).
-/// Every run is checked by [`check_columns`], and its channels by one another ([`judge`]); suspected
+/// Every run is checked by [`check_columns`], and its channels by one another ([`find_faults`]); suspected
 /// faults become a remark. Where the index states no `distance_m`, it is the sum of the runs before in the session.
 ///
 /// # Errors
@@ -79,9 +79,10 @@ pub fn read_good_runs(
     for (_, second) in copies.into_iter().rev() {
         good.remove(second);
     }
-    let (proven, suspected): (Vec<_>, Vec<_>) =
-        judge(&good).into_iter().partition(|fault| fault.proven);
-    remark(&mut good, &suspected);
+    let (proven, suspected): (Vec<_>, Vec<_>) = find_faults(&good)
+        .into_iter()
+        .partition(|fault| fault.proven);
+    add_remarks(&mut good, &suspected);
     for fault in proven {
         good.retain(|run| run.entry.run != fault.run);
         bad.push(Error::Wrong {

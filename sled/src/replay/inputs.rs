@@ -7,7 +7,7 @@ use crate::column::Sensor;
 use crate::error::Error;
 use crate::model::vehicle::Vehicle;
 use crate::record::check::LEAST_SAMPLES;
-use crate::record::check::judge::check_relations;
+use crate::record::check::faults::check_relations;
 use crate::record::files::{read_run, read_run_of};
 use crate::record::gaps::{OnGaps, SampleCoverage};
 use crate::record::index::Entry;

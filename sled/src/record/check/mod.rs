@@ -4,7 +4,7 @@
 pub(crate) mod columns;
 mod corrections;
 pub(crate) mod examine;
-pub(crate) mod judge;
+pub(crate) mod faults;
 pub(crate) mod profile;
 mod relations;
 mod response;
