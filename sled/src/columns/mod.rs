@@ -18,12 +18,12 @@ use crate::error::Error;
 /// Columns by name, all of one length.
 pub type Columns = BTreeMap<String, Vec<f64>>;
 
-/// Most numbers that a file is read to, 192 MB of them: 3 hours of 20 channels at 100 Hz.
+/// Most numbers of a file, 192 MB: 3 hours of 20 channels at 100 Hz.
 ///
-/// A compressed file of constants holds ten thousand numbers in a byte.
+/// The limit is needed because a compressed file may contain ten thousand constants in a byte.
 pub const MOST_NUMBERS: u64 = 24_000_000;
 
-/// The refusal of a file with more than [`MOST_NUMBERS`].
+/// The error of a file with more than [`MOST_NUMBERS`].
 pub(crate) fn too_many(file: &str) -> Error {
     let reason = format!(
         "it holds more than {MOST_NUMBERS} numbers; expected fewer: write fewer columns or rows"
@@ -31,7 +31,10 @@ pub(crate) fn too_many(file: &str) -> Error {
     Error::file(file, reason)
 }
 
-/// Gathers named columns and refuses a name given twice.
+/// Collects named columns of one length.
+///
+/// # Errors
+/// [`Error::Column`] for a name given twice, [`Error::File`] for different lengths.
 pub(crate) fn collect(
     columns: impl Iterator<Item = (String, Vec<f64>)>,
     file: &str,
@@ -80,17 +83,17 @@ pub fn read_csv(
         let advice = "kufe runs import writes that of such files";
         Error::file(file, format!("{what}; expected {TABLE_TEXT}: {advice}"))
     })?;
-    let named = |i: &usize| !names[*i].is_empty() && names[..*i].contains(&names[*i]);
-    if let Some(twice) = (0..names.len()).find(named) {
-        return Err(given_twice(&names[twice], file));
+    let is_repeated = |i: &usize| !names[*i].is_empty() && names[..*i].contains(&names[*i]);
+    if let Some(repeated) = (0..names.len()).find(is_repeated) {
+        return Err(given_twice(&names[repeated], file));
     }
-    // `None` once a column has turned out to hold text.
+    // `None` for a column with text.
     let mut columns: Vec<Option<Vec<f64>>> = vec![Some(Vec::new()); names.len()];
     let mut record = csv::ByteRecord::new();
     let mut count = 0;
     while table.read_byte_record(&mut record).map_err(failure)? {
         if record.len() != names.len() {
-            // A line of blanks is no row.
+            // A blank line is no row.
             if record.iter().all(|cell| cell.trim_ascii().is_empty()) {
                 continue;
             }
@@ -127,18 +130,17 @@ pub fn read_csv(
 
 fn parse_number(cell: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(cell).ok()?.trim();
-    // How other programs write that there is no value.
+    // Missing values as other programs write them.
     if ["", "NA", "N/A", "null", "None"].contains(&text) {
         return Some(f64::NAN);
     }
     let value: f64 = text.parse().ok()?;
-    // A number too large for its type is none; `inf` is written so.
+    // `inf` is a number; digits that overflow are not.
     let overflows = value.is_infinite() && text.contains(|c: char| c.is_ascii_digit());
     (!overflows).then_some(value)
 }
 
-/// Writes columns as CSV in the order given, each number in the shortest form that reads back to
-/// the same bits.
+/// Writes columns as CSV in the given order. Each number has the shortest form with the same bits.
 ///
 /// # Errors
 /// The writer's.
@@ -156,14 +158,14 @@ pub fn write_csv(
         }
         writeln!(writer)?;
     }
-    // A buffer that is dropped keeps to itself that it could not be written.
+    // A buffer reports no error when it is dropped.
     writer.flush()
 }
 
-/// Reads every numeric column of a file, its format given by the extension (CSV where unknown).
+/// Reads every numeric column of a file in the format of its extension (CSV if unknown).
 ///
-/// Text in a column that is not `required` leaves the column out; empty cells and nulls become NaN.
-/// A last line of text without its end is not read: see [`is_cut_short`].
+/// A column with text is omitted unless it is `required`. Empty cells and nulls become NaN. The last
+/// line of a text file is not read if it has no end: see [`is_cut_short`].
 ///
 /// # Errors
 /// [`Error::File`], [`Error::Cell`], [`Error::Column`] for a column given twice.
@@ -190,14 +192,14 @@ pub fn read_columns(path: &Path, required: &[&str]) -> Result<Columns, Error> {
     }
 }
 
-/// The ending of a file's name in small letters.
+/// The extension of a file in lower case.
 fn ending(path: &Path) -> String {
     let ending = path.extension().unwrap_or_default().to_string_lossy();
     ending.to_ascii_lowercase()
 }
 
-/// Whether a file of text ends within a line: a recorder that lost its power writes such, and its
-/// last cell may be cut.
+/// Whether a text file ends within a line: a recorder that loses power writes such files, and their
+/// last number may be wrong.
 pub(crate) fn is_cut_short(path: &Path) -> bool {
     if ["parquet", "mat"].contains(&ending(path).as_str()) {
         return false;
@@ -207,7 +209,7 @@ pub(crate) fn is_cut_short(path: &Path) -> bool {
     lengths.is_ok_and(|(whole, length)| whole < length)
 }
 
-/// Length of a text up to the end of its last whole line, or of all of it where no line ends
+/// Length of a text up to the end of its last whole line, or of the whole text if no line ends
 /// [bytes].
 fn whole_lines(text: &mut File) -> std::io::Result<u64> {
     const BLOCK: u64 = 1 << 16;

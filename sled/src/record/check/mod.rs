@@ -1,5 +1,5 @@
-//! Whether a run's columns hold what their names state: column by column, and by the relations of a
-//! rigid body between them.
+//! Checks of a run's columns against their names: column by column, and by the relations of a rigid
+//! body between them.
 
 pub(crate) mod columns;
 mod corrections;
