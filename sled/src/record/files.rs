@@ -20,7 +20,6 @@ use crate::record::gaps::OnGaps;
 use crate::record::index::{Entry, read_index};
 use crate::record::needs::Needs;
 use crate::record::run::Run;
-use crate::series::bridged;
 
 /// Reads the index and all of its runs, in the order of the index; a run must have the columns that
 /// the computation `needs`.
@@ -168,10 +167,7 @@ fn fill_in_distances(runs: &mut [Run]) {
         }
         *sum += match run.columns.get("s_m").map(Vec::as_slice) {
             Some([first, .., last]) if (last - first).is_finite() => last - first,
-            _ => run
-                .columns
-                .get("v_mps")
-                .map_or(0.0, |v| bridged(v).iter().sum::<f64>() * run.dt_s),
+            _ => run.travelled_m(run.len()).unwrap_or(0.0),
         };
     }
 }
@@ -252,18 +248,15 @@ pub fn write_run(
         RunFormat::Parquet => *value,
     };
     let times = (0..run.len()).map(|i| nine_decimals(run.t0_s + i as f64 * run.dt_s));
-    let names = run.columns.keys().map(String::as_str);
-    let others = names.filter(|name| !COLUMNS.contains(name));
-    let known = COLUMNS
-        .into_iter()
-        .filter(|name| run.columns.contains_key(*name));
+    let others = run.columns.keys().map(String::as_str);
+    let others = others.filter(|name| !COLUMNS.contains(name));
     let mut columns: Vec<(&str, Vec<f64>)> = vec![("t_s", times.collect())];
-    for name in known.chain(others) {
-        columns.push((name, run.columns[name].iter().map(decimals).collect()));
+    for name in COLUMNS.into_iter().chain(others) {
+        if let Some(values) = run.columns.get(name) {
+            columns.push((name, values.iter().map(decimals).collect()));
+        }
     }
-    let slices = columns
-        .iter()
-        .map(|(name, values)| (*name, values.as_slice()));
+    let slices = columns.iter().map(|(name, values)| (*name, &values[..]));
     let table: Vec<(&str, &[f64])> = slices.collect();
     match format {
         RunFormat::Csv => write_csv(writer, &table).map_err(|error| failure(&error)),

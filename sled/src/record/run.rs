@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use crate::error::Error;
 use crate::record::gaps::{Gaps, SampleCoverage, Saturation};
 use crate::record::index::Entry;
+use crate::series::bridged;
 
 /// A recorded run, uniformly sampled, in the units of its columns' names. Values in gaps may be NaN.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,6 +40,13 @@ impl Run {
     /// Sampling rate [Hz].
     pub fn rate_hz(&self) -> f64 {
         1.0 / self.dt_s
+    }
+
+    /// Distance over the first `samples` samples by the integral of the speed, interpolated across
+    /// gaps [m]; `None` without a recorded speed.
+    pub(crate) fn travelled_m(&self, samples: usize) -> Option<f64> {
+        let speed = bridged(self.columns.get("v_mps")?);
+        Some(speed[..samples].iter().sum::<f64>() * self.dt_s)
     }
 
     /// All remarks, with those on saturated channels.

@@ -5,7 +5,9 @@ use crate::error::Error;
 use crate::model::vehicle::{Vehicle, refuse_effects};
 use crate::record::needs::refuse_drag_without_air;
 use crate::simulate::driver::{Driver, Steering};
-use crate::simulate::dynamics::{Before, COUNT, Instant, TIME, Unknowns, WallContact, World};
+use crate::simulate::dynamics::{
+    Before, COUNT, Instant, N, S, TIME, Unknowns, VX, WallContact, World,
+};
 use crate::track::table::{IceAlong, TrackShape};
 
 /// Work and energy over a simulation [J].
@@ -87,8 +89,7 @@ pub fn simulate(
         cross_curvature: options.cross_curvature_1pm,
     };
     let mut start: Unknowns = [0.0; COUNT];
-    start[0] = track.start_m;
-    start[3] = options.start_speed_mps;
+    (start[S], start[VX]) = (track.start_m, options.start_speed_mps);
     let (simulated, trouble) = integrate(&world, start, track.finish_m, options)?;
     trouble.map_or(Ok(simulated), Err)
 }
@@ -138,7 +139,7 @@ pub(crate) fn integrate(
         before = world.before(&world.rates(&y, &before).1, &before, h);
     }
     let mut then = [before; 2];
-    let expected = ((finish_m - start[0]) / start[3] / dt_s) as usize;
+    let expected = ((finish_m - start[S]) / start[VX] / dt_s) as usize;
     let mut instants = Vec::with_capacity(expected.min(1 << 16));
     let mut offset_m = Vec::with_capacity(expected.min(1 << 16));
     // Rates of the last steps, newest first, and the number of steps since the step length changed.
@@ -158,7 +159,7 @@ pub(crate) fn integrate(
         before = world.before(&instant, &before, h);
         past.rotate_right(1);
         past[0] = rates;
-        let finished = y[0] >= finish_m;
+        let finished = y[S] >= finish_m;
         if (substep == 0 || finished)
             && let Some(what) = world.trouble(&y)
         {
@@ -168,7 +169,7 @@ pub(crate) fn integrate(
         if substep == 0 {
             instant.state.t_s = t_s;
             instants.push(instant);
-            offset_m.push(y[1]);
+            offset_m.push(y[N]);
         }
         if finished {
             break true;
@@ -182,8 +183,7 @@ pub(crate) fn integrate(
                 let what = format!(
                     "slip and yaw change at {rate:.0} 1/s: no step of {MIN_STEP_S} s or more is stable"
                 );
-                let s_m = y[0];
-                trouble = Some(Error::Stopped { s_m, t_s, what });
+                trouble = Some(stopped(world, &y, t_s, None, what));
                 break false;
             }
             let needed = ((dt_s * rate / MAX_STEP_RATE).ceil() as usize).max(min_substeps);
@@ -202,6 +202,7 @@ pub(crate) fn integrate(
             (intervals, substep) = (intervals + 1, 0);
         }
     };
+    let [.., gravity_j, ice_j, air_j, wall_j, _] = y;
     let simulated = Simulated {
         instants,
         offset_m,
@@ -210,10 +211,10 @@ pub(crate) fn integrate(
         energy: EnergyBalance {
             kinetic_start_j,
             kinetic_end_j: world.kinetic_energy(&y),
-            gravity_j: y[7],
-            ice_j: y[8],
-            air_j: y[9],
-            wall_j: y[10],
+            gravity_j,
+            ice_j,
+            air_j,
+            wall_j,
         },
         steps,
     };
@@ -223,9 +224,9 @@ pub(crate) fn integrate(
 /// The error of a simulation that cannot continue: at the `last` instant if the motion is no longer
 /// finite.
 fn stopped(world: &World, y: &Unknowns, t_s: f64, last: Option<&Instant>, what: String) -> Error {
-    let (s_m, t_s, what) = match last.filter(|_| !y[0].is_finite()) {
+    let (s_m, t_s, what) = match last.filter(|_| !y[S].is_finite()) {
         Some(Instant { state, .. }) => (state.s_m, state.t_s, what + &world.not_finite(state)),
-        None => (y[0], t_s, what),
+        None => (y[S], t_s, what),
     };
     Error::Stopped { s_m, t_s, what }
 }

@@ -24,12 +24,17 @@ pub(crate) type Unknowns = [f64; COUNT];
 /// Number of unknowns.
 pub(crate) const COUNT: usize = 12;
 
-const N: usize = 1;
-const CHI: usize = 2;
-const VX: usize = 3;
+/// Index of the distance among the unknowns.
+pub(crate) const S: usize = 0;
+/// Index of the offset.
+pub(crate) const N: usize = 1;
+/// Index of the heading.
+pub(crate) const CHI: usize = 2;
+/// Index of the speed along the sled.
+pub(crate) const VX: usize = 3;
 const VY: usize = 4;
 const YAW: usize = 5;
-/// Index of the time among the unknowns.
+/// Index of the time.
 pub(crate) const TIME: usize = 11;
 
 /// A force from outside, such as of a wall: a half wave of lateral force over a stretch of track.

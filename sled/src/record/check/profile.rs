@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::record::gaps::{Saturation, rows_held};
 use crate::record::run::Run;
-use crate::series::{bridged, median, noise_sd_within};
+use crate::series::{median, noise_sd_within};
 
 /// Longest leap or drop-out [s]; after a longer one the channel has another level.
 const MAX_LEAP_S: f64 = 0.5;
@@ -191,9 +191,8 @@ fn four_digits(x: f64) -> f64 {
 fn place(run: &Run, sample: usize) -> String {
     let t_s = run.t0_s + sample as f64 * run.dt_s;
     let recorded = run.columns.get("s_m").map(|s| s[sample]);
-    let travelled = |v: &Vec<f64>| bridged(v)[..sample].iter().sum::<f64>() * run.dt_s;
-    let integral = || run.columns.get("v_mps").map(travelled);
-    match recorded.filter(|s| s.is_finite()).or_else(integral) {
+    let recorded = recorded.filter(|s| s.is_finite());
+    match recorded.or_else(|| run.travelled_m(sample)) {
         Some(s_m) => format!("t = {t_s:.3} s (s = {s_m:.1} m)"),
         None => format!("t = {t_s:.3} s"),
     }
