@@ -50,28 +50,7 @@ pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Plan, Error>
         found,
         expected,
     };
-    let mut files: BTreeMap<String, BTreeMap<String, PathBuf>> = BTreeMap::new();
-    for (name, logger) in &mapping.logger {
-        let Some(pattern) = &logger.files else {
-            continue;
-        };
-        let key = format!("logger.{name}.files");
-        let found = matching(folder, pattern)
-            .map_err(|expected| wrong(key.clone(), pattern.clone(), expected))?;
-        for (run, path) in found {
-            if plain_name(&run).is_none() {
-                let expected =
-                    "a file whose name can name a run: letters, digits, '-', '_' and '.'";
-                return Err(wrong(key, path.display().to_string(), expected.to_string()));
-            }
-            files.entry(run).or_default().insert(name.clone(), path);
-        }
-    }
-    for run in &mapping.run {
-        let own = run.files.iter();
-        let own = own.map(|(logger, path)| (logger.clone(), folder.join(path)));
-        files.entry(run.name.clone()).or_default().extend(own);
-    }
+    let files = files_by_run(mapping, folder, &wrong)?;
     let table = match &mapping.index.table {
         None => Vec::new(),
         Some(path) => {
@@ -129,6 +108,40 @@ pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Plan, Error>
         Some(error) if plan.runs.is_empty() => Err(error),
         _ => Ok(plan),
     }
+}
+
+/// The error of a key with the value that was found and what was expected.
+type KeyError<'a> = dyn Fn(String, String, String) -> Error + 'a;
+
+/// The file of each logger, by run and logger: those that match patterns, and those of `[[run]]`.
+fn files_by_run(
+    mapping: &Mapping,
+    folder: &Path,
+    wrong: &KeyError,
+) -> Result<BTreeMap<String, BTreeMap<String, PathBuf>>, Error> {
+    let mut files: BTreeMap<String, BTreeMap<String, PathBuf>> = BTreeMap::new();
+    for (name, logger) in &mapping.logger {
+        let Some(pattern) = &logger.files else {
+            continue;
+        };
+        let key = format!("logger.{name}.files");
+        let found = matching(folder, pattern)
+            .map_err(|expected| wrong(key.clone(), pattern.clone(), expected))?;
+        for (run, path) in found {
+            if plain_name(&run).is_none() {
+                let expected =
+                    "a file whose name can name a run: letters, digits, '-', '_' and '.'";
+                return Err(wrong(key, path.display().to_string(), expected.to_string()));
+            }
+            files.entry(run).or_default().insert(name.clone(), path);
+        }
+    }
+    for run in &mapping.run {
+        let own = run.files.iter();
+        let own = own.map(|(logger, path)| (logger.clone(), folder.join(path)));
+        files.entry(run.name.clone()).or_default().extend(own);
+    }
+    Ok(files)
 }
 
 /// Files that match a pattern, with the text that its `*` matches, sorted. For a pattern without

@@ -142,7 +142,7 @@ pub(crate) fn integrate(
     let expected = ((finish_m - start[S]) / start[VX] / dt_s) as usize;
     let mut instants = Vec::with_capacity(expected.min(1 << 16));
     let mut offset_m = Vec::with_capacity(expected.min(1 << 16));
-    // Rates of the last steps, newest first, and the number of steps since the step length changed.
+    // Rates of the last four steps, newest first, and the number of steps of equal length.
     let (mut past, mut equal_steps) = ([[0.0; COUNT]; 4], 0);
     let mut steps = 0;
     // Number of output intervals, and of steps in the current one.
@@ -178,15 +178,13 @@ pub(crate) fn integrate(
             break false;
         }
         if substep == 0 && intervals % check_interval == 0 {
-            let rate = world.fastest_rate(&y, &rates, &before);
-            if rate * MIN_STEP_S > MAX_STEP_RATE {
-                let what = format!(
-                    "slip and yaw change at {rate:.0} 1/s: no step of {MIN_STEP_S} s or more is stable"
-                );
-                trouble = Some(stopped(world, &y, t_s, None, what));
-                break false;
-            }
-            let needed = ((dt_s * rate / MAX_STEP_RATE).ceil() as usize).max(min_substeps);
+            let needed = match stable_substeps(world.fastest_rate(&y, &rates, &before), dt_s) {
+                Ok(needed) => needed.max(min_substeps),
+                Err(what) => {
+                    trouble = Some(stopped(world, &y, t_s, None, what));
+                    break false;
+                }
+            };
             if needed > substeps || 2 * needed <= substeps {
                 (substeps, h, equal_steps) = (needed, dt_s / needed as f64, 0);
                 then = [now; 2];
@@ -219,6 +217,20 @@ pub(crate) fn integrate(
         steps,
     };
     Ok((simulated, trouble))
+}
+
+/// Number of steps in an output interval `dt_s` [s] that are stable at the fastest `rate` of slip and
+/// yaw [1/s].
+///
+/// # Errors
+/// The reason if only steps below [`MIN_STEP_S`] are stable.
+fn stable_substeps(rate: f64, dt_s: f64) -> Result<usize, String> {
+    if rate * MIN_STEP_S > MAX_STEP_RATE {
+        return Err(format!(
+            "slip and yaw change at {rate:.0} 1/s: no step of {MIN_STEP_S} s or more is stable"
+        ));
+    }
+    Ok((dt_s * rate / MAX_STEP_RATE).ceil() as usize)
 }
 
 /// The error of a simulation that cannot continue: at the `last` instant if the motion is no longer
