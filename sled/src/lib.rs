@@ -95,8 +95,8 @@ pub use replay::compared::{Compared, Difference, Section};
 pub use replay::drive::{Replay, add_measured_columns, replay};
 pub use replay::inputs::{Inputs, READ, Reading, read_for_replay};
 pub use series::{
-    bridged, correlation, derivative, distinct, integral, low_pass, median, resample,
-    resample_stretches,
+    MIN_FILTER_SAMPLES, bridged, correlation, derivative, distinct, integral, low_pass, median,
+    resample, resample_stretches,
 };
 pub use signals::filtered::estimate_noise;
 pub use signals::prepare::{PrepareOptions, Prepared, prepare, prepare_all};

@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::columns::Columns;
-use crate::series::LEAST_SAMPLES;
+use crate::series::MIN_FILTER_SAMPLES;
 
 /// Smallest speed [m/s] at which the slip angle is defined.
 pub const LEAST_SPEED: f64 = 0.1;
@@ -90,7 +90,7 @@ impl Gaps {
             if i < len && is_complete[i] && !is_at_rest[i] {
                 continue;
             }
-            if i - start >= LEAST_SAMPLES {
+            if i - start >= MIN_FILTER_SAMPLES {
                 gaps.pieces.push(start..i);
             } else {
                 gaps.too_short += i - start;

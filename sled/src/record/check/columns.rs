@@ -14,7 +14,7 @@ pub const LARGEST_VALUE: f64 = 1e6;
 const LARGEST_TIME_S: f64 = 1e15;
 
 /// Fewest samples of a run, for filters and derivatives.
-pub const LEAST_SAMPLES: usize = 64;
+pub const MIN_RUN_SAMPLES: usize = 64;
 
 /// Checks the columns of one run, interpolates them to a uniform time base, and finds the samples
 /// that are used and the saturated channels.
@@ -42,15 +42,15 @@ pub fn check_columns(
         refuse_too_large(&columns[*name], name, LARGEST_VALUE, file)?;
     }
     let mut time = columns.remove("t_s").unwrap_or_default();
-    if time.len() < LEAST_SAMPLES {
+    if time.len() < MIN_RUN_SAMPLES {
         let what = format!("{file}: samples");
-        return Err(Error::too_few(what, time.len(), LEAST_SAMPLES));
+        return Err(Error::too_few(what, time.len(), MIN_RUN_SAMPLES));
     }
     if on_gaps == OnGaps::Refuse {
         refuse_gaps(columns, &time, used, file)?;
     }
     let rows: Vec<usize> = (0..time.len()).filter(|i| time[*i].is_finite()).collect();
-    if rows.len() < LEAST_SAMPLES {
+    if rows.len() < MIN_RUN_SAMPLES {
         refuse_missing(&time, &time, "t_s", file)?;
     }
     if rows.len() < time.len() {
@@ -76,11 +76,11 @@ pub fn check_columns(
     {
         return Err(standstill(file, 2, speed[0], time[0]));
     }
-    if samples < LEAST_SAMPLES {
+    if samples < MIN_RUN_SAMPLES {
         let what = format!(
             "{file}: samples with a value in every channel, in stretches long enough for the filter"
         );
-        return Err(Error::too_few(what, samples, LEAST_SAMPLES));
+        return Err(Error::too_few(what, samples, MIN_RUN_SAMPLES));
     }
     let clock = Clock {
         t0_s: base.clock.t0_s + gaps.cut_s[0],

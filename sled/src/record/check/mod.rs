@@ -12,4 +12,4 @@ mod rotation;
 mod single;
 
 pub use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps, SampleCoverage, gaps_line};
-pub use columns::{Clock, LEAST_SAMPLES, check_columns};
+pub use columns::{Clock, MIN_RUN_SAMPLES, check_columns};
