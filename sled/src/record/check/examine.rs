@@ -210,18 +210,9 @@ fn biases_at_rest(run: &Run) -> BTreeMap<String, f64> {
     means
 }
 
-/// Advice of notes.
-const EMPTY_CELLS: &str = "empty those cells: a gap is not used";
-const RECORD_IT: &str = "record it, or leave the run out (--leave-out-bad-runs) where forces on the \
-    runners are needed";
-const NOTHING_FOR_GAPS: &str =
-    "nothing: results are made without them; check the logger where it is much";
+/// Advice of several notes.
 const LEAVE_OUT: &str = "leave the column out if nothing measures it";
-const OWN_CLOCK: &str = "import it with its own clock and rate";
 const LARGER_RANGE: &str = "a sensor with a larger range, or leave the run out";
-const STATE_NOISE: &str = "state [noise] as the step over the root of 12";
-const ALIGN: &str = "align the clocks when importing, or state delay_s in [tolerances]";
-const TAKE_OFF: &str = "take it off when importing, or state gyro_bias_radps";
 
 impl Note {
     fn new(column: &str, weight: f64, advice: &str, what: String) -> Note {
@@ -241,8 +232,10 @@ fn run_notes(run: &Run, length_s: f64, used_s: f64) -> Vec<Note> {
     let needed = Needs::FORCES.columns.iter();
     let absent = needed.filter(|name| !run.columns.contains_key(**name));
     let what = "not recorded, and forces on the runners need it";
+    let advice = "record it, or leave the run out (--leave-out-bad-runs) where forces on the \
+        runners are needed";
     let mut notes: Vec<Note> = absent
-        .map(|name| Note::new(name, 1.0, RECORD_IT, what.to_owned()))
+        .map(|name| Note::new(name, 1.0, advice, what.to_owned()))
         .collect();
     let unused = 1.0 - used_s / length_s;
     if unused > 0.0 {
@@ -253,7 +246,8 @@ fn run_notes(run: &Run, length_s: f64, used_s: f64) -> Vec<Note> {
             gaps.standstill,
             gaps.missing.values().sum::<usize>()
         );
-        notes.push(Note::new("", unused, NOTHING_FOR_GAPS, what));
+        let advice = "nothing: results are made without them; check the logger where it is much";
+        notes.push(Note::new("", unused, advice, what));
     }
     if gaps.jitter > 0.0 {
         let what = format!("rows up to {:.0} % of a step off", 100.0 * gaps.jitter);
@@ -291,7 +285,7 @@ fn channel_notes(
     if let Some(rows) = profile.rows_held {
         let rate = run.rate_hz() / rows as f64;
         let what = format!("each value is repeated over {rows} rows: {rate:.1} Hz");
-        note(0.02, OWN_CLOCK, what);
+        note(0.02, "import it with its own clock and rate", what);
     } else if still >= MIN_STILL_S.max(0.99 * length_s) {
         note(share, LEAVE_OUT, "one value throughout".to_owned());
     } else if still >= MIN_STILL_S && is_at_end {
@@ -301,7 +295,7 @@ fn channel_notes(
         note(share, LEAVE_OUT, format!("one value for {still:.2} s"));
     } else if let Some(quantum) = profile.quantum {
         let what = format!("steps of {quantum:.2e}, larger than its noise");
-        note(0.005, STATE_NOISE, what);
+        note(0.005, "state [noise] as the step over the root of 12", what);
     }
     if let Some(found) = profile.saturation {
         let what = format!(
@@ -317,7 +311,7 @@ fn channel_notes(
     for (kind, what) in described {
         // A constant value at the end of the range is noted above.
         if !is_at_end || kind != OddKind::Still {
-            note(share.max(0.1), EMPTY_CELLS, what);
+            note(share.max(0.1), "empty those cells: a gap is not used", what);
         }
     }
     if let Some([delay, error]) = profile.delay_s
@@ -325,10 +319,12 @@ fn channel_notes(
     {
         let [delay, error] = [delay, error].map(|time| 1e3 * time);
         let what = format!("is {delay:.0} +- {error:.0} ms later than the others");
-        note(0.2, ALIGN, what);
+        let advice = "align the clocks when importing, or state delay_s in [tolerances]";
+        note(0.2, advice, what);
     }
     if let Some(bias) = profile.at_standstill.filter(|bias| bias.abs() > 2e-3) {
-        note(0.1, TAKE_OFF, format!("{bias:.4} rad/s at standstill"));
+        let advice = "take it off when importing, or state gyro_bias_radps";
+        note(0.1, advice, format!("{bias:.4} rad/s at standstill"));
     }
     notes
 }
