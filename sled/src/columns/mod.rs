@@ -6,7 +6,7 @@ pub(crate) mod table;
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use kufe_files::{TABLE_TEXT, column_names, shown_name};
@@ -74,6 +74,18 @@ pub fn read_csv(
     file: &str,
 ) -> Result<Columns, Error> {
     let failure = |error: csv::Error| Error::file(file, error);
+    let mut reader = BufReader::with_capacity(1 << 16, reader);
+    let head = reader
+        .fill_buf()
+        .map_err(|error| Error::file(file, error))?;
+    let mut ends = head.split_inclusive(|byte| *byte == b'\n');
+    let is_crlf = ends.next().is_some_and(|line| line.ends_with(b"\r\n"));
+    // The library counts the line feeds up to the end of a row. It passes that of CRLF with the
+    // next row.
+    let line = |record: &csv::ByteRecord, end: &csv::Position| {
+        let begin = record.position().map_or(0, csv::Position::line);
+        begin.max(end.line() - u64::from(!is_crlf))
+    };
     let mut table = csv::ReaderBuilder::new()
         .buffer_capacity(1 << 16)
         .flexible(true)
@@ -99,7 +111,7 @@ pub fn read_csv(
             }
             let (found, expected) = (record.len(), names.len());
             let reason = format!("found {found} cells, expected {expected}, one below each name");
-            let row = record.position().map_or(0, csv::Position::line);
+            let row = line(&record, table.position());
             return Err(Error::row(file, row, reason));
         }
         for ((cell, slot), name) in record.iter().zip(&mut columns).zip(&names) {
@@ -110,7 +122,7 @@ pub fn read_csv(
                     values.push(value);
                 }
                 None if name == "t_s" || required.contains(&name.as_str()) => {
-                    let row = record.position().map_or(0, csv::Position::line);
+                    let row = line(&record, table.position());
                     let found = String::from_utf8_lossy(cell);
                     return Err(Error::cell(file, row, name, found, "a number"));
                 }
@@ -229,4 +241,25 @@ fn whole_lines(text: &mut File) -> std::io::Result<u64> {
     }
     text.seek(SeekFrom::Start(0))?;
     Ok(whole)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_has_the_line_of_the_file() {
+        for end in ["\n", "\r\n"] {
+            for (lines, row) in [
+                (&["t_s,v_mps", "0,1", "x,2", "3,4"][..], "row 3"),
+                (&["t_s,v_mps", "0,1", "", "x,2", ""], "row 4"),
+                (&["t_s,v_mps", "0,1", "1,2,3", ""], "row 3"),
+                (&["t_s,v_mps", "0,1", "x,2"], "row 3"),
+            ] {
+                let text = lines.join(end);
+                let error = read_csv(text.as_bytes(), &[], "a.csv").unwrap_err();
+                assert!(error.to_string().contains(row), "{text:?}: {error}");
+            }
+        }
+    }
 }
