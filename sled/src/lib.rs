@@ -80,7 +80,7 @@ pub use motion::{aero, one_track};
 pub use record::check;
 pub use record::check::columns::LARGEST_VALUE;
 pub use record::check::examine::{Examination, Note, examine};
-pub use record::check::judge::{RelationRules, check_relations, judge, judge_by};
+pub use record::check::faults::{RelationRules, check_relations, find_faults, find_faults_with};
 pub use record::check::profile::{OddKind, OddStretch, Profile};
 pub use record::file_names::{file_stem, run_file, track_file};
 pub use record::files::{RunFormat, read_good_runs, read_run, read_runs, write_run};
@@ -95,8 +95,8 @@ pub use replay::compared::{Compared, Difference, Section};
 pub use replay::drive::{Replay, add_measured_columns, replay};
 pub use replay::inputs::{Inputs, READ, Reading, read_for_replay};
 pub use series::{
-    bridged, correlation, derivative, distinct, integral, low_pass, median, resample,
-    resample_stretches,
+    MIN_FILTER_SAMPLES, bridged, correlation, derivative, distinct, integral, low_pass, median,
+    resample, resample_stretches,
 };
 pub use signals::filtered::estimate_noise;
 pub use signals::prepare::{PrepareOptions, Prepared, prepare, prepare_all};

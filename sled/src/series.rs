@@ -11,7 +11,7 @@ use sci_rs::signal::filter::sosfiltfilt_dyn;
 /// Order of the Butterworth filter; forward and backward filtering doubles its effective order.
 pub const ORDER: usize = 4;
 /// Smallest number of samples for the filter's odd extension at the ends.
-pub const LEAST_SAMPLES: usize = 16;
+pub const MIN_FILTER_SAMPLES: usize = 16;
 
 /// Pearson correlation of two series over the samples that are finite in both; 0 where either is
 /// constant.
@@ -43,14 +43,14 @@ pub fn correlation(a: &[f64], b: &[f64]) -> f64 {
 /// 1e-12. A cutoff at or above half the rate returns the signal unchanged.
 ///
 /// # Panics
-/// Panics with fewer than 16 samples; runs have at least [`crate::record::check::LEAST_SAMPLES`].
+/// Panics with fewer than 16 samples; runs have at least [`crate::record::check::MIN_RUN_SAMPLES`].
 pub fn low_pass(values: &[f64], rate_hz: f64, cutoff_hz: f64) -> Vec<f64> {
     if cutoff_hz >= 0.5 * rate_hz {
         return values.to_vec();
     }
     assert!(
-        values.len() >= LEAST_SAMPLES,
-        "low pass needs {LEAST_SAMPLES} samples, got {}",
+        values.len() >= MIN_FILTER_SAMPLES,
+        "low pass needs {MIN_FILTER_SAMPLES} samples, got {}",
         values.len()
     );
     sosfiltfilt_dyn(values.iter(), &sections(rate_hz, cutoff_hz))
@@ -156,7 +156,7 @@ pub fn resample_stretches(column: &[f64], from_hz: f64, to_hz: f64) -> Vec<f64> 
         let end = start + finite;
         if finite > 0 && first <= last_before(end) {
             let places = first..last_before(end) + 1;
-            let values: Vec<f64> = if finite >= LEAST_SAMPLES {
+            let values: Vec<f64> = if finite >= MIN_FILTER_SAMPLES {
                 let offset = first as f64 * ratio - start as f64;
                 resample_from(&column[start..end], from_hz, to_hz, offset)
             } else {

@@ -490,9 +490,10 @@ impl Matched {
                 }
             }
             let square = dot(&own[0], &own[0]);
-            let factor = match square > ROUNDING.powi(2) * size {
-                true => square.sqrt().recip(),
-                false => 0.0,
+            let factor = if square > ROUNDING.powi(2) * size {
+                square.sqrt().recip()
+            } else {
+                0.0
             };
             own.iter_mut().flatten().for_each(|x| *x *= factor);
         }

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use kufe_sled::{COLUMNS, Columns, Gaps, LARGEST_VALUE, MOST_NUMBERS, Run, Saturation, rows_held};
+use kufe_sled::{
+    COLUMNS, Columns, Gaps, LARGEST_VALUE, MOST_NUMBERS, Run, Saturation, Sensor, rows_held,
+};
 use serde::Serialize;
 
 use crate::delay::{LoggerClock, align};
@@ -351,10 +353,6 @@ fn rotate(
     mut series: Vec<&mut Series>,
     [roll, pitch, yaw]: [f64; 3],
 ) -> Result<(), (String, String)> {
-    const VECTORS: [[&str; 3]; 2] = [
-        ["ax_mps2", "ay_mps2", "az_mps2"],
-        ["roll_rate_radps", "pitch_rate_radps", "yaw_rate_radps"],
-    ];
     let ((sr, cr), (sp, cp), (sy, cy)) = (roll.sin_cos(), pitch.sin_cos(), yaw.sin_cos());
     let rows = [
         [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
@@ -362,7 +360,8 @@ fn rotate(
         [-sp, cp * sr, cp * cr],
     ];
     let mut turned = 0;
-    for axes in VECTORS {
+    for axes in [Sensor::ACCELEROMETER, Sensor::GYROSCOPE] {
+        let axes = axes.map(Sensor::name);
         let mut vector = Vec::new();
         for axis in axes {
             vector.extend(series.extract_if(.., |own| own.column == axis));
@@ -375,11 +374,11 @@ fn rotate(
             }
             return Err((format!("{count} of 3 axes"), expected()));
         };
-        let same = |a: &Series, b: &Series| {
+        let has_same_times = |a: &Series, b: &Series| {
             let mut pairs = a.time.iter().zip(&b.time);
             a.time.len() == b.time.len() && pairs.all(|(a, b)| a.total_cmp(b).is_eq())
         };
-        if !(same(x, y) && same(x, z)) {
+        if !(has_same_times(x, y) && has_same_times(x, z)) {
             return Err(("axes at different times".to_string(), expected()));
         }
         for i in 0..x.values.len() {
@@ -650,7 +649,7 @@ pub struct ChannelNote {
 /// [`Error::Key`] if the axes of the accelerometer have different positions.
 pub fn model_fragment(mapping: &Mapping, file: &str) -> Result<Option<String>, Error> {
     let place = |column: &str| mapping.channels.get(column)?.place_m;
-    let axes = ["ax_mps2", "ay_mps2", "az_mps2"];
+    let axes = Sensor::ACCELEROMETER.map(Sensor::name);
     let mut places = axes.iter().filter_map(|axis| Some((axis, place(axis)?)));
     let accelerometer = places.next();
     let differs = |(_, own): &(_, _)| accelerometer.is_some_and(|(_, first)| first != *own);

@@ -45,7 +45,7 @@ pub use log::{Channel, Log};
 pub use mapping::{ChannelSource, ClockWord, IndexValues, LoggerFiles, Mapping, PlannedRun};
 pub use mdf4::read_mdf4;
 pub use plan::{ExcludedRun, Plan, index_csv, plan};
-pub use recording::{read_log, read_matlab73, read_recording};
+pub use recording::{read_log, read_matlab73};
 pub use relation::Relation;
 pub use resample::{Base, Gap, Resampled, resample};
 pub use text::{TextOptions, read_text};

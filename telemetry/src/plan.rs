@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use kufe_files::{TABLE_TEXT, column_names};
+use kufe_files::{TABLE_TEXT, column_names, line_of_row};
 use kufe_sled::{
     CONDITIONS, COVARIATE, Conditions, Entry, ICE_AT, INDEX_COLUMNS, IceAlong, MORE_INDEX_COLUMNS,
     file_stem, write_index,
@@ -50,28 +50,7 @@ pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Plan, Error>
         found,
         expected,
     };
-    let mut files: BTreeMap<String, BTreeMap<String, PathBuf>> = BTreeMap::new();
-    for (name, logger) in &mapping.logger {
-        let Some(pattern) = &logger.files else {
-            continue;
-        };
-        let key = format!("logger.{name}.files");
-        let found = matching(folder, pattern)
-            .map_err(|expected| wrong(key.clone(), pattern.clone(), expected))?;
-        for (run, path) in found {
-            if plain_name(&run).is_none() {
-                let expected =
-                    "a file whose name can name a run: letters, digits, '-', '_' and '.'";
-                return Err(wrong(key, path.display().to_string(), expected.to_string()));
-            }
-            files.entry(run).or_default().insert(name.clone(), path);
-        }
-    }
-    for run in &mapping.run {
-        let own = run.files.iter();
-        let own = own.map(|(logger, path)| (logger.clone(), folder.join(path)));
-        files.entry(run.name.clone()).or_default().extend(own);
-    }
+    let files = files_by_run(mapping, folder, &wrong)?;
     let table = match &mapping.index.table {
         None => Vec::new(),
         Some(path) => {
@@ -129,6 +108,40 @@ pub fn plan(mapping: &Mapping, folder: &Path, file: &str) -> Result<Plan, Error>
         Some(error) if plan.runs.is_empty() => Err(error),
         _ => Ok(plan),
     }
+}
+
+/// The error of a key with the value that was found and what was expected.
+type KeyError<'a> = dyn Fn(String, String, String) -> Error + 'a;
+
+/// The file of each logger, by run and logger: those that match patterns, and those of `[[run]]`.
+fn files_by_run(
+    mapping: &Mapping,
+    folder: &Path,
+    wrong: &KeyError,
+) -> Result<BTreeMap<String, BTreeMap<String, PathBuf>>, Error> {
+    let mut files: BTreeMap<String, BTreeMap<String, PathBuf>> = BTreeMap::new();
+    for (name, logger) in &mapping.logger {
+        let Some(pattern) = &logger.files else {
+            continue;
+        };
+        let key = format!("logger.{name}.files");
+        let found = matching(folder, pattern)
+            .map_err(|expected| wrong(key.clone(), pattern.clone(), expected))?;
+        for (run, path) in found {
+            if plain_name(&run).is_none() {
+                let expected =
+                    "a file whose name can name a run: letters, digits, '-', '_' and '.'";
+                return Err(wrong(key, path.display().to_string(), expected.to_string()));
+            }
+            files.entry(run).or_default().insert(name.clone(), path);
+        }
+    }
+    for run in &mapping.run {
+        let own = run.files.iter();
+        let own = own.map(|(logger, path)| (logger.clone(), folder.join(path)));
+        files.entry(run.name.clone()).or_default().extend(own);
+    }
+    Ok(files)
 }
 
 /// Files that match a pattern, with the text that its `*` matches, sorted. For a pattern without
@@ -274,13 +287,14 @@ impl PlannedRun {
 /// [`Error::Cell`] and [`Error::File`] with row and column.
 pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexValues)>, Error> {
     let failure = |error: csv::Error| Error::file(file, error);
+    let bytes = bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes);
     let head = bytes.split(|byte| *byte == b'\n').next();
     let semicolons = head.is_some_and(|head| head.contains(&b';'));
     let delimiter = if semicolons { b';' } else { b',' };
     let mut reader = csv::ReaderBuilder::new()
         .delimiter(delimiter)
         .trim(csv::Trim::All)
-        .from_reader(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes));
+        .from_reader(bytes);
     let header = column_names(reader.byte_headers().map_err(failure)?.iter())
         .map_err(|what| Error::file(file, format!("{what}; expected {TABLE_TEXT}")))?;
     let known = || INDEX_COLUMNS.iter().chain(&MORE_INDEX_COLUMNS);
@@ -311,7 +325,7 @@ pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexV
     let mut rows: Vec<(String, IndexValues)> = Vec::new();
     for record in reader.records() {
         let record = record.map_err(failure)?;
-        let row = record.position().map_or(0, csv::Position::line);
+        let row = line_of_row(bytes, &record);
         let name = record.get(run).unwrap_or("").to_string();
         if rows.iter().any(|(known, _)| *known == name) {
             let twice = format!("row {row}: run {name:?} is given twice, expected once");
@@ -363,4 +377,19 @@ pub fn index_csv(runs: &[PlannedRun], ending: &str) -> Result<Vec<u8>, Error> {
     let mut text = Vec::new();
     write_index(&mut text, &entries).map_err(|error| Error::file("runs.csv", error))?;
     Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_after_blank_lines_has_the_line_of_the_file() {
+        for end in ["\n", "\r\n"] {
+            let lines = ["\u{feff}run,ice_c", "", "a,-5", "", "b,warm", ""];
+            let text = lines.join(end);
+            let error = read_table(text.as_bytes(), "index.csv").unwrap_err();
+            assert!(error.to_string().contains("row 5"), "{error}");
+        }
+    }
 }

@@ -72,14 +72,6 @@ pub fn read_log(
     Ok(log)
 }
 
-/// Reads every channel of a recording.
-///
-/// # Errors
-/// As [`read_log`].
-pub fn read_recording(path: &Path, options: TextOptions) -> Result<Log, Error> {
-    read_log(path, options, None, MOST_NUMBERS)
-}
-
 /// Converts an error of the readers of `kufe_sled`.
 fn of_sled(file: &str) -> impl Fn(kufe_sled::Error) -> Error {
     move |error| match error {

@@ -3,7 +3,7 @@
 
 use std::borrow::Cow;
 
-use kufe_sled::{Spline, low_pass};
+use kufe_sled::{MIN_FILTER_SAMPLES, Spline, low_pass};
 use nalgebra::{Rotation3, Vector3};
 use serde::Serialize;
 
@@ -44,9 +44,6 @@ pub struct Relation {
     pub correlation: f64,
 }
 
-/// Smallest number of samples of a stretch that is used.
-const MIN_SAMPLES: usize = 16;
-
 /// A low-pass filtered series as a cubic spline in each stretch without a gap.
 pub(crate) struct Signal {
     parts: Vec<(f64, f64, Spline)>,
@@ -61,7 +58,7 @@ impl Signal {
         let long = cut
             .parts
             .iter()
-            .filter(|part| part.values.len() >= MIN_SAMPLES);
+            .filter(|part| part.values.len() >= MIN_FILTER_SAMPLES);
         let spline = |part: &Stretch| {
             let smooth = low_pass(&part.values, 1.0 / part.step_s, cutoff_hz);
             let at = |i: usize| part.start_s + i as f64 * part.step_s;

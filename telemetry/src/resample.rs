@@ -1,13 +1,10 @@
 //! Resampling of series to uniform times, without values in gaps.
 
-use kufe_sled::{Spline, low_pass};
+use kufe_sled::{MIN_FILTER_SAMPLES, Spline, low_pass};
 
 /// Ratio of the cutoff frequency of the anti-aliasing filter to the new rate: below the Nyquist
 /// ratio 0.5 by a margin for the filter's slope.
 const CUTOFF_RATIO: f64 = 0.4;
-
-/// Smallest number of samples of a stretch that is filtered.
-const MIN_FILTERED: usize = 16;
 
 /// Distance from a sample within which its value is used without interpolation [steps].
 const AT_SAMPLE: f64 = 1e-3;
@@ -88,7 +85,7 @@ pub fn resample(time: &[f64], values: &[f64], base: &Base) -> Option<Resampled> 
         gaps: Vec::new(),
     };
     for part in &cut.parts {
-        if decimated && part.values.len() < MIN_FILTERED {
+        if decimated && part.values.len() < MIN_FILTER_SAMPLES {
             continue;
         }
         let smooth = decimated.then(|| Stretch {

@@ -875,9 +875,10 @@ pub(crate) fn continue_days(times: &mut [f64], exact: bool) {
     let (mut last, mut step, mut added) = (f64::NAN, 0.0, 0.0);
     for t in times.iter_mut().filter(|t| t.is_finite()) {
         let later = *t + added - last;
-        let is_midnight = match exact {
-            true => later < 0.0 && later + DAY > 0.0 && later + DAY < 2.0 * step,
-            false => later < -0.5 * DAY,
+        let is_midnight = if exact {
+            later < 0.0 && later + DAY > 0.0 && later + DAY < 2.0 * step
+        } else {
+            later < -0.5 * DAY
         };
         if is_midnight {
             added += DAY;

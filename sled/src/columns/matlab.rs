@@ -1,5 +1,5 @@
-//! Columns of numbers in MATLAB v5 files (`save` with `-v6` or `-v7`): one vector a variable, named
-//! like the column.
+//! Columns of numbers in MATLAB v5 files (`save` with `-v6` or `-v7`): each is a vector variable with
+//! the name of the column.
 
 use std::io::Read;
 
@@ -8,18 +8,17 @@ use flate2::read::ZlibDecoder;
 use crate::columns::{Columns, MOST_NUMBERS, collect};
 use crate::error::Error;
 
-/// Longest MATLAB file that is read into memory as a whole [bytes]: every v5 file, and HDF5 (v7.3),
-/// of which a damaged file then takes less memory than when it is streamed.
+/// Largest MATLAB file [bytes]. It is read into memory as a whole: a damaged HDF5 file (v7.3) needs
+/// less memory so than when it is streamed.
 pub const LONGEST_MATLAB: u64 = 1 << 28;
 
-/// Structs within structs that are read.
-const DEPTH: usize = 6;
+/// Largest depth of nested structs.
+const MAX_DEPTH: usize = 6;
 
 /// Bytes before the first variable.
 const HEADER: usize = 128;
 
-// Types of elements and classes of arrays, by the format's description (MAT-File Format,
-// MathWorks).
+// Types of elements and classes of arrays (MathWorks, MAT-File Format).
 const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
 const CELL: u32 = 1;
@@ -30,20 +29,19 @@ const FIRST_NUMERIC: u32 = 6;
 const LAST_NUMERIC: u32 = 15;
 const OPAQUE: u32 = 17;
 
-/// What a MATLAB file holds.
+/// The variables of a MATLAB file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MatlabVariables {
     /// Real vectors (1 x n or n x 1) of more than one element, those in structs as `struct.field`.
     pub vectors: Vec<(String, Vec<f64>)>,
-    /// Variables that are no arrays of numbers, each with what it is and how to save it as vectors.
+    /// Remarks on variables that are no numeric arrays: their class, and how to save them as vectors.
     pub remarks: Vec<String>,
 }
 
-/// Reads the vectors of a file, which are its columns.
+/// Reads the vectors of a file as columns.
 ///
 /// # Errors
-/// [`Error::File`] as [`read_matlab`], and where no variable is a vector of numbers;
-/// [`Error::Column`].
+/// [`Error::File`] as [`read_matlab`], and if no variable is a vector of numbers; [`Error::Column`].
 pub(crate) fn read_matlab_columns(bytes: &[u8], file: &str) -> Result<Columns, Error> {
     let MatlabVariables { vectors, remarks } = read_matlab(bytes, file)?;
     if vectors.is_empty() {
@@ -57,12 +55,11 @@ pub(crate) fn read_matlab_columns(bytes: &[u8], file: &str) -> Result<Columns, E
     collect(own, file)
 }
 
-/// Reads every vector of numbers; scalars and matrices are not read, other variables are named in
-/// the remarks.
+/// Reads every vector of numbers. Scalars and matrices are ignored; other variables get a remark.
 ///
 /// # Errors
-/// [`Error::File`] where the file is no MATLAB v5 file (v7.3 is HDF5), is cut short, or unpacks to
-/// more numbers than [`MOST_NUMBERS`].
+/// [`Error::File`] if the file is no MATLAB v5 file (v7.3 is HDF5), is cut short, or contains more
+/// than [`MOST_NUMBERS`] numbers.
 pub fn read_matlab(bytes: &[u8], file: &str) -> Result<MatlabVariables, Error> {
     let failure = |reason: &str| {
         Error::file(
@@ -93,7 +90,7 @@ pub fn read_matlab(bytes: &[u8], file: &str) -> Result<MatlabVariables, Error> {
     Ok(file.found)
 }
 
-/// Why an element cannot be read.
+/// Error of an element that cannot be read.
 const CUT_SHORT: &str = "a variable is cut short";
 
 /// Type and bytes of an element.
@@ -107,7 +104,7 @@ struct Elements<'a> {
 }
 
 impl<'a> Elements<'a> {
-    /// The number in the four bytes from `at` on.
+    /// The 32-bit number at the byte `at`.
     fn word(&self, at: usize) -> Option<u32> {
         let bytes = *self.rest.get(at..)?.first_chunk()?;
         Some(if self.big {
@@ -131,7 +128,7 @@ impl<'a> Elements<'a> {
 
     fn split(&mut self) -> Option<(u32, &'a [u8])> {
         let first = self.word(0)?;
-        // Up to four bytes are within the tag.
+        // A short element: up to four bytes of data within the tag.
         if first >> 16 != 0 {
             let data = self.rest.get(4..4 + (first >> 16) as usize)?;
             self.rest = self.rest.get(8..)?;
@@ -153,18 +150,18 @@ impl<'a> Elements<'a> {
     }
 }
 
-/// Variables that are read so far.
+/// The variables read so far.
 struct Variables {
     found: MatlabVariables,
-    /// How many more numbers may be read.
+    /// Number of further numbers that may be read.
     room: usize,
 }
 
 impl Variables {
-    /// Reads an array, packed or not; elements of other types are passed over.
+    /// Reads an array, compressed or not; elements of other types are ignored.
     fn variable(&mut self, (kind, data): Element) -> Result<(), String> {
         match kind {
-            MATRIX => self.matrix(data, None, DEPTH),
+            MATRIX => self.matrix(data, None, MAX_DEPTH),
             COMPRESSED => {
                 let unpacked = self.inflate(&data)?;
                 let mut inner = Elements {
@@ -172,7 +169,7 @@ impl Variables {
                     ..data
                 };
                 match inner.next()? {
-                    (MATRIX, data) => self.matrix(data, None, DEPTH),
+                    (MATRIX, data) => self.matrix(data, None, MAX_DEPTH),
                     _ => Err(CUT_SHORT.to_string()),
                 }
             }
@@ -203,7 +200,7 @@ impl Variables {
         format!("it holds more than {MOST_NUMBERS} numbers; save fewer variables")
     }
 
-    /// Reads an array, called `field` where it is one of a struct's.
+    /// Reads an array. `field` is its name if it is a field of a struct.
     fn matrix(
         &mut self,
         mut elements: Elements,
@@ -229,7 +226,7 @@ impl Variables {
             .iter()
             .try_fold(1usize, |product, n| product.checked_mul(*n))
             .ok_or_else(Self::too_much)?;
-        // What MATLAB keeps of its objects has no name.
+        // Internal data of MATLAB objects have no name.
         if name.is_empty() {
             return Ok(());
         }
@@ -272,7 +269,7 @@ impl Variables {
     }
 }
 
-/// What a variable of another kind is, and how its numbers are saved as vectors.
+/// The remark on a variable of another class: how to save its numbers as vectors.
 pub fn matlab_remark(name: &str, kind: &str) -> String {
     let remedy = match kind {
         "table" | "timetable" => {

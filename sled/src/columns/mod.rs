@@ -6,7 +6,7 @@ pub(crate) mod table;
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use kufe_files::{TABLE_TEXT, column_names, shown_name};
@@ -18,12 +18,12 @@ use crate::error::Error;
 /// Columns by name, all of one length.
 pub type Columns = BTreeMap<String, Vec<f64>>;
 
-/// Most numbers that a file is read to, 192 MB of them: 3 hours of 20 channels at 100 Hz.
+/// Most numbers of a file, 192 MB: 3 hours of 20 channels at 100 Hz.
 ///
-/// A compressed file of constants holds ten thousand numbers in a byte.
+/// The limit is needed because a compressed file may contain ten thousand constants in a byte.
 pub const MOST_NUMBERS: u64 = 24_000_000;
 
-/// The refusal of a file with more than [`MOST_NUMBERS`].
+/// The error of a file with more than [`MOST_NUMBERS`].
 pub(crate) fn too_many(file: &str) -> Error {
     let reason = format!(
         "it holds more than {MOST_NUMBERS} numbers; expected fewer: write fewer columns or rows"
@@ -31,7 +31,10 @@ pub(crate) fn too_many(file: &str) -> Error {
     Error::file(file, reason)
 }
 
-/// Gathers named columns and refuses a name given twice.
+/// Collects named columns of one length.
+///
+/// # Errors
+/// [`Error::Column`] for a name given twice, [`Error::File`] for different lengths.
 pub(crate) fn collect(
     columns: impl Iterator<Item = (String, Vec<f64>)>,
     file: &str,
@@ -71,6 +74,18 @@ pub fn read_csv(
     file: &str,
 ) -> Result<Columns, Error> {
     let failure = |error: csv::Error| Error::file(file, error);
+    let mut reader = BufReader::with_capacity(1 << 16, reader);
+    let head = reader
+        .fill_buf()
+        .map_err(|error| Error::file(file, error))?;
+    let mut ends = head.split_inclusive(|byte| *byte == b'\n');
+    let is_crlf = ends.next().is_some_and(|line| line.ends_with(b"\r\n"));
+    // The library counts the line feeds up to the end of a row. It passes that of CRLF with the
+    // next row.
+    let line = |record: &csv::ByteRecord, end: &csv::Position| {
+        let begin = record.position().map_or(0, csv::Position::line);
+        begin.max(end.line() - u64::from(!is_crlf))
+    };
     let mut table = csv::ReaderBuilder::new()
         .buffer_capacity(1 << 16)
         .flexible(true)
@@ -80,23 +95,23 @@ pub fn read_csv(
         let advice = "kufe runs import writes that of such files";
         Error::file(file, format!("{what}; expected {TABLE_TEXT}: {advice}"))
     })?;
-    let named = |i: &usize| !names[*i].is_empty() && names[..*i].contains(&names[*i]);
-    if let Some(twice) = (0..names.len()).find(named) {
-        return Err(given_twice(&names[twice], file));
+    let is_repeated = |i: &usize| !names[*i].is_empty() && names[..*i].contains(&names[*i]);
+    if let Some(repeated) = (0..names.len()).find(is_repeated) {
+        return Err(given_twice(&names[repeated], file));
     }
-    // `None` once a column has turned out to hold text.
+    // `None` for a column with text.
     let mut columns: Vec<Option<Vec<f64>>> = vec![Some(Vec::new()); names.len()];
     let mut record = csv::ByteRecord::new();
     let mut count = 0;
     while table.read_byte_record(&mut record).map_err(failure)? {
         if record.len() != names.len() {
-            // A line of blanks is no row.
+            // A blank line is no row.
             if record.iter().all(|cell| cell.trim_ascii().is_empty()) {
                 continue;
             }
             let (found, expected) = (record.len(), names.len());
             let reason = format!("found {found} cells, expected {expected}, one below each name");
-            let row = record.position().map_or(0, csv::Position::line);
+            let row = line(&record, table.position());
             return Err(Error::row(file, row, reason));
         }
         for ((cell, slot), name) in record.iter().zip(&mut columns).zip(&names) {
@@ -107,7 +122,7 @@ pub fn read_csv(
                     values.push(value);
                 }
                 None if name == "t_s" || required.contains(&name.as_str()) => {
-                    let row = record.position().map_or(0, csv::Position::line);
+                    let row = line(&record, table.position());
                     let found = String::from_utf8_lossy(cell);
                     return Err(Error::cell(file, row, name, found, "a number"));
                 }
@@ -127,18 +142,17 @@ pub fn read_csv(
 
 fn parse_number(cell: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(cell).ok()?.trim();
-    // How other programs write that there is no value.
+    // Missing values as other programs write them.
     if ["", "NA", "N/A", "null", "None"].contains(&text) {
         return Some(f64::NAN);
     }
     let value: f64 = text.parse().ok()?;
-    // A number too large for its type is none; `inf` is written so.
+    // `inf` is a number; digits that overflow are not.
     let overflows = value.is_infinite() && text.contains(|c: char| c.is_ascii_digit());
     (!overflows).then_some(value)
 }
 
-/// Writes columns as CSV in the order given, each number in the shortest form that reads back to
-/// the same bits.
+/// Writes columns as CSV in the given order. Each number has the shortest form with the same bits.
 ///
 /// # Errors
 /// The writer's.
@@ -156,14 +170,14 @@ pub fn write_csv(
         }
         writeln!(writer)?;
     }
-    // A buffer that is dropped keeps to itself that it could not be written.
+    // A buffer reports no error when it is dropped.
     writer.flush()
 }
 
-/// Reads every numeric column of a file, its format given by the extension (CSV where unknown).
+/// Reads every numeric column of a file in the format of its extension (CSV if unknown).
 ///
-/// Text in a column that is not `required` leaves the column out; empty cells and nulls become NaN.
-/// A last line of text without its end is not read: see [`is_cut_short`].
+/// A column with text is omitted unless it is `required`. Empty cells and nulls become NaN. The last
+/// line of a text file is not read if it has no end: see [`is_cut_short`].
 ///
 /// # Errors
 /// [`Error::File`], [`Error::Cell`], [`Error::Column`] for a column given twice.
@@ -190,14 +204,14 @@ pub fn read_columns(path: &Path, required: &[&str]) -> Result<Columns, Error> {
     }
 }
 
-/// The ending of a file's name in small letters.
+/// The extension of a file in lower case.
 fn ending(path: &Path) -> String {
     let ending = path.extension().unwrap_or_default().to_string_lossy();
     ending.to_ascii_lowercase()
 }
 
-/// Whether a file of text ends within a line: a recorder that lost its power writes such, and its
-/// last cell may be cut.
+/// Whether a text file ends within a line: a recorder that loses power writes such files, and their
+/// last number may be wrong.
 pub(crate) fn is_cut_short(path: &Path) -> bool {
     if ["parquet", "mat"].contains(&ending(path).as_str()) {
         return false;
@@ -207,7 +221,7 @@ pub(crate) fn is_cut_short(path: &Path) -> bool {
     lengths.is_ok_and(|(whole, length)| whole < length)
 }
 
-/// Length of a text up to the end of its last whole line, or of all of it where no line ends
+/// Length of a text up to the end of its last whole line, or of the whole text if no line ends
 /// [bytes].
 fn whole_lines(text: &mut File) -> std::io::Result<u64> {
     const BLOCK: u64 = 1 << 16;
@@ -227,4 +241,25 @@ fn whole_lines(text: &mut File) -> std::io::Result<u64> {
     }
     text.seek(SeekFrom::Start(0))?;
     Ok(whole)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_has_the_line_of_the_file() {
+        for end in ["\n", "\r\n"] {
+            for (lines, row) in [
+                (&["t_s,v_mps", "0,1", "x,2", "3,4"][..], "row 3"),
+                (&["t_s,v_mps", "0,1", "", "x,2", ""], "row 4"),
+                (&["t_s,v_mps", "0,1", "1,2,3", ""], "row 3"),
+                (&["t_s,v_mps", "0,1", "x,2"], "row 3"),
+            ] {
+                let text = lines.join(end);
+                let error = read_csv(text.as_bytes(), &[], "a.csv").unwrap_err();
+                assert!(error.to_string().contains(row), "{text:?}: {error}");
+            }
+        }
+    }
 }

@@ -19,21 +19,21 @@ use parquet::schema::types::ColumnDescriptor;
 use crate::columns::{MOST_NUMBERS, too_many};
 use crate::error::Error;
 
-/// Reads the flat columns of numbers in the file's order; nulls become NaN. Where some are
-/// `wanted`, the others are empty.
+/// Reads the flat columns of numbers in the file's order; nulls become NaN. If `wanted` is given,
+/// columns for which it is false are empty.
 ///
-/// Decimals have their point, unsigned integers their sign, and times and time stamps are in
-/// seconds. Pages are plain, or compressed by Snappy, gzip or Zstandard.
+/// Decimals are scaled, and times and time stamps are in seconds. Pages are plain, or compressed by
+/// Snappy, gzip or Zstandard.
 ///
 /// # Errors
-/// [`Error::File`] where the file is no Parquet, is cut short, states a wrong length or wrong
-/// pages, is compressed otherwise, or unpacks to more numbers than [`MOST_NUMBERS`].
+/// [`Error::File`] if the file is no Parquet, is cut short, has wrong lengths or pages, has another
+/// compression, or contains more than [`MOST_NUMBERS`] numbers.
 pub fn read_parquet(
     file: impl ChunkReader + 'static,
     wanted: Option<&dyn Fn(&str) -> bool>,
     name: &str,
 ) -> Result<Vec<(String, Vec<f64>)>, Error> {
-    // The library panics on some damaged pages; nothing of it outlives the reading.
+    // The library panics on some damaged pages. No state of it remains after a panic.
     catch_unwind(AssertUnwindSafe(|| read_columns(file, wanted, name))).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<&str>().copied();
         let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
@@ -54,7 +54,7 @@ fn read_columns(
     let mut room = MOST_NUMBERS;
     for (place, descriptor) in schema.columns().iter().enumerate() {
         let flat = descriptor.max_rep_level() == 0 && descriptor.path().parts().len() == 1;
-        let Some(meaning) = Meaning::of(descriptor).filter(|_| flat) else {
+        let Some(decoding) = Decoding::of(descriptor).filter(|_| flat) else {
             continue;
         };
         let column = descriptor.name();
@@ -73,7 +73,7 @@ fn read_columns(
             check(chunk, column, room, name)?;
             let group = reader.get_row_group(group).map_err(failure)?;
             let read = group.get_column_reader(place).map_err(failure)?;
-            let read = values.read_chunk(read, &meaning).map_err(failure)?;
+            let read = values.read_chunk(read, &decoding).map_err(failure)?;
             if read == Some(false) {
                 return Err(too_many(name));
             }
@@ -88,8 +88,8 @@ fn read_columns(
     Ok(columns)
 }
 
-/// Checks what the library does not check of a column's part in a row group; `room` is how many
-/// values may be read.
+/// Checks compression, position and length of a column's part in a row group, which the library does
+/// not; at most `room` values may be read.
 fn check(chunk: &ColumnChunkMetaData, column: &str, room: u64, file: &str) -> Result<(), Error> {
     use Compression as C;
     let start = chunk.dictionary_page_offset();
@@ -122,20 +122,20 @@ fn check(chunk: &ColumnChunkMetaData, column: &str, room: u64, file: &str) -> Re
     Ok(())
 }
 
-/// What the stored integers of a column are.
-enum Meaning {
-    /// So many of them are one.
-    Parts(f64),
+/// How the stored values of a column become numbers.
+enum Decoding {
+    /// The number is the stored value over this divisor.
+    Divisor(f64),
     Unsigned,
-    /// Numbers in half precision.
+    /// Half precision.
     Half,
 }
 
-impl Meaning {
-    /// By the logical type or, in older files, the converted one; `None` for text and dates.
-    fn of(column: &ColumnDescriptor) -> Option<Meaning> {
+impl Decoding {
+    /// From the logical type or, in older files, the converted one; `None` for text and dates.
+    fn of(column: &ColumnDescriptor) -> Option<Decoding> {
         use parquet::basic::Type;
-        let power = |scale: i32| Meaning::Parts(10f64.powi(scale));
+        let power = |scale: i32| Decoding::Divisor(10f64.powi(scale));
         let bytes = matches!(
             column.physical_type(),
             Type::BYTE_ARRAY | Type::FIXED_LEN_BYTE_ARRAY
@@ -149,8 +149,8 @@ impl Meaning {
                     TimeUnit::NANOS => 9,
                 })
             }
-            (Some(LogicalType::Integer(integer)), _) if !integer.is_signed => Meaning::Unsigned,
-            (Some(LogicalType::Float16), _) => Meaning::Half,
+            (Some(LogicalType::Integer(integer)), _) if !integer.is_signed => Decoding::Unsigned,
+            (Some(LogicalType::Float16), _) => Decoding::Half,
             (Some(LogicalType::Date), _) | (None, ConvertedType::DATE) => return None,
             (None, ConvertedType::DECIMAL) => power(column.type_scale()),
             (None, ConvertedType::TIME_MILLIS | ConvertedType::TIMESTAMP_MILLIS) => power(3),
@@ -161,7 +161,7 @@ impl Meaning {
                 | ConvertedType::UINT_16
                 | ConvertedType::UINT_32
                 | ConvertedType::UINT_64,
-            ) => Meaning::Unsigned,
+            ) => Decoding::Unsigned,
             _ if bytes => return None,
             _ => power(0),
         })
@@ -184,38 +184,39 @@ fn big_endian(bytes: &[u8]) -> f64 {
         .fold(first, |sum, byte| sum * 256.0 + f64::from(*byte))
 }
 
-/// The values of a column that are read so far.
+/// The values of a column read so far.
 struct Values {
+    /// Whether the column may contain nulls.
     optional: bool,
-    /// Most that may be read.
+    /// Most values that may be read.
     room: usize,
     all: Vec<f64>,
 }
 
 impl Values {
-    /// Reads a column's part in a row group; `None` where it holds no numbers, `false` where the
+    /// Reads a column's part in a row group; `None` if it does not contain numbers, `false` if the
     /// column is too long.
     fn read_chunk(
         &mut self,
         reader: ColumnReader,
-        meaning: &Meaning,
+        decoding: &Decoding,
     ) -> Result<Option<bool>, ParquetError> {
         use ColumnReader as R;
-        let read = match (reader, meaning) {
+        let read = match (reader, decoding) {
             (R::DoubleColumnReader(r), _) => self.read(r, |v| v),
             (R::FloatColumnReader(r), _) => self.read(r, f64::from),
-            (R::Int32ColumnReader(r), Meaning::Unsigned) => self.read(r, |v| f64::from(v as u32)),
-            (R::Int64ColumnReader(r), Meaning::Unsigned) => self.read(r, |v| v as u64 as f64),
-            (R::Int32ColumnReader(r), Meaning::Parts(n)) => self.read(r, |v| f64::from(v) / n),
-            (R::Int64ColumnReader(r), Meaning::Parts(n)) => self.read(r, |v| v as f64 / n),
+            (R::Int32ColumnReader(r), Decoding::Unsigned) => self.read(r, |v| f64::from(v as u32)),
+            (R::Int64ColumnReader(r), Decoding::Unsigned) => self.read(r, |v| v as u64 as f64),
+            (R::Int32ColumnReader(r), Decoding::Divisor(n)) => self.read(r, |v| f64::from(v) / n),
+            (R::Int64ColumnReader(r), Decoding::Divisor(n)) => self.read(r, |v| v as f64 / n),
             (R::Int96ColumnReader(r), _) => self.read(r, |v| v.to_nanos() as f64 / 1e9),
-            (R::ByteArrayColumnReader(r), Meaning::Parts(n)) => {
+            (R::ByteArrayColumnReader(r), Decoding::Divisor(n)) => {
                 self.read(r, |v| big_endian(v.data()) / n)
             }
-            (R::FixedLenByteArrayColumnReader(r), Meaning::Parts(n)) => {
+            (R::FixedLenByteArrayColumnReader(r), Decoding::Divisor(n)) => {
                 self.read(r, |v| big_endian(v.data()) / n)
             }
-            (R::FixedLenByteArrayColumnReader(r), Meaning::Half) => {
+            (R::FixedLenByteArrayColumnReader(r), Decoding::Half) => {
                 let number = |bytes: &[u8]| bytes.first_chunk().map(|b| f16::from_le_bytes(*b));
                 self.read(r, |v| number(v.data()).map_or(f64::NAN, f64::from))
             }
@@ -224,8 +225,8 @@ impl Values {
         read.map(Some)
     }
 
-    /// Reads in batches, so that memory follows what is really there and not what the header
-    /// states; `false` where that is too much.
+    /// Reads in batches, so that the memory depends on the data and not on the length in the header;
+    /// `false` if the column is too long.
     fn read<T: DataType>(
         &mut self,
         mut reader: ColumnReaderImpl<T>,
@@ -262,33 +263,33 @@ impl Values {
 /// # Errors
 /// [`Error::File`] from the writer.
 pub fn write_parquet(writer: impl Write + Send, columns: &[(&str, &[f64])]) -> Result<(), Error> {
-    let refusal = |error: parquet::errors::ParquetError| Error::file("parquet", error);
+    let failure = |error: ParquetError| Error::file("parquet", error);
     let fields = columns
         .iter()
         .map(|(name, _)| format!("REQUIRED DOUBLE {name};"));
     let fields = fields.collect::<Vec<String>>().join(" ");
-    let schema = parse_message_type(&format!("message run {{ {fields} }}")).map_err(refusal)?;
-    // Noise does not repeat: a dictionary only costs time.
+    let schema = parse_message_type(&format!("message run {{ {fields} }}")).map_err(failure)?;
+    // Noisy values do not repeat, so a dictionary only costs time.
     let properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(ZstdLevel::default()))
         .set_dictionary_enabled(false)
         .build();
     let mut file = SerializedFileWriter::new(writer, Arc::new(schema), Arc::new(properties))
-        .map_err(refusal)?;
-    let mut group = file.next_row_group().map_err(refusal)?;
+        .map_err(failure)?;
+    let mut group = file.next_row_group().map_err(failure)?;
     for (_, values) in columns {
-        let Some(mut column) = group.next_column().map_err(refusal)? else {
+        let Some(mut column) = group.next_column().map_err(failure)? else {
             break;
         };
         column
             .typed::<DoubleType>()
             .write_batch(values, None, None)
-            .map_err(refusal)?;
-        column.close().map_err(refusal)?;
+            .map_err(failure)?;
+        column.close().map_err(failure)?;
     }
-    group.close().map_err(refusal)?;
-    file.finish().map_err(refusal)?;
-    // A buffer that is dropped keeps to itself that it could not be written.
+    group.close().map_err(failure)?;
+    file.finish().map_err(failure)?;
+    // A buffer reports no error when it is dropped.
     file.inner_mut()
         .flush()
         .map_err(|error| Error::file("parquet", error))

@@ -8,7 +8,7 @@ use kufe_files::{TABLE_TEXT, column_names, line_of_row};
 use crate::conditions::{CONDITIONS, Conditions};
 use crate::error::Error;
 
-/// Range of a quantity in measured tables: name, smallest and largest value, and what is expected.
+/// Quantities of measured tables: name, smallest and largest value, and the expectation in words.
 const NUMBERS: [(&str, f64, f64, &str); 14] = [
     ("p_max_pa", 1e4, 1e11, "a pressure in Pa (7.7e6)"),
     ("p_max_sd_pa", 0.0, 1e11, "a deviation in Pa, 0 to 1e11"),
@@ -28,23 +28,23 @@ const NUMBERS: [(&str, f64, f64, &str); 14] = [
 
 const CELSIUS: &str = "a temperature in degrees Celsius, -60 to 60";
 
-/// Most bytes of a table: empty cells and short rows take up to twenty times as many in memory.
-const MOST_BYTES: u64 = 1 << 25;
+/// Largest size of a table [bytes]: empty cells and short rows need up to twenty times as much memory.
+const MAX_BYTES: u64 = 1 << 25;
 
 /// The least positive number.
 const LEAST: f64 = f64::MIN_POSITIVE;
 
-/// The columns a table must and may have.
+/// The columns of a table.
 pub(crate) struct TableColumns {
     pub required: &'static [&'static str],
     pub optional: &'static [&'static str],
-    /// Whether a column of another name may be there.
+    /// Whether a further column of this name is allowed.
     pub further: fn(&str) -> bool,
-    /// Such names, as an error lists them.
+    /// Further names, for errors.
     pub further_names: &'static str,
 }
 
-/// A table as text.
+/// A table of text cells.
 pub(crate) struct Table {
     file: String,
     columns: &'static TableColumns,
@@ -63,9 +63,9 @@ impl Table {
         let unreadable =
             |reason: &dyn Display| Error::file(file, format!("cannot be read: {reason}"));
         let mut text = Vec::new();
-        let read = reader.take(MOST_BYTES + 1).read_to_end(&mut text);
-        if read.map_err(|error| unreadable(&error))? as u64 > MOST_BYTES {
-            let reason = format!("it is longer than {MOST_BYTES} bytes: expected fewer rows");
+        let read = reader.take(MAX_BYTES + 1).read_to_end(&mut text);
+        if read.map_err(|error| unreadable(&error))? as u64 > MAX_BYTES {
+            let reason = format!("it is longer than {MAX_BYTES} bytes: expected fewer rows");
             return Err(unreadable(&reason));
         }
         let mut csv = csv::ReaderBuilder::new()
@@ -109,21 +109,21 @@ impl Table {
         self.lines[row]
     }
 
-    /// The cell's text; `None` where there is no such column.
+    /// The text of a cell; `None` if there is no such column.
     pub(crate) fn text(&self, row: usize, column: &str) -> Option<&str> {
         let place = self.header.iter().position(|name| name == column)?;
         self.rows[row].get(place)
     }
 
-    /// The cell's text, where there is any.
-    pub(crate) fn stated_text(&self, row: usize, column: &str) -> Option<String> {
+    /// The text of a cell; `None` if it is empty or absent.
+    pub(crate) fn nonempty_text(&self, row: usize, column: &str) -> Option<String> {
         let text = self.text(row, column).filter(|text| !text.is_empty());
         text.map(str::to_string)
     }
 
-    /// The cell's text, which may not be empty.
+    /// The text of a cell, which must not be empty.
     pub(crate) fn name(&self, row: usize, column: &str) -> Result<String, Error> {
-        let text = self.stated_text(row, column);
+        let text = self.nonempty_text(row, column);
         text.ok_or_else(|| self.bad(row, column, "", "a name"))
     }
 
@@ -148,13 +148,13 @@ impl Table {
         value.ok_or_else(|| self.bad(row, column, text, expected))
     }
 
-    /// As [`Table::number`]; `None` where the column is absent or the cell empty.
+    /// As [`Table::number`]; `None` if the cell is empty or absent.
     pub(crate) fn optional(&self, row: usize, column: &str) -> Result<Option<f64>, Error> {
-        let stated = self.stated_text(row, column);
-        stated.map(|_| self.number(row, column)).transpose()
+        let cell = self.nonempty_text(row, column);
+        cell.map(|_| self.number(row, column)).transpose()
     }
 
-    /// The conditions that the row states, of those that the table must or may have.
+    /// The conditions in a row; NaN for those that the table does not contain.
     pub(crate) fn conditions(&self, row: usize) -> Result<Conditions, Error> {
         let mut values = Conditions::UNSTATED.values();
         for (value, (name, ..)) in values.iter_mut().zip(CONDITIONS) {

@@ -144,12 +144,11 @@ impl Expression {
     ) -> T {
         // Nearly every formula fits the small stack, which avoids an allocation per sample.
         let (mut small, mut large) = ([T::default(); 16], Vec::new());
-        let stack = match self.max_depth <= small.len() {
-            true => &mut small[..],
-            false => {
-                large.resize(self.max_depth, T::default());
-                &mut large
-            }
+        let stack = if self.max_depth <= small.len() {
+            &mut small[..]
+        } else {
+            large.resize(self.max_depth, T::default());
+            &mut large
         };
         let mut top = 0;
         for node in &self.nodes {

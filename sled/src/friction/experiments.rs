@@ -62,7 +62,7 @@ pub fn read_experiments(file: &str, reader: impl Read) -> Result<Vec<Experiment>
             p_max_sd_pa: table.number(row, "p_max_sd_pa")?,
             mu: table.number(row, "mu")?,
             mu_sd: table.number(row, "mu_sd")?,
-            session: table.stated_text(row, "session"),
+            session: table.nonempty_text(row, "session"),
             conditions: table.conditions(row)?,
             fz_n: table.optional(row, "fz_n")?,
             v_mps: table.optional(row, "v_mps")?,

@@ -117,7 +117,7 @@ pub fn read_glide_index(file: &str, reader: impl Read) -> Result<Vec<GlideEntry>
             direction,
             conditions: table.conditions(row)?,
             cda_m2: table.number(row, "cda_m2")?,
-            session: table.stated_text(row, "session"),
+            session: table.nonempty_text(row, "session"),
             rocker_radius_m: table.optional(row, "rocker_radius_m")?,
             p_max_pa: table.optional(row, "p_max_pa")?,
             p_max_sd_pa: table.optional(row, "p_max_sd_pa")?,

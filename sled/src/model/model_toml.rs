@@ -231,9 +231,12 @@ mod tests {
             ["l_f_m", "820.0"],
             ["k_n_per_rad", "1e12"],
         ] {
-            let own = |line: &str| match line.starts_with(&format!("{key} = ")) {
-                true => format!("{key} = {value}\n"),
-                false => line.to_string() + "\n",
+            let own = |line: &str| {
+                if line.starts_with(&format!("{key} = ")) {
+                    format!("{key} = {value}\n")
+                } else {
+                    line.to_string() + "\n"
+                }
             };
             let message = refused(|text| text.lines().map(own).collect());
             assert!(message.contains(key), "{message}");

@@ -1,24 +1,24 @@
-//! Names of files that are made of the names of runs, tracks, drivers and specimens.
+//! File names from the names of runs, tracks, drivers and specimens.
 
 use crate::record::files::RunFormat;
 
-/// Longest beginning of a name that a file's name has [bytes].
-const LONGEST: usize = 100;
+/// Longest part of a name in a file name [bytes].
+const MAX_BYTES: usize = 100;
 
-/// A name as part of a file's name.
+/// A name as part of a file name.
 ///
-/// Letters, digits, `-`, `_` and `.` are unchanged, and other characters become `_`. A name that
-/// changes by this, a hidden one, a long one, one that begins like an option and a name of a device
-/// on Windows end in a hash of the whole name: different names give different files, and none of
-/// them is outside its folder.
+/// Letters, digits, `-`, `_` and `.` are unchanged; other characters become `_`. A hash of the name
+/// is appended if the name changes by this, is empty or longer than 100 bytes, begins with `.` or `-`,
+/// or is the name of a device on Windows. Different names therefore give different files, all in
+/// their folder.
 pub fn file_stem(name: &str) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "-_.".contains(c);
+    let is_plain = |c: char| c.is_alphanumeric() || "-_.".contains(c);
     let mut stem = String::new();
     for c in name.chars() {
-        if stem.len() + c.len_utf8() > LONGEST {
+        if stem.len() + c.len_utf8() > MAX_BYTES {
             break;
         }
-        stem.push(if plain(c) { c } else { '_' });
+        stem.push(if is_plain(c) { c } else { '_' });
     }
     let first = name.split('.').next().unwrap_or_default().to_lowercase();
     let number = first.trim_start_matches("com").trim_start_matches("lpt");
@@ -31,7 +31,7 @@ pub fn file_stem(name: &str) -> String {
     let hash = name.bytes().fold(0x811c_9dc5_u32, |hash, byte| {
         (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193)
     });
-    // A device is one with any ending.
+    // Windows takes `con.csv` for a device too.
     let stem = if is_device {
         stem.replace('.', "_")
     } else {

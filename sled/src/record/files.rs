@@ -1,4 +1,4 @@
-//! A run's file: read and checked, and written again.
+//! Reading, checking and writing of the files of runs.
 
 use std::borrow::Borrow;
 use std::collections::BTreeMap;
@@ -15,22 +15,22 @@ use crate::columns::parquet::write_parquet;
 use crate::columns::{is_cut_short, read_columns, write_csv};
 use crate::error::Error;
 use crate::record::check::columns::check_columns;
-use crate::record::check::judge::{judge, remark};
+use crate::record::check::faults::{add_remarks, find_faults};
 use crate::record::gaps::OnGaps;
 use crate::record::index::{Entry, read_index};
 use crate::record::needs::Needs;
 use crate::record::run::Run;
-use crate::series::bridged;
 
-/// Reads the index and every run it names, in the index's order; a run must have what it `needs`.
+/// Reads the index and all of its runs, in the order of the index; a run must have the columns that
+/// the computation `needs`.
 ///
-/// Files are CSV, Parquet (`.parquet`) or MATLAB v5 (`.mat`).
-/// Every run is checked by [`check_columns`], and its channels by one another ([`judge`]); suspected
-/// faults become a remark. Where the index states no `distance_m`, it is the sum of the runs before in the session.
+/// Files are CSV, Parquet (`.parquet`) or MATLAB v5 (`.mat`). Every run is checked by
+/// [`check_columns`], and its channels against one another by [`find_faults`]; suspected faults become
+/// a remark. If the index has no `distance_m`, it is the sum of the earlier runs of the session.
 ///
 /// # Errors
-/// The first bad run's error in the order of the index, [`Error::Wrong`],
-/// [`Error::DuplicateContent`] where two runs are the same.
+/// The error of the first bad run in the order of the index; [`Error::DuplicateContent`] for two
+/// equal runs; [`Error::Wrong`] for a proved fault.
 pub fn read_runs(index: &Path, needs: &Needs, on_gaps: OnGaps) -> Result<Vec<Run>, Error> {
     let (runs, bad) = read_good_runs(index, needs, on_gaps)?;
     let more = bad.len().saturating_sub(1);
@@ -53,9 +53,10 @@ pub fn read_good_runs(
     let read = |entry: Entry| {
         let (line, file) = (entry.line, entry.file.clone());
         let run = read_run(entry, needs.columns, on_gaps);
-        run.map_err(|error| match file.exists() {
-            true => needs.explain(error),
-            false => {
+        run.map_err(|error| {
+            if file.exists() {
+                needs.explain(error)
+            } else {
                 let index = index.display().to_string();
                 Error::row(&index, line, error.to_string())
             }
@@ -66,22 +67,24 @@ pub fn read_good_runs(
     let (good, bad): (Vec<_>, Vec<_>) = read.into_iter().partition(Result::is_ok);
     let mut good: Vec<Run> = good.into_iter().flatten().collect();
     let mut bad: Vec<Error> = bad.into_iter().filter_map(Result::err).collect();
-    // From the back, so that places stay what they are.
     let copies = copies(&good);
+    let name = |run: usize| good[run].entry.run.clone();
     bad.extend(
         copies
             .iter()
             .map(|(first, second)| Error::DuplicateContent {
-                first: good[*first].entry.run.clone(),
-                second: good[*second].entry.run.clone(),
+                first: name(*first),
+                second: name(*second),
             }),
     );
+    // The last first: the indices of the others remain valid.
     for (_, second) in copies.into_iter().rev() {
         good.remove(second);
     }
-    let (proven, suspected): (Vec<_>, Vec<_>) =
-        judge(&good).into_iter().partition(|fault| fault.proven);
-    remark(&mut good, &suspected);
+    let (proven, suspected): (Vec<_>, Vec<_>) = find_faults(&good)
+        .into_iter()
+        .partition(|fault| fault.proven);
+    add_remarks(&mut good, &suspected);
     for fault in proven {
         good.retain(|run| run.entry.run != fault.run);
         bad.push(Error::Wrong {
@@ -89,15 +92,14 @@ pub fn read_good_runs(
             more: 0,
         });
     }
-    state_distances(&mut good);
+    fill_in_distances(&mut good);
     Ok((good, bad))
 }
 
-/// Reads one run's file and checks it; `required` are the columns it must have besides `t_s`.
+/// Reads and checks the file of one run; `required` are the columns it must have besides `t_s`.
 ///
-/// Those of [`COLUMNS`] and `s_m` that the file has must hold numbers; a sample takes part where
-/// all of them have one. One that is not required and holds no number at all counts as not
-/// recorded.
+/// A sample is used if all recorded columns of [`COLUMNS`] and `s_m` have a value. A column that is
+/// not required and has no value at all counts as not recorded.
 ///
 /// # Errors
 /// Those of the format's reader and of [`check_columns`].
@@ -106,8 +108,8 @@ pub fn read_run(entry: Entry, required: &[&str], on_gaps: OnGaps) -> Result<Run,
     read_run_of(entry, required, &known, on_gaps)
 }
 
-/// Like [`read_run`], for a use that takes the `required` columns and those of `known` that the
-/// file has, and no others: gaps of others do not count.
+/// As [`read_run`], for a computation that uses only the `required` columns and the recorded ones of
+/// `known`: gaps of other columns do not matter.
 ///
 /// # Errors
 /// As [`read_run`].
@@ -136,8 +138,8 @@ pub fn read_run_of(
             ));
         }
     }
-    let there = |name: &&str| columns.contains_key(*name);
-    let used: Vec<&str> = known.into_iter().filter(there).collect();
+    let is_recorded = |name: &&str| columns.contains_key(*name);
+    let used: Vec<&str> = known.into_iter().filter(is_recorded).collect();
     let (clock, gaps, saturated) = check_columns(&mut columns, required, &used, on_gaps, &file)?;
     Ok(Run {
         entry,
@@ -150,31 +152,28 @@ pub fn read_run_of(
     })
 }
 
-/// States the distance run on the same finish before each run where the index does not: that of the
-/// runs before it in its session, in the order given.
+/// Sets `distance_m`, the distance run on the same finish of the runners, if the index does not: to
+/// the sum of the earlier runs in the session.
 ///
-/// Runners are finished between sessions and not within one; where that is not so, `distance_m` in
-/// the index says it.
-fn state_distances(runs: &mut [Run]) {
-    let mut before: BTreeMap<String, f64> = BTreeMap::new();
+/// Runners are assumed to be finished between sessions and not within one; otherwise the index must
+/// give `distance_m`.
+fn fill_in_distances(runs: &mut [Run]) {
+    let mut sums: BTreeMap<String, f64> = BTreeMap::new();
     for run in runs {
-        let travelled = before.entry(run.entry.session.clone()).or_insert(0.0);
-        let stated = &mut run.entry.conditions.distance_m;
-        if stated.is_nan() {
-            *stated = *travelled;
+        let sum = sums.entry(run.entry.session.clone()).or_insert(0.0);
+        let distance_m = &mut run.entry.conditions.distance_m;
+        if distance_m.is_nan() {
+            *distance_m = *sum;
         }
-        *travelled += match run.columns.get("s_m").map(Vec::as_slice) {
+        *sum += match run.columns.get("s_m").map(Vec::as_slice) {
             Some([first, .., last]) if (last - first).is_finite() => last - first,
-            _ => run
-                .columns
-                .get("v_mps")
-                .map_or(0.0, |v| bridged(v).iter().sum::<f64>() * run.dt_s),
+            _ => run.travelled_m(run.len()).unwrap_or(0.0),
         };
     }
 }
 
-/// Runs with the same samples as one before, each after that one: a file that is copied or named
-/// twice would count double.
+/// Pairs of runs with the same samples, the first of them and a later one: a copied file would
+/// count double.
 pub(crate) fn copies<R: Borrow<Run>>(runs: &[R]) -> Vec<(usize, usize)> {
     let mut seen: BTreeMap<Vec<u64>, usize> = BTreeMap::new();
     let copied = runs
@@ -182,29 +181,30 @@ pub(crate) fn copies<R: Borrow<Run>>(runs: &[R]) -> Vec<(usize, usize)> {
         .map(R::borrow)
         .enumerate()
         .filter_map(|(i, run)| {
-            // A few samples decide almost always; whole columns are compared only where they agree.
+            // Whole columns are compared only if a few samples are equal.
             let columns = COLUMNS.iter().filter_map(|name| run.columns.get(*name));
-            let some = columns.flat_map(|values| {
+            let few = columns.flat_map(|values| {
                 let middle = values[values.len() / 2];
                 [values.len() as u64, values[0].to_bits(), middle.to_bits()]
             });
-            let first = *seen.entry(some.collect()).or_insert(i);
+            let first = *seen.entry(few.collect()).or_insert(i);
             let bits = |run: &Run| -> Vec<u64> {
                 let values = run.columns.values().flatten();
                 values.map(|x| x.to_bits()).collect()
             };
             let other = runs[first].borrow();
-            let same = || other.columns.keys().eq(run.columns.keys()) && bits(other) == bits(run);
-            (first != i && same()).then_some((first, i))
+            let is_same =
+                || other.columns.keys().eq(run.columns.keys()) && bits(other) == bits(run);
+            (first != i && is_same()).then_some((first, i))
         });
     copied.collect()
 }
 
-/// File formats that runs are written in.
+/// File formats of written runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum RunFormat {
-    /// Text, nine decimals.
+    /// CSV with nine decimals.
     #[default]
     Csv,
     /// Parquet, 64-bit, compressed with Zstandard.
@@ -221,7 +221,7 @@ impl RunFormat {
     }
 }
 
-/// Writes one run: time, the required columns in the format's order, then the others by name. The
+/// Writes one run: time, the columns of [`COLUMNS`] in their order, then the others by name. The
 /// writer need not be buffered.
 ///
 /// # Errors
@@ -248,18 +248,15 @@ pub fn write_run(
         RunFormat::Parquet => *value,
     };
     let times = (0..run.len()).map(|i| nine_decimals(run.t0_s + i as f64 * run.dt_s));
-    let names = run.columns.keys().map(String::as_str);
-    let others = names.filter(|name| !COLUMNS.contains(name));
-    let known = COLUMNS
-        .into_iter()
-        .filter(|name| run.columns.contains_key(*name));
+    let others = run.columns.keys().map(String::as_str);
+    let others = others.filter(|name| !COLUMNS.contains(name));
     let mut columns: Vec<(&str, Vec<f64>)> = vec![("t_s", times.collect())];
-    for name in known.chain(others) {
-        columns.push((name, run.columns[name].iter().map(decimals).collect()));
+    for name in COLUMNS.into_iter().chain(others) {
+        if let Some(values) = run.columns.get(name) {
+            columns.push((name, values.iter().map(decimals).collect()));
+        }
     }
-    let slices = columns
-        .iter()
-        .map(|(name, values)| (*name, values.as_slice()));
+    let slices = columns.iter().map(|(name, values)| (*name, &values[..]));
     let table: Vec<(&str, &[f64])> = slices.collect();
     match format {
         RunFormat::Csv => write_csv(writer, &table).map_err(|error| failure(&error)),

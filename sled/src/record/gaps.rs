@@ -1,5 +1,4 @@
-//! Which samples of a run are used: those of stretches in which every channel has a value and the
-//! sled moves.
+//! The samples of a run that are used: those in which every channel has a value and the sled moves.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -8,38 +7,38 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::columns::Columns;
-use crate::series::LEAST_SAMPLES;
+use crate::series::MIN_FILTER_SAMPLES;
 
-/// Least speed [m/s] at which a slip angle is taken to exist.
+/// Smallest speed [m/s] at which the slip angle is defined.
 pub const LEAST_SPEED: f64 = 0.1;
 
-/// What is done about samples without a value, missing rows, jitter and standstill.
+/// What happens to samples without a value, missing rows, jitter and standstill.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum OnGaps {
-    /// They take no part, nor do the samples that a filter would mix with them.
+    /// They are not used, nor are samples that a filter would mix with them.
     #[default]
     LeaveOut,
     /// The run is refused.
     Refuse,
 }
 
-/// Which samples of a run are used, and which are missing.
+/// The samples of a run that are used, and the reasons why others are not.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Gaps {
-    /// Samples that take part, in stretches without a gap.
+    /// Samples that are used, in stretches without a gap.
     #[serde(skip)]
     pub pieces: Vec<Range<usize>>,
-    /// Rows missing in the file between its first and its last, or that hold no value.
+    /// Rows between the first and the last of the file that are missing or have no value.
     pub rows_missing: usize,
     /// Values that are NaN or empty in other rows, by channel.
     pub missing: BTreeMap<String, usize>,
-    /// Samples at standstill between the first and the last that take part.
+    /// Samples at standstill between the first and the last that are used.
     pub standstill: usize,
     /// Samples in stretches too short for the filter.
     pub too_short: usize,
-    /// Cut off at the start and at the end: standstill, or values missing [s].
+    /// Time cut off at the start and at the end, for standstill or missing values [s].
     pub cut_s: [f64; 2],
-    /// Largest distance of a row from its place on the uniform base, in steps; 0 where nothing was
+    /// Largest distance of a row from its place on the uniform time base, in steps; 0 if nothing was
     /// interpolated.
     pub jitter: f64,
 }
@@ -53,48 +52,45 @@ impl Gaps {
         }
     }
 
-    /// Whether every sample of the file takes part as it was recorded.
+    /// Whether every sample of the file is used as it was recorded.
     pub fn is_none(&self) -> bool {
         let counted = self.rows_missing + self.standstill + self.too_short;
         counted == 0 && self.missing.is_empty() && self.cut_s == [0.0; 2] && self.jitter == 0.0
     }
 
-    /// Finds what takes part and cuts the columns to its first and last sample.
+    /// Finds the samples that are used, and cuts the columns to the first and the last of them.
     ///
-    /// A sample takes part where all `used` columns are finite and `v_mps`, where there is one, is
-    /// above [`LEAST_SPEED`]; stretches of fewer samples than the filter needs are excluded. No
-    /// piece remains where no stretch is long enough.
+    /// A sample is used if all `used` columns are finite and `v_mps`, if recorded, is above
+    /// [`LEAST_SPEED`]. Stretches of fewer samples than the filter needs are excluded. `pieces` is
+    /// empty if no stretch is long enough.
     pub fn find(columns: &mut Columns, used: &[&str], dt_s: f64) -> Gaps {
         let len = columns.values().next().map_or(0, Vec::len);
         let mut gaps = Gaps::default();
-        let (mut there, mut any) = (vec![true; len], vec![false; len]);
+        let (mut is_complete, mut has_value) = (vec![true; len], vec![false; len]);
         for name in used {
             for (i, x) in columns[*name].iter().enumerate() {
-                there[i] &= x.is_finite();
-                any[i] |= x.is_finite();
+                is_complete[i] &= x.is_finite();
+                has_value[i] |= x.is_finite();
             }
         }
-        gaps.rows_missing = any.iter().filter(|any| !**any).count();
+        gaps.rows_missing = has_value.iter().filter(|has_value| !**has_value).count();
         for name in used {
-            let values = columns[*name].iter().zip(&any);
-            let missing = values.filter(|(x, any)| !x.is_finite() && **any).count();
+            let values = columns[*name].iter().zip(&has_value);
+            let missing = values.filter(|(x, has_value)| !x.is_finite() && **has_value);
+            let missing = missing.count();
             if missing > 0 {
                 gaps.missing.insert((*name).to_string(), missing);
             }
         }
-        let mut moves = vec![true; len];
-        if let Some(speed) = columns.get("v_mps").filter(|_| used.contains(&"v_mps")) {
-            moves = speed
-                .iter()
-                .map(|v| v.is_nan() || *v > LEAST_SPEED)
-                .collect();
-        }
+        let speed = columns.get("v_mps").filter(|_| used.contains(&"v_mps"));
+        let is_at_rest = |i: usize| speed.is_some_and(|v| v[i] <= LEAST_SPEED);
+        let is_at_rest: Vec<bool> = (0..len).map(is_at_rest).collect();
         let mut start = 0;
         for i in 0..=len {
-            if i < len && there[i] && moves[i] {
+            if i < len && is_complete[i] && !is_at_rest[i] {
                 continue;
             }
-            if i - start >= LEAST_SAMPLES {
+            if i - start >= MIN_FILTER_SAMPLES {
                 gaps.pieces.push(start..i);
             } else {
                 gaps.too_short += i - start;
@@ -106,11 +102,14 @@ impl Gaps {
         };
         let retained = first.start..last.end;
         gaps.cut_s = [retained.start, len - retained.end].map(|samples| samples as f64 * dt_s);
-        gaps.standstill = moves[retained.clone()].iter().filter(|m| !**m).count();
+        gaps.standstill = is_at_rest[retained.clone()]
+            .iter()
+            .filter(|rest| **rest)
+            .count();
         for column in columns.values_mut() {
             column.truncate(retained.end);
             column.drain(..retained.start);
-            // A reader's room for more rows than came, of every channel of every run.
+            // A reader may have reserved memory for more rows.
             column.shrink_to_fit();
         }
         for piece in &mut gaps.pieces {
@@ -119,29 +118,29 @@ impl Gaps {
         gaps
     }
 
-    /// Finite values of a column in the samples that take part, piece by piece.
+    /// The used samples of a column, piece by piece.
     pub fn within<'a>(&'a self, column: &'a [f64]) -> impl Iterator<Item = &'a [f64]> + Clone {
         self.pieces.iter().map(|piece| &column[piece.clone()])
     }
 }
 
-/// Which samples of one run a result rests on.
+/// The samples of one run that a result is based on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SampleCoverage {
     /// Name of the run.
     pub run: String,
-    /// What is not there.
+    /// The samples that are not used.
     #[serde(flatten)]
     pub gaps: Gaps,
-    /// Stretches that take part.
+    /// Stretches that are used.
     pub stretches: usize,
-    /// Time that takes part [s].
+    /// Time that is used [s].
     pub used_s: f64,
     /// Time from the first sample to the last [s].
     pub of_s: f64,
 }
 
-/// One line on all runs with gaps; empty where there are none.
+/// One line on all runs with gaps; empty if there are none.
 pub fn gaps_line(runs: &[SampleCoverage]) -> String {
     let Some(first) = runs.first() else {
         return String::new();
@@ -178,60 +177,57 @@ pub fn gaps_line(runs: &[SampleCoverage]) -> String {
     };
     let (used, of) = (sum(|run| run.used_s), sum(|run| run.of_s));
     let parts = parts.join(", ");
-    format!("{who}: {parts}; {used:.1} s of {of:.1} s take part (--strict refuses such runs)")
+    format!("{who}: {parts}; {used:.1} s of {of:.1} s are used (--strict refuses such runs)")
 }
 
-/// Share of the values that must be repeated for the usual number of rows, give or take one:
-/// quantised values are not.
-const EVENLY: f64 = 0.9;
-
-/// Number of rows over which each value is repeated, where nearly all are repeated over the same
-/// number, more than one.
+/// Median number of rows over which a value is repeated; `None` if it is one, or if fewer than 90 %
+/// of the values are repeated over that number give or take one, as quantised values are.
 pub fn rows_held<'a>(stretches: impl Iterator<Item = &'a [f64]>) -> Option<usize> {
-    const FEWEST: usize = 20;
+    const MIN_VALUES: usize = 20;
+    const MIN_SHARE: f64 = 0.9;
     let mut lengths = Vec::new();
     for stretch in stretches {
-        let mut since: Option<usize> = None;
+        let mut last_change: Option<usize> = None;
         for i in 1..stretch.len() {
             if stretch[i] != stretch[i - 1] {
-                lengths.extend(since.map(|since| i - since));
-                since = Some(i);
+                lengths.extend(last_change.map(|last| i - last));
+                last_change = Some(i);
             }
         }
     }
-    if lengths.len() < FEWEST {
+    if lengths.len() < MIN_VALUES {
         return None;
     }
     let middle = lengths.len() / 2;
-    let usual = *lengths.select_nth_unstable(middle).1;
-    let even = |length: &&usize| length.abs_diff(usual) <= 1;
-    let even = lengths.iter().filter(even).count() as f64;
-    (usual > 1 && even >= EVENLY * lengths.len() as f64).then_some(usual)
+    let median = *lengths.select_nth_unstable(middle).1;
+    let near = |length: &&usize| length.abs_diff(median) <= 1;
+    let near = lengths.iter().filter(near).count() as f64;
+    (median > 1 && near >= MIN_SHARE * lengths.len() as f64).then_some(median)
 }
 
-/// Samples of one value at the channel's end from which a sensor counts as at its stop: what
-/// moves and is measured with noise stays within a converter's step for two or three.
-const STRETCH: usize = 8;
+/// Fewest equal samples at an end of a channel's range that show an end stop. A noisy signal stays
+/// within a converter's step for two or three.
+const MIN_STOP_SAMPLES: usize = 8;
 
-/// What a channel shows of its end stops.
+/// Samples of a channel at an end stop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Saturation {
-    /// The stop, in the channel's unit: the one at which the channel stays longest.
+    /// Value of the end stop at which the channel stays longest, in its unit.
     pub at: f64,
     /// Samples at it in stretches of eight or more.
     pub samples: usize,
-    /// The longest of these stretches, in samples.
+    /// Length of the longest of these stretches [samples].
     pub longest: usize,
-    /// The sample at which that begins.
+    /// First sample of the longest stretch.
     pub begins: usize,
 }
 
 impl Saturation {
-    /// Stretches of equal samples at the largest or the smallest value of a channel; none where it
-    /// has only one value.
+    /// Stretches of equal samples at the largest or the smallest value of a channel; `None` if it
+    /// has only one magnitude.
     ///
-    /// The end that is nearer to zero counts only where most values differ from those before: a
-    /// channel that rests there rests. Where each value is repeated over some rows, a stretch is as
+    /// The end nearer to zero counts only if most values differ from those before: otherwise the
+    /// channel may be at rest there. If each value is repeated over some rows, a stretch must be as
     /// many times longer.
     pub fn of(values: &[f64]) -> Option<Saturation> {
         let known = || values.iter().copied().filter(|x| x.is_finite());
@@ -240,17 +236,17 @@ impl Saturation {
         if known().all(|x| x.abs() == known().next().unwrap_or(0.0).abs()) {
             return None;
         }
-        let moving = values.windows(2).filter(|w| w[0] != w[1]).count();
-        let rests = 2 * moving < values.len();
-        let far = low.abs().max(high.abs());
-        let least = STRETCH * rows_held(std::iter::once(values)).unwrap_or(1);
+        let changes = values.windows(2).filter(|w| w[0] != w[1]).count();
+        let may_rest = 2 * changes < values.len();
+        let farther = low.abs().max(high.abs());
+        let min_length = MIN_STOP_SAMPLES * rows_held(std::iter::once(values)).unwrap_or(1);
         let ends = [low, high].into_iter();
-        ends.filter(|end| end.abs() == far || !rests)
-            .filter_map(|end| at_end(values, end, least))
+        ends.filter(|end| end.abs() == farther || !may_rest)
+            .filter_map(|end| at_end(values, end, min_length))
             .max_by_key(|found| found.longest)
     }
 
-    /// In words, of a channel whose first sample is at `t0_s`.
+    /// The saturation in words, for a channel whose first sample is at `t0_s`.
     pub fn describe(&self, column: &str, t0_s: f64, dt_s: f64) -> String {
         format!(
             "column {column} stays at its extreme {} for {} samples from t = {:.3} s on: saturated?",
@@ -261,7 +257,8 @@ impl Saturation {
     }
 }
 
-fn at_end(values: &[f64], end: f64, least: usize) -> Option<Saturation> {
+/// Stretches of `min_length` samples or more with the value `end`.
+fn at_end(values: &[f64], end: f64, min_length: usize) -> Option<Saturation> {
     let mut found = Saturation {
         at: end,
         samples: 0,
@@ -271,7 +268,7 @@ fn at_end(values: &[f64], end: f64, least: usize) -> Option<Saturation> {
     let mut begins = 0;
     for stretch in values.chunk_by(|a, b| a == b) {
         let length = stretch.len();
-        if stretch[0] == end && length >= least {
+        if stretch[0] == end && length >= min_length {
             found.samples += length;
             if length > found.longest {
                 (found.longest, found.begins) = (length, begins);

@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::record::file_names::track_file;
 use crate::track::table::{IceAlong, Track};
 
-/// Columns of the index; only `run` and `file` are required, the others where a computation needs
+/// Columns of the index. `run` and `file` are required; the others only for computations that need
 /// them.
 pub const INDEX_COLUMNS: [&str; 9] = [
     "run",
@@ -23,16 +23,16 @@ pub const INDEX_COLUMNS: [&str; 9] = [
     "air_pa",
 ];
 
-/// Further columns of the index: for effects that need them, and the mass where it is not the
-/// model's.
+/// Further columns of the index: conditions that some effects need, and the mass of the run if it
+/// differs from that of the model.
 pub const MORE_INDEX_COLUMNS: [&str; 3] = ["humidity_pct", "distance_m", "mass_kg"];
 
-/// Begin of the columns of whatever else a user states of each run, as numbers or words:
-/// `x_start_order`, `x_runners`. See [`covariates`].
+/// Prefix of the columns of further covariates, numbers or words: `x_start_order`, `x_runners`. See
+/// [`covariates`].
 pub const COVARIATE: &str = "x_";
 
 /// Most runs of an index: a campaign has hundreds.
-const MOST_RUNS: usize = 20_000;
+const MAX_RUNS: usize = 20_000;
 
 const COLUMNS: TableColumns = TableColumns {
     required: INDEX_COLUMNS.split_at(2).0,
@@ -43,16 +43,16 @@ const COLUMNS: TableColumns = TableColumns {
     further_names: ", humidity_pct, distance_m, mass_kg, ice_c@350 (at 350 m), x_NAME (your own)",
 };
 
-/// Name of what is not stated.
+/// Name of a track, driver, class or session that the index does not give.
 const UNNAMED: &str = "unnamed";
 
-/// Begin of the columns of ice temperatures at places: `ice_c@350` at 350 m.
+/// Prefix of the columns of ice temperatures along the track: `ice_c@350` at 350 m.
 pub const ICE_AT: &str = "ice_c@";
 
 /// One row of the index.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Entry {
-    /// Line of the index that states the run; 0 for a run without an index.
+    /// Line of the run in the index; 0 for a run without an index.
     pub line: u64,
     /// Name of the run, unique in the index.
     pub run: String,
@@ -60,36 +60,36 @@ pub struct Entry {
     pub file: PathBuf,
     /// Name of the track.
     pub track: String,
-    /// Driver.
+    /// Name of the driver.
     pub driver: String,
-    /// Driver's class.
+    /// Class of the driver.
     pub driver_class: String,
-    /// Session (a day, a set-up).
+    /// Session: runs of one day with one set-up.
     pub session: String,
-    /// Ice and air.
+    /// Ice, air, runners and mass.
     pub conditions: Conditions,
-    /// Temperatures of the ice at places along the track, measured for this run alone.
+    /// Ice temperatures along the track, measured for this run.
     pub ice_along: IceAlong,
-    /// The same of the track's own table, for every run on it.
+    /// Ice temperatures of the track's table, common to all runs on it.
     pub ice_of_track: IceAlong,
-    /// The cells of the columns `x_NAME` that are not empty, by the column's name.
+    /// Cells of the columns `x_NAME` by column, without empty ones.
     pub covariates: BTreeMap<String, String>,
 }
 
 impl Entry {
-    /// The temperature of the ice at a place [m]: the run's own, else the track's; none where
-    /// neither states it.
+    /// Ice temperature [degrees Celsius] at a distance [m], of the run, else of the track's table;
+    /// `None` if neither has any.
     pub fn ice_at(&self, s_m: f64) -> Option<f64> {
         self.ice_along.at(s_m).or_else(|| self.ice_of_track.at(s_m))
     }
 }
 
-/// What the columns `x_NAME` of an index state, as numbers: for each run, the value by name; a run
-/// that does not state a column has none.
+/// The columns `x_NAME` of an index as numbers: for each run the values by name, without those of
+/// its empty cells.
 ///
-/// A column of which every cell is a finite number is that number. One of words is a factor: each
-/// word that several runs have, but not all of those that state the column, is an indicator
-/// `x_NAME=WORD` of 1 or 0. Of two words the first by alphabet is the reference and has none.
+/// A column in which every cell is a finite number has these values. A column with words is a
+/// factor: each word of several runs, but not of all, becomes an indicator `x_NAME=WORD` of 1 or 0.
+/// Of two words the first in the alphabet is the reference and has no indicator.
 pub fn covariates(entries: &[&Entry]) -> Vec<BTreeMap<String, f64>> {
     let mut values = vec![BTreeMap::new(); entries.len()];
     let names: BTreeSet<&String> = entries.iter().flat_map(|e| e.covariates.keys()).collect();
@@ -119,19 +119,19 @@ pub fn covariates(entries: &[&Entry]) -> Vec<BTreeMap<String, f64>> {
     values
 }
 
-/// Reads the index `runs.csv`; paths in it are relative to its folder, and so is `track_NAME.csv`,
-/// whose `ice_c` counts.
+/// Reads the index `runs.csv`, and the ice temperatures of the tables `track_NAME.csv` of its tracks.
+/// Paths are relative to the folder of the index.
 ///
 /// # Errors
-/// [`Error::Column`], [`Error::MissingColumn`], [`Error::Cell`], [`Error::Row`] for
-/// a run or a file that is named twice and for too many runs, those of [`Track::load`].
+/// [`Error::Column`], [`Error::MissingColumn`], [`Error::Cell`]; [`Error::Row`] for a run or a file
+/// that is given twice and for too many runs; those of [`Track::load`].
 pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
     let file = index.display().to_string();
     let reader = kufe_files::open_regular(index).map_err(|error| Error::file(&file, error))?;
     let table = Table::read(&file, reader, &COLUMNS)?;
     let sensors = temperature_places(&table.header, &file)?;
-    let own = |name: &&String| is_covariate(name);
-    let covariates: Vec<&String> = table.header.iter().filter(own).collect();
+    let covariates = table.header.iter().filter(|name| is_covariate(name));
+    let covariates: Vec<&String> = covariates.collect();
     let folder = index.parent().unwrap_or(Path::new(""));
     let mut entries: Vec<Entry> = Vec::new();
     let mut files: BTreeMap<PathBuf, String> = BTreeMap::new();
@@ -140,13 +140,13 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
     for row in 0..table.rows() {
         let line = table.line(row);
         let text = |name: &str| {
-            let stated = table.stated_text(row, name);
-            stated.unwrap_or_else(|| UNNAMED.to_string())
+            let cell = table.nonempty_text(row, name);
+            cell.unwrap_or_else(|| UNNAMED.to_string())
         };
         let number = |name: &str, low: f64, high: f64| {
             let expected = format!("a number from {low} to {high}");
-            let stated = table.stated_text(row, name);
-            let value = stated.map(|_| table.number_within(row, name, (low, high), &expected));
+            let cell = table.nonempty_text(row, name);
+            let value = cell.map(|_| table.number_within(row, name, (low, high), &expected));
             value.unwrap_or(Ok(f64::NAN))
         };
         let run = table.name(row, "run")?;
@@ -155,8 +155,8 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
                 format!("run {run:?} is already named in row {first}, expected each run once");
             return Err(Error::row(&file, line, reason));
         }
-        if entries.len() == MOST_RUNS {
-            let reason = format!("expected at most {MOST_RUNS} runs");
+        if entries.len() == MAX_RUNS {
+            let reason = format!("expected at most {MAX_RUNS} runs");
             return Err(Error::row(&file, line, reason));
         }
         let path = folder.join(table.name(row, "file")?);
@@ -174,8 +174,8 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
             let table = folder.join(track_file(&track));
             tracks.insert(track.clone(), ice_of(&table)?);
         }
-        let mut stated = Conditions::UNSTATED.values();
-        for (value, (name, low, high)) in stated.iter_mut().zip(CONDITIONS) {
+        let mut conditions = Conditions::UNSTATED.values();
+        for (value, (name, low, high)) in conditions.iter_mut().zip(CONDITIONS) {
             *value = number(name, low, high)?;
         }
         let covariates = covariates.iter().copied();
@@ -189,9 +189,9 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
             driver: text("driver"),
             driver_class: text("driver_class"),
             session: text("session"),
-            conditions: Conditions::from_values(stated),
+            conditions: Conditions::from_values(conditions),
             covariates: covariates
-                .filter_map(|name| Some((name.clone(), table.stated_text(row, name)?)))
+                .filter_map(|name| Some((name.clone(), table.nonempty_text(row, name)?)))
                 .collect(),
         });
     }
@@ -201,8 +201,8 @@ pub fn read_index(index: &Path) -> Result<Vec<Entry>, Error> {
     Ok(entries)
 }
 
-/// Writes the index; files are named relative to its folder, and [`MORE_INDEX_COLUMNS`] and the
-/// columns `x_NAME` are written where a run states them.
+/// Writes the index with files relative to its folder. [`MORE_INDEX_COLUMNS`], ice temperatures along
+/// the track and columns `x_NAME` are written if a run has a value.
 ///
 /// # Errors
 /// [`Error::File`].
@@ -219,15 +219,15 @@ pub fn write_index(writer: impl std::io::Write, entries: &[Entry]) -> Result<(),
     places.sort_by(f64::total_cmp);
     places.dedup();
     let names = INDEX_COLUMNS[..6].iter().copied().map(str::to_string);
-    let stated = written.iter().map(|place| CONDITIONS[*place].0.to_string());
+    let conditions = written.iter().map(|place| CONDITIONS[*place].0.to_string());
     let sensors = places.iter().map(|s_m| format!("{ICE_AT}{s_m}"));
     let covariates: BTreeSet<&String> = entries.iter().flat_map(|e| e.covariates.keys()).collect();
     let further = covariates.iter().map(|name| (*name).clone());
-    let header = names.chain(stated).chain(sensors).chain(further);
+    let header = names.chain(conditions).chain(sensors).chain(further);
     table.write_record(header).map_err(failure)?;
     let number = |value: f64| {
-        let known = value.is_finite().then(|| value.to_string());
-        known.unwrap_or_default()
+        let text = value.is_finite().then(|| value.to_string());
+        text.unwrap_or_default()
     };
     for entry in entries {
         let mut row = vec![
@@ -253,12 +253,12 @@ pub fn write_index(writer: impl std::io::Write, entries: &[Entry]) -> Result<(),
         .map_err(|error| Error::file("runs.csv", error))
 }
 
-/// Ice temperatures of a track's table; none where there is no such table, or no `ice_c` in it.
+/// Ice temperatures of a track's table; empty without the table or without `ice_c` in it.
 fn ice_of(path: &Path) -> Result<IceAlong, Error> {
     let mut head = String::new();
     if let Ok(file) = kufe_files::open_regular(path) {
         let limit = std::io::Read::take(file, 1 << 16);
-        // The reader of the whole table reports its errors.
+        // An error appears again, and is reported, when the whole table is read.
         let _ = std::io::BufRead::read_line(&mut std::io::BufReader::new(limit), &mut head);
     }
     if head.split(',').any(|name| name.trim() == "ice_c") {
@@ -273,16 +273,16 @@ fn is_covariate(name: &str) -> bool {
         .is_some_and(|own| !own.is_empty())
 }
 
-/// Places [m] of the columns of ice temperatures among those of an index, with their names.
+/// Distances [m] and names of the columns of ice temperatures along the track.
 fn temperature_places<'a>(header: &'a [String], file: &str) -> Result<Vec<(f64, &'a str)>, Error> {
     let mut places: Vec<(f64, &str)> = Vec::new();
     for name in header.iter().filter(|name| name.starts_with(ICE_AT)) {
-        let odd = |what| Error::column(file, name, what, "ice_c@350 for the ice at 350 m");
+        let error = |what| Error::column(file, name, what, "ice_c@350 for the ice at 350 m");
         let s_m: Option<f64> = name[ICE_AT.len()..].parse().ok();
         let s_m = s_m.filter(|s| s.abs() < 1e6);
-        let s_m = s_m.ok_or_else(|| odd("at no distance"))?;
+        let s_m = s_m.ok_or_else(|| error("at no distance"))?;
         if places.iter().any(|(known, _)| *known == s_m) {
-            return Err(odd("given twice"));
+            return Err(error("given twice"));
         }
         places.push((s_m, name));
     }

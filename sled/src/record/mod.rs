@@ -1,4 +1,4 @@
-//! Recorded runs: their index, their files, and whether they hold what their names state.
+//! Recorded runs: their index, their files, and checks of their columns.
 
 pub mod check;
 pub(crate) mod file_names;

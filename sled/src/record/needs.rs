@@ -1,45 +1,45 @@
-//! What a computation needs of a run; everything else may be absent.
+//! The columns and conditions of a run that a computation needs; others may be absent.
 
 use crate::column::COLUMNS;
 use crate::conditions::Conditions;
 use crate::error::Error;
 use crate::sled::Sled;
 
-/// What a computation needs of a run besides `t_s`.
+/// The columns of a run that a computation needs besides `t_s`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Needs {
-    /// The computation, as an error names it.
+    /// Name of the computation in errors.
     pub by: &'static str,
     /// Columns of the run's file.
     pub columns: &'static [&'static str],
-    /// Whether ice and air push in it: then weather counts.
+    /// Whether the computation contains forces of ice and air, and so needs the weather.
     pub forces: bool,
 }
 
 impl Needs {
-    /// Forces on the runners from motion and slip: all but `ax_mps2`. What brakes is compared with
-    /// that where it is there.
+    /// Forces on the runners from motion and slip: all but `ax_mps2`, which is compared with the
+    /// braking force if it is recorded.
     pub const FORCES: Needs = Needs {
         by: "the forces on the runners",
         columns: COLUMNS.split_at(1).1,
         forces: true,
     };
 
-    /// The place along a track, by its curvature and bank: from `ay_mps2` to `v_mps`.
+    /// Distance along a track from its curvature and bank: `ay_mps2` to `v_mps`.
     pub const PLACE: Needs = Needs {
         by: "the place along the track, from curvature and bank",
         columns: COLUMNS.split_at(7).0.split_at(1).1,
         forces: false,
     };
 
-    /// The same and `ax_mps2`, for the slope of a track that no survey states.
+    /// As [`Needs::PLACE`], with `ax_mps2` for the slope of a track without a survey.
     pub const TRACK: Needs = Needs {
         by: "a track estimated from its runs",
         columns: COLUMNS.split_at(7).0,
         forces: false,
     };
 
-    /// An error with the name of the computation, where it is of a missing column.
+    /// The error, with the name of the computation if it is of a missing column.
     pub fn explain(&self, mut error: Error) -> Error {
         if let Error::MissingColumn { needed_by, .. } = &mut error {
             *needed_by = Some(self.by);
@@ -48,11 +48,10 @@ impl Needs {
     }
 }
 
-/// Refuses weather that `by` needs for the density of the air and nothing states; `file` is where
-/// it belongs.
+/// Checks the weather that the computation `by` needs for the density of the air.
 ///
 /// # Errors
-/// [`Error::File`] with the column.
+/// [`Error::File`] with `file` and the absent column.
 pub fn refuse_unstated_air(by: &str, conditions: &Conditions, file: &str) -> Result<(), Error> {
     let air = [("air_c", conditions.air_c), ("air_pa", conditions.air_pa)];
     let Some((column, _)) = air.into_iter().find(|(_, value)| value.is_nan()) else {
@@ -62,10 +61,10 @@ pub fn refuse_unstated_air(by: &str, conditions: &Conditions, file: &str) -> Res
     Err(Error::file(file, reason))
 }
 
-/// The same for the drag of a sled, which needs none where it has no area.
+/// Checks the weather that the drag of a sled needs; a sled without drag area needs none.
 ///
 /// # Errors
-/// [`Error::File`] with the column.
+/// As [`refuse_unstated_air`].
 pub(crate) fn refuse_drag_without_air(
     sled: &Sled,
     conditions: &Conditions,

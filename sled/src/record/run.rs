@@ -1,13 +1,13 @@
-//! Recorded runs, one file a run.
+//! A recorded run.
 
 use std::collections::BTreeMap;
 
 use crate::error::Error;
 use crate::record::gaps::{Gaps, SampleCoverage, Saturation};
 use crate::record::index::Entry;
+use crate::series::bridged;
 
-/// One recorded run, uniform in time, in the units of its columns' names; next to a gap a column
-/// may be NaN.
+/// A recorded run, uniformly sampled, in the units of its columns' names. Values in gaps may be NaN.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
     /// Its row in the index.
@@ -16,13 +16,13 @@ pub struct Run {
     pub t0_s: f64,
     /// Time between samples [s].
     pub dt_s: f64,
-    /// Every column of the file but time, by name; extra ones too.
+    /// Every column of the file except time, by name.
     pub columns: BTreeMap<String, Vec<f64>>,
-    /// Which samples take part, and why the others do not.
+    /// The samples that are used, and the reasons why others are not.
     pub gaps: Gaps,
-    /// Channels that stay at an end of their range for a while.
+    /// Channels that stay at an end of their range, by name.
     pub saturated: BTreeMap<String, Saturation>,
-    /// What else was noticed and is no error.
+    /// Further remarks that are no errors.
     pub remarks: Vec<String>,
 }
 
@@ -32,7 +32,7 @@ impl Run {
         self.columns.values().next().map_or(0, Vec::len)
     }
 
-    /// Whether there is no sample; never so for a run that was read.
+    /// Whether there is no sample; false for every run that was read.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -42,7 +42,14 @@ impl Run {
         1.0 / self.dt_s
     }
 
-    /// Everything that was noticed and is no error, in words.
+    /// Distance over the first `samples` samples by the integral of the speed, interpolated across
+    /// gaps [m]; `None` without a recorded speed.
+    pub(crate) fn travelled_m(&self, samples: usize) -> Option<f64> {
+        let speed = bridged(self.columns.get("v_mps")?);
+        Some(speed[..samples].iter().sum::<f64>() * self.dt_s)
+    }
+
+    /// All remarks, with those on saturated channels.
     pub fn noticed(&self) -> Vec<String> {
         let file = self.entry.file.display();
         let remark = |(name, found): (&String, &Saturation)| {
@@ -52,7 +59,7 @@ impl Run {
         remarks.chain(self.saturated.iter().map(remark)).collect()
     }
 
-    /// What of the run takes part in so many `stretches`, [s] in all.
+    /// The samples that a result is based on: `used_s` seconds in `stretches`.
     pub(crate) fn coverage(&self, stretches: usize, used_s: f64) -> SampleCoverage {
         SampleCoverage {
             run: self.entry.run.clone(),
@@ -66,7 +73,7 @@ impl Run {
     /// A column by name.
     ///
     /// # Errors
-    /// [`Error::MissingColumn`] with the names there are.
+    /// [`Error::MissingColumn`] with the names of the recorded columns.
     pub fn column(&self, name: &str) -> Result<&[f64], Error> {
         let column = self.columns.get(name).map(Vec::as_slice);
         let file = self.entry.file.display().to_string();

@@ -12,7 +12,7 @@ use crate::replay::compared::{Compared, Difference, Section, compare, difference
 use crate::replay::inputs::{Inputs, Reading};
 use crate::simulate::drive::{SimulateOptions, Simulated, integrate, refuse_unstated};
 use crate::simulate::driver::Steering;
-use crate::simulate::dynamics::{COUNT, TIME, Unknowns, World};
+use crate::simulate::dynamics::{CHI, COUNT, S, TIME, Unknowns, VX, World};
 use crate::track::table::TrackShape;
 
 /// A measured run and its simulation from the run's start and steering.
@@ -113,9 +113,9 @@ pub fn replay(
         let vx = speed * alpha.cos();
         let vy = -speed * alpha.sin() - vehicle.sled.slip_x_m * yaw;
         let mut start: Unknowns = [0.0; COUNT];
-        start[0] = first.s_m;
-        start[2] = -vy.atan2(vx);
-        start[3..6].copy_from_slice(&[vx, vy, yaw]);
+        start[S] = first.s_m;
+        start[CHI] = -vy.atan2(vx);
+        start[VX..VX + 3].copy_from_slice(&[vx, vy, yaw]);
         start[TIME] = first.t_s;
         start
     };

@@ -6,8 +6,8 @@ use std::ops::Range;
 use crate::column::Sensor;
 use crate::error::Error;
 use crate::model::vehicle::Vehicle;
-use crate::record::check::LEAST_SAMPLES;
-use crate::record::check::judge::check_relations;
+use crate::record::check::MIN_RUN_SAMPLES;
+use crate::record::check::faults::check_relations;
 use crate::record::files::{read_run, read_run_of};
 use crate::record::gaps::{OnGaps, SampleCoverage};
 use crate::record::index::Entry;
@@ -163,10 +163,10 @@ impl Inputs {
                 }
             }
         }
-        if s.len() < LEAST_SAMPLES {
+        if s.len() < MIN_RUN_SAMPLES {
             let file = self.entry.file.display();
             let what = format!("{file}: samples along which the distance grows");
-            return Err(Error::too_few(what, s.len(), LEAST_SAMPLES));
+            return Err(Error::too_few(what, s.len(), MIN_RUN_SAMPLES));
         }
         Ok((Spline::natural(&s, &angle), bridged))
     }

@@ -10,7 +10,7 @@ use crate::friction::film::Patch;
 use crate::model::vehicle::{Vehicle, refuse_effects};
 use crate::record::needs::{Needs, refuse_drag_without_air};
 use crate::record::run::Run;
-use crate::series::{LEAST_SAMPLES, derivative, low_pass, noise_sd_within};
+use crate::series::{MIN_FILTER_SAMPLES, derivative, low_pass, noise_sd_within};
 use crate::signals::prepare::{Distance, Resampling};
 use crate::sled::{Noise, Sled};
 
@@ -58,7 +58,7 @@ impl<'a> FilteredSignals<'a> {
         let pieces = &run.gaps.pieces;
         for (number, piece) in pieces.iter().enumerate() {
             let count = base.samples(piece).len();
-            if count >= LEAST_SAMPLES {
+            if count >= MIN_FILTER_SAMPLES {
                 let sensed = FilteredSignals::of(
                     run,
                     piece,

@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::model::vehicle::Vehicle;
 use crate::motion::one_track::forward;
 use crate::motion::state::{Motion, State, from_sensors};
-use crate::record::check::LEAST_SAMPLES;
+use crate::record::check::MIN_RUN_SAMPLES;
 use crate::record::gaps::SampleCoverage;
 use crate::record::index::Entry;
 use crate::record::needs::Needs;
@@ -132,11 +132,11 @@ pub fn prepare(
 
 /// Refuses a run with too few samples at the lower rate.
 pub(crate) fn refuse_short(run: &Run, samples: usize) -> Result<(), Error> {
-    if samples >= LEAST_SAMPLES {
+    if samples >= MIN_RUN_SAMPLES {
         return Ok(());
     }
     let what = format!("{}: samples", run.entry.file.display());
-    Err(Error::too_few(what, samples, LEAST_SAMPLES))
+    Err(Error::too_few(what, samples, MIN_RUN_SAMPLES))
 }
 
 /// Refuses effects whose forces are not finite at a state: they would silently disable comparisons

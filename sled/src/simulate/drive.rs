@@ -5,7 +5,9 @@ use crate::error::Error;
 use crate::model::vehicle::{Vehicle, refuse_effects};
 use crate::record::needs::refuse_drag_without_air;
 use crate::simulate::driver::{Driver, Steering};
-use crate::simulate::dynamics::{Before, COUNT, Instant, TIME, Unknowns, WallContact, World};
+use crate::simulate::dynamics::{
+    Before, COUNT, Instant, N, S, TIME, Unknowns, VX, WallContact, World,
+};
 use crate::track::table::{IceAlong, TrackShape};
 
 /// Work and energy over a simulation [J].
@@ -87,8 +89,7 @@ pub fn simulate(
         cross_curvature: options.cross_curvature_1pm,
     };
     let mut start: Unknowns = [0.0; COUNT];
-    start[0] = track.start_m;
-    start[3] = options.start_speed_mps;
+    (start[S], start[VX]) = (track.start_m, options.start_speed_mps);
     let (simulated, trouble) = integrate(&world, start, track.finish_m, options)?;
     trouble.map_or(Ok(simulated), Err)
 }
@@ -138,10 +139,10 @@ pub(crate) fn integrate(
         before = world.before(&world.rates(&y, &before).1, &before, h);
     }
     let mut then = [before; 2];
-    let expected = ((finish_m - start[0]) / start[3] / dt_s) as usize;
+    let expected = ((finish_m - start[S]) / start[VX] / dt_s) as usize;
     let mut instants = Vec::with_capacity(expected.min(1 << 16));
     let mut offset_m = Vec::with_capacity(expected.min(1 << 16));
-    // Rates of the last steps, newest first, and the number of steps since the step length changed.
+    // Rates of the last four steps, newest first, and the number of steps of equal length.
     let (mut past, mut equal_steps) = ([[0.0; COUNT]; 4], 0);
     let mut steps = 0;
     // Number of output intervals, and of steps in the current one.
@@ -158,7 +159,7 @@ pub(crate) fn integrate(
         before = world.before(&instant, &before, h);
         past.rotate_right(1);
         past[0] = rates;
-        let finished = y[0] >= finish_m;
+        let finished = y[S] >= finish_m;
         if (substep == 0 || finished)
             && let Some(what) = world.trouble(&y)
         {
@@ -168,7 +169,7 @@ pub(crate) fn integrate(
         if substep == 0 {
             instant.state.t_s = t_s;
             instants.push(instant);
-            offset_m.push(y[1]);
+            offset_m.push(y[N]);
         }
         if finished {
             break true;
@@ -177,16 +178,13 @@ pub(crate) fn integrate(
             break false;
         }
         if substep == 0 && intervals % check_interval == 0 {
-            let rate = world.fastest_rate(&y, &rates, &before);
-            if rate * MIN_STEP_S > MAX_STEP_RATE {
-                let what = format!(
-                    "slip and yaw change at {rate:.0} 1/s: no step of {MIN_STEP_S} s or more is stable"
-                );
-                let s_m = y[0];
-                trouble = Some(Error::Stopped { s_m, t_s, what });
-                break false;
-            }
-            let needed = ((dt_s * rate / MAX_STEP_RATE).ceil() as usize).max(min_substeps);
+            let needed = match stable_substeps(world.fastest_rate(&y, &rates, &before), dt_s) {
+                Ok(needed) => needed.max(min_substeps),
+                Err(what) => {
+                    trouble = Some(stopped(world, &y, t_s, None, what));
+                    break false;
+                }
+            };
             if needed > substeps || 2 * needed <= substeps {
                 (substeps, h, equal_steps) = (needed, dt_s / needed as f64, 0);
                 then = [now; 2];
@@ -202,6 +200,7 @@ pub(crate) fn integrate(
             (intervals, substep) = (intervals + 1, 0);
         }
     };
+    let [.., gravity_j, ice_j, air_j, wall_j, _] = y;
     let simulated = Simulated {
         instants,
         offset_m,
@@ -210,22 +209,36 @@ pub(crate) fn integrate(
         energy: EnergyBalance {
             kinetic_start_j,
             kinetic_end_j: world.kinetic_energy(&y),
-            gravity_j: y[7],
-            ice_j: y[8],
-            air_j: y[9],
-            wall_j: y[10],
+            gravity_j,
+            ice_j,
+            air_j,
+            wall_j,
         },
         steps,
     };
     Ok((simulated, trouble))
 }
 
+/// Number of steps in an output interval `dt_s` [s] that are stable at the fastest `rate` of slip and
+/// yaw [1/s].
+///
+/// # Errors
+/// The reason if only steps below [`MIN_STEP_S`] are stable.
+fn stable_substeps(rate: f64, dt_s: f64) -> Result<usize, String> {
+    if rate * MIN_STEP_S > MAX_STEP_RATE {
+        return Err(format!(
+            "slip and yaw change at {rate:.0} 1/s: no step of {MIN_STEP_S} s or more is stable"
+        ));
+    }
+    Ok((dt_s * rate / MAX_STEP_RATE).ceil() as usize)
+}
+
 /// The error of a simulation that cannot continue: at the `last` instant if the motion is no longer
 /// finite.
 fn stopped(world: &World, y: &Unknowns, t_s: f64, last: Option<&Instant>, what: String) -> Error {
-    let (s_m, t_s, what) = match last.filter(|_| !y[0].is_finite()) {
+    let (s_m, t_s, what) = match last.filter(|_| !y[S].is_finite()) {
         Some(Instant { state, .. }) => (state.s_m, state.t_s, what + &world.not_finite(state)),
-        None => (y[0], t_s, what),
+        None => (y[S], t_s, what),
     };
     Error::Stopped { s_m, t_s, what }
 }

@@ -24,12 +24,17 @@ pub(crate) type Unknowns = [f64; COUNT];
 /// Number of unknowns.
 pub(crate) const COUNT: usize = 12;
 
-const N: usize = 1;
-const CHI: usize = 2;
-const VX: usize = 3;
+/// Index of the distance among the unknowns.
+pub(crate) const S: usize = 0;
+/// Index of the offset.
+pub(crate) const N: usize = 1;
+/// Index of the heading.
+pub(crate) const CHI: usize = 2;
+/// Index of the speed along the sled.
+pub(crate) const VX: usize = 3;
 const VY: usize = 4;
 const YAW: usize = 5;
-/// Index of the time among the unknowns.
+/// Index of the time.
 pub(crate) const TIME: usize = 11;
 
 /// A force from outside, such as of a wall: a half wave of lateral force over a stretch of track.
@@ -110,6 +115,62 @@ pub struct Instant {
     pub steering_rate_radps: f64,
 }
 
+/// Velocity and rotation of ice and body at one instant, before the forces are known.
+///
+/// Suffixes: `_0` the ice's frame on the line, `_n` the ice's frame below the sled, `_s` a growth per
+/// metre along the line, `_t` a rate.
+struct Frame {
+    /// Speed at the slip sensor [m/s].
+    speed: f64,
+    /// Lateral speed at the slip sensor [m/s].
+    vys: f64,
+    /// Slip angle at the slip sensor [rad].
+    alpha: f64,
+    /// Sine and cosine of the heading chi.
+    heading: (f64, f64),
+    /// Velocity along and across the line [m/s].
+    ds: f64,
+    dn: f64,
+    /// Direction up in body axes.
+    up: [f64; 3],
+    /// Roll and pitch rate of the body [rad/s].
+    roll: f64,
+    pitch: f64,
+    /// Rate of the heading against the line [rad/s].
+    chi_t: f64,
+    /// Pitch acceleration of the ice's frame below the sled [rad/s2].
+    pitch_n_t: f64,
+    /// Growth of the bank along the line [rad/m], and of that [rad/m2].
+    bank_s: f64,
+    bank_ss: f64,
+    /// Terms of the roll acceleration: rate of `tan(theta)` times the heading rate of the line, and
+    /// `tan(theta)` times its acceleration [rad/s2].
+    slope_term: f64,
+    heading_term: f64,
+}
+
+impl Frame {
+    /// Pitch acceleration of the body [rad/s2], with the roll acceleration of the previous step.
+    fn pitch_accel(&self, roll_accel: f64) -> f64 {
+        let (sin_chi, cos_chi) = self.heading;
+        self.pitch_n_t / cos_chi
+            - (roll_accel - self.chi_t * self.pitch) * sin_chi / cos_chi
+            - self.chi_t * self.roll
+    }
+
+    /// Roll acceleration of the body [rad/s2], with the rates of its velocity [m/s2].
+    fn roll_accel(&self, cross_curvature: f64, vx_t: f64, vy_t: f64) -> f64 {
+        let Frame { ds, dn, chi_t, .. } = *self;
+        let (sin_chi, cos_chi) = self.heading;
+        let ds_t = vx_t * cos_chi - vy_t * sin_chi - dn * chi_t;
+        let dn_t = vx_t * sin_chi + vy_t * cos_chi + ds * chi_t;
+        let roll_n_t = self.bank_ss * ds * ds + self.bank_s * ds_t + cross_curvature * dn_t
+            - self.slope_term
+            - self.heading_term;
+        roll_n_t * cos_chi + self.pitch_n_t * sin_chi + chi_t * self.pitch
+    }
+}
+
 impl World<'_> {
     /// Rates of the unknowns, and the instant.
     ///
@@ -132,25 +193,106 @@ impl World<'_> {
     /// The pitch acceleration, and with it the normal forces, needs accelerations before the forces
     /// that determine them are known. They are taken from the previous step (`before`).
     pub(crate) fn rates(&self, y: &Unknowns, before: &Before) -> (Unknowns, Instant) {
-        let growth = before.growth;
         let sled = &self.vehicle.sled;
-        let [s, n, chi, vx, vy, yaw, integrated, ..] = *y;
-        let delta = self.steering.angle(s, integrated);
+        let [s, n, _, vx, vy, yaw, ..] = *y;
+        let frame = self.frame(y, before.growth);
+        let Frame { speed, vys, up, .. } = frame;
+        let pitch_accel = frame.pitch_accel(before.roll_accel);
+        let fz = frame.roll * vy - frame.pitch * vx + GRAVITY * up[2];
+        let mut state = self.state(y, &frame, normal_forces(sled, fz, pitch_accel), before);
+
+        let at = Balance::new(sled, &state, &Motion::default());
+        let forces = forces_at(self.vehicle, &at);
+        let air = at.air();
+        let (mut wall, mut wall_moment) = (0.0, 0.0);
+        for contact in self.contacts {
+            let force = contact.force_at(s);
+            wall += force;
+            wall_moment += contact.x_m * force;
+        }
+        let ice = [
+            forces.front_body[0] + forces.rear[0],
+            forces.front_body[1] + forces.rear[1],
+        ];
+        let ice_moment = sled.l_f_m * forces.front_body[1] - sled.l_r_m * forces.rear[1];
+        let body_moment = forces.body[2];
+        let air = [air[0] + forces.body[0], air[1] + forces.body[1]];
+        let fx = (ice[0] + air[0]) / sled.mass_kg;
+        let fy = (ice[1] + air[1] + wall) / sled.mass_kg;
+        let vx_t = fx - GRAVITY * up[0] + yaw * vy;
+        let vy_t = fy - GRAVITY * up[1] - yaw * vx;
+        let yaw_accel = (ice_moment + wall_moment + body_moment) / sled.j_zz_kgm2;
+        let roll_accel = frame.roll_accel(self.cross_curvature, vx_t, vy_t);
+
+        // Rates of the slip angles from those of the velocities, for the sensor and for effects.
+        let vys_t = vy_t + sled.slip_x_m * yaw_accel;
+        let speed_growth = (vx * vx_t + vys * vys_t) / speed;
+        let alpha_t = -(vys_t * vx - vys * vx_t) / (speed * speed);
+        let turn_rate_t = (yaw_accel - yaw * speed_growth / speed) / speed;
+        state.roll_accel_radps2 = roll_accel;
+        let steering = &self.steering;
+        let steering_t = steering.rate(self.shape, sled, &state, n, [frame.ds, frame.dn]);
+        state.accel_mps2 = [fx, fy, fz];
+        state.slip_rate_radps = [
+            alpha_t - turn_rate_t * (sled.l_f_m - sled.slip_x_m) + steering_t,
+            alpha_t - turn_rate_t * (-sled.l_r_m - sled.slip_x_m),
+        ];
+
+        let rates = [
+            frame.ds,
+            frame.dn,
+            frame.chi_t,
+            vx_t,
+            vy_t,
+            yaw_accel,
+            steering_t,
+            -sled.mass_kg * GRAVITY * (up[0] * vx + up[1] * vy),
+            ice[0] * vx + ice[1] * vy + ice_moment * yaw,
+            air[0] * vx + air[1] * vy + body_moment * yaw,
+            wall * vy + wall_moment * yaw,
+            1.0,
+        ];
+        let instant = Instant {
+            state,
+            motion: Motion {
+                accel_mps2: [fx, fy, fz],
+                pitch_accel_radps2: pitch_accel,
+                yaw_accel_radps2: yaw_accel,
+            },
+            forces,
+            angular_accel_radps2: [roll_accel, pitch_accel, yaw_accel],
+            alpha_sensor_rad: frame.alpha,
+            speed_growth,
+            alpha_sensor_rate_radps: alpha_t,
+            steering_rate_radps: steering_t,
+        };
+        (rates, instant)
+    }
+
+    /// Slope of the line with the effects on it [rad], and its growth along the line [rad/m].
+    fn slope(&self, s: f64) -> (f64, f64) {
         let [mut theta, mut theta_s, _] = self.shape.slope.at(s);
         if !self.vehicle.effects.is_empty() {
             let added = |s: f64| self.vehicle.effects.slope(s);
             theta += added(s);
             theta_s += added(s + 0.5) - added(s - 0.5);
         }
+        (theta, theta_s)
+    }
+
+    /// The frames of ice and body at the unknowns `y`, with the growth of the speed [m/s2].
+    fn frame(&self, y: &Unknowns, growth: f64) -> Frame {
+        let [s, n, chi, vx, vy, yaw, ..] = *y;
+        let (theta, theta_s) = self.slope(s);
         let [curvature, curvature_s, _] = self.shape.curvature.at(s);
         let [bank, bank_s, bank_ss] = self.shape.bank.at(s);
 
-        let vys = vy + sled.slip_x_m * yaw;
+        let vys = vy + self.vehicle.sled.slip_x_m * yaw;
         // `trouble` ensures that the sled moves forward, so that these faster forms suffice.
         let speed = (vx * vx + vys * vys).sqrt();
         let alpha = -libm::atan(vys / vx);
-        let Slips { cog, front, rear } = slips(sled, alpha, yaw, speed, delta);
 
+        // Velocity along and across the line, and the direction up.
         let small = |angle| sin_cos_near(angle, 0.0, (0.0, 1.0));
         let (sin_chi, cos_chi) = small(chi);
         let ds = vx * cos_chi - vy * sin_chi;
@@ -176,8 +318,8 @@ impl World<'_> {
             cos_theta * cos_phi,
         ];
 
-        // Rates of the frame of the ice on the line, and off the line, where the cross-section
-        // tilts it.
+        // Rotation of the ice's frame on the line, off the line (tilted by the cross-section), and
+        // of the body.
         let (sin_tilt, cos_tilt) = small(tilt);
         let pitch_0 = -speed * curvature;
         let yaw_0 = -GRAVITY * cos_theta * sin_bank / speed;
@@ -186,38 +328,65 @@ impl World<'_> {
         let heading_rate = pitch_0 * sin_bank + yaw_0 * cos_bank;
         let tan_theta = sin_theta / cos_theta;
         let roll_n = bank_s * ds + tilt_t - tan_theta * heading_rate;
-        let roll = roll_n * cos_chi + pitch_n * sin_chi;
-        let pitch = pitch_n * cos_chi - roll_n * sin_chi;
 
-        let chi_t = yaw - yaw_n;
+        // Rates of these rotations.
         let bank_t = bank_s * ds;
         let theta_t = theta_s * ds;
         let pitch_0_t = -(growth * curvature + speed * curvature_s * ds);
         let yaw_0_t = -yaw_0 * growth / speed
             - GRAVITY * (cos_theta * cos_bank * bank_t - sin_theta * sin_bank * theta_t) / speed;
         let pitch_n_t = pitch_0_t * cos_tilt + yaw_0_t * sin_tilt + tilt_t * yaw_n;
-        let pitch_accel = pitch_n_t / cos_chi
-            - (before.roll_accel - chi_t * pitch) * sin_chi / cos_chi
-            - chi_t * roll;
+        let heading_rate_t = pitch_0_t * sin_bank
+            + yaw_0_t * cos_bank
+            + bank_t * (pitch_0 * cos_bank - yaw_0 * sin_bank);
+        Frame {
+            speed,
+            vys,
+            alpha,
+            heading: (sin_chi, cos_chi),
+            ds,
+            dn,
+            up,
+            roll: roll_n * cos_chi + pitch_n * sin_chi,
+            pitch: pitch_n * cos_chi - roll_n * sin_chi,
+            chi_t: yaw - yaw_n,
+            pitch_n_t,
+            bank_s,
+            bank_ss,
+            slope_term: theta_t / (cos_theta * cos_theta) * heading_rate,
+            heading_term: tan_theta * heading_rate_t,
+        }
+    }
 
-        let fz = roll * vy - pitch * vx + GRAVITY * up[2];
-        let (fz_f0_n, fz_r_n) = normal_forces(sled, fz, pitch_accel);
+    /// The state with the normal forces of the front and the rear axle [N]; roll acceleration, slip
+    /// rates and accelerations are those of the previous step.
+    fn state(
+        &self,
+        y: &Unknowns,
+        frame: &Frame,
+        (fz_f0_n, fz_r_n): (f64, f64),
+        before: &Before,
+    ) -> State {
+        let sled = &self.vehicle.sled;
+        let [s, _, _, _, _, yaw, integrated, ..] = *y;
+        let delta = self.steering.angle(s, integrated);
+        let Slips { cog, front, rear } = slips(sled, frame.alpha, yaw, frame.speed, delta);
         let gamma = self.shape.bank.value(s + sled.l_f_m) - self.shape.bank.value(s - sled.l_r_m)
-            + self.cross_curvature * sled.wheelbase_m() * sin_chi;
-        let mut state = State {
+            + self.cross_curvature * sled.wheelbase_m() * frame.heading.0;
+        State {
             t_s: y[TIME],
             s_m: s,
-            v_mps: speed,
+            v_mps: frame.speed,
             alpha_cog_rad: cog,
             alpha_f_rad: front,
             alpha_r_rad: rear,
             delta_rad: delta,
             gamma_rad: gamma,
-            roll_rate_radps: roll,
-            pitch_rate_radps: pitch,
+            roll_rate_radps: frame.roll,
+            pitch_rate_radps: frame.pitch,
             yaw_rate_radps: yaw,
             roll_accel_radps2: before.roll_accel,
-            curvature_1pm: -pitch / speed,
+            curvature_1pm: -frame.pitch / frame.speed,
             fz_f0_n,
             fz_r_n,
             air_density_kgpm3: self.density,
@@ -227,82 +396,7 @@ impl World<'_> {
             },
             slip_rate_radps: before.slip_rate,
             accel_mps2: before.accel,
-        };
-        let at = Balance::new(sled, &state, &Motion::default());
-        let forces = forces_at(self.vehicle, &at);
-        let air = at.air();
-        let (mut wall, mut wall_moment) = (0.0, 0.0);
-        for contact in self.contacts {
-            let force = contact.force_at(s);
-            wall += force;
-            wall_moment += contact.x_m * force;
         }
-        let ice = [
-            forces.front_body[0] + forces.rear[0],
-            forces.front_body[1] + forces.rear[1],
-        ];
-        let ice_moment = sled.l_f_m * forces.front_body[1] - sled.l_r_m * forces.rear[1];
-        let body_moment = forces.body[2];
-        let air = [air[0] + forces.body[0], air[1] + forces.body[1]];
-        let fx = (ice[0] + air[0]) / sled.mass_kg;
-        let fy = (ice[1] + air[1] + wall) / sled.mass_kg;
-        let vx_t = fx - GRAVITY * up[0] + yaw * vy;
-        let vy_t = fy - GRAVITY * up[1] - yaw * vx;
-        let yaw_accel = (ice_moment + wall_moment + body_moment) / sled.j_zz_kgm2;
-
-        let ds_t = vx_t * cos_chi - vy_t * sin_chi - dn * chi_t;
-        let dn_t = vx_t * sin_chi + vy_t * cos_chi + ds * chi_t;
-        let heading_rate_t = pitch_0_t * sin_bank
-            + yaw_0_t * cos_bank
-            + bank_t * (pitch_0 * cos_bank - yaw_0 * sin_bank);
-        let roll_n_t = bank_ss * ds * ds + bank_s * ds_t + self.cross_curvature * dn_t
-            - theta_t / (cos_theta * cos_theta) * heading_rate
-            - tan_theta * heading_rate_t;
-        let roll_accel = roll_n_t * cos_chi + pitch_n_t * sin_chi + chi_t * pitch;
-        state.roll_accel_radps2 = roll_accel;
-
-        // Rates of the slip angles from those of the velocities, for the sensor and for effects.
-        let vys_t = vy_t + sled.slip_x_m * yaw_accel;
-        let speed_growth = (vx * vx_t + vys * vys_t) / speed;
-        let alpha_t = -(vys_t * vx - vys * vx_t) / (speed * speed);
-        let turn_rate_t = (yaw_accel - yaw * speed_growth / speed) / speed;
-        let steering = &self.steering;
-        let steering_t = steering.rate(self.shape, sled, &state, n, [ds, dn]);
-        state.accel_mps2 = [fx, fy, fz];
-        state.slip_rate_radps = [
-            alpha_t - turn_rate_t * (sled.l_f_m - sled.slip_x_m) + steering_t,
-            alpha_t - turn_rate_t * (-sled.l_r_m - sled.slip_x_m),
-        ];
-
-        let rates = [
-            ds,
-            dn,
-            chi_t,
-            vx_t,
-            vy_t,
-            yaw_accel,
-            steering_t,
-            -sled.mass_kg * GRAVITY * (up[0] * vx + up[1] * vy),
-            ice[0] * vx + ice[1] * vy + ice_moment * yaw,
-            air[0] * vx + air[1] * vy + body_moment * yaw,
-            wall * vy + wall_moment * yaw,
-            1.0,
-        ];
-        let instant = Instant {
-            state,
-            motion: Motion {
-                accel_mps2: [fx, fy, fz],
-                pitch_accel_radps2: pitch_accel,
-                yaw_accel_radps2: yaw_accel,
-            },
-            forces,
-            angular_accel_radps2: [roll_accel, pitch_accel, yaw_accel],
-            alpha_sensor_rad: alpha,
-            speed_growth,
-            alpha_sensor_rate_radps: alpha_t,
-            steering_rate_radps: steering_t,
-        };
-        (rates, instant)
     }
 
     /// Spectral radius [1/s] of the Jacobian of lateral and yaw acceleration with respect to

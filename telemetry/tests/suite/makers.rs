@@ -82,9 +82,11 @@ for name, compression in (('plain', 0), ('packed', 2)):
     for name in ["plain", "packed"] {
         is_what_was_written(&mapping.replace("NAME", name), folder.path());
     }
-    let log = kufe_telemetry::read_recording(
+    let log = kufe_telemetry::read_log(
         &folder.path().join("plain.mf4"),
         kufe_telemetry::TextOptions::default(),
+        None,
+        u64::MAX,
     )
     .unwrap();
     let guessed = kufe_telemetry::guess_mapping(&[("raw/plain.mf4".into(), log)]);

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use kufe_blind::catalogue::chosen;
-use kufe_sled::{Fault, OnGaps, RelationRules, Run, judge_by, read_index, read_run};
+use kufe_sled::{Fault, OnGaps, RelationRules, Run, find_faults_with, read_index, read_run};
 
 use crate::kufe::succeeds;
 use crate::runs::corpus::{Damage, Expected, Table, corpus};
@@ -41,13 +41,13 @@ impl Material {
     fn score(&self, rules: &RelationRules) -> Score {
         let mut score: Score = ([0; 2], [0; 2]);
         for runs in &self.clean {
-            let faults = judge_by(runs, rules);
+            let faults = find_faults_with(runs, rules);
             let wrong = |run: &&Run| faults.iter().any(|fault| fault.run == run.entry.run);
             score.0[0] += runs.iter().filter(wrong).count();
             score.0[1] += runs.len();
         }
         for (runs, expected) in &self.damaged {
-            let faults = judge_by(runs, rules);
+            let faults = find_faults_with(runs, rules);
             let named = |run: &&Run| reports(&faults, &run.entry.run, expected);
             score.1[0] += runs.iter().filter(named).count();
             score.1[1] += runs.len();
@@ -141,15 +141,15 @@ fn thresholds_at_half_and_twice_refuse_clean_runs_or_miss_damaged_ones() {
     );
     type Field = (&'static str, fn(&mut RelationRules) -> &mut f64);
     let fields: [Field; 9] = [
-        ("least_gain", |r| &mut r.least_gain),
-        ("holds", |r| &mut r.holds),
-        ("shows", |r| &mut r.shows),
-        ("worse", |r| &mut r.worse),
-        ("least_t", |r| &mut r.least_t),
-        ("agree", |r| &mut r.agree),
-        ("alike", |r| &mut r.alike),
-        ("least_drag", |r| &mut r.least_drag),
-        ("free", |r| &mut r.free),
+        ("min_gain", |r| &mut r.min_gain),
+        ("satisfied_below", |r| &mut r.satisfied_below),
+        ("violated_above", |r| &mut r.violated_above),
+        ("max_increase", |r| &mut r.max_increase),
+        ("min_t", |r| &mut r.min_t),
+        ("min_run_share", |r| &mut r.min_run_share),
+        ("min_relative_response", |r| &mut r.min_relative_response),
+        ("min_drag", |r| &mut r.min_drag),
+        ("max_coasting_sd", |r| &mut r.max_coasting_sd),
     ];
     for (name, field) in fields {
         let [half, twice] = [0.5, 2.0].map(|factor| {

@@ -20,20 +20,20 @@ const ROUNDS: usize = 6;
 /// film's temperature:
 ///
 /// ```text
-/// tau = mu V/h + tau_b phi(h/sigma)                                  shear: of the film, and where steel and ice touch
-/// rho_i L v_m = tau V - q_i - q_s                                    heat: friction melts what the walls do not take
-/// (V/2) dh/dxi = (rho_i/rho_w) v_m - p h^3/(mu w^2)                  water: carried along at half the speed, squeezed out sideways
-/// F_v = integral tau w dxi                                           drag
+/// tau = mu V/h + tau_b phi(h/sigma)                      shear stress of film and asperities
+/// rho_i L v_m = tau V - q_i - q_s                        melting by the friction heat not conducted away
+/// (V/2) dh/dxi = (rho_i/rho_w) v_m - p h^3/(mu w^2)      water: transport at V/2, squeeze-out sideways
+/// F_v = integral tau w dxi                               drag
 /// ```
 ///
-/// [`BoundaryContact`] states the second term of the shear; heat of both kinds of friction melts
-/// ice and thickens the film. [`HeatIntoIce`](crate::friction::film::HeatIntoIce) states `q_i`. The
-/// last term is the squeeze film of a long strip with the mean pressure p (O. Reynolds, Phil.
-/// Trans. R. Soc. 177 (1886)). The thickness starts at 0 in proportion to `sqrt(xi)`. It never
-/// returns to 0: where the walls take more heat than friction gives (`melt_rate` negative), the
-/// film freezes and thins until `tau V` balances the heat. The thickness of a slow runner on cold
-/// ice falls to nanometres and below. The model then states the heat that the ice can take, not
-/// that there is a film: compare [`Film::thinnest`] with the roughness and the size of a molecule.
+/// [`BoundaryContact`] gives the shear stress of the asperities, and
+/// [`HeatIntoIce`](crate::friction::film::HeatIntoIce) the heat flux `q_i`. The last term is the
+/// squeeze film of a long strip with the mean pressure p (O. Reynolds, Phil. Trans. R. Soc. 177
+/// (1886)). The thickness starts at 0 in proportion to `sqrt(xi)`. It never returns to 0: if steel
+/// and ice conduct more heat than friction produces (`melt_rate` negative), the film freezes and
+/// thins until `tau V` balances the heat. The computed thickness of a slow runner on cold ice falls
+/// to nanometres and below. There is then no film in reality: compare [`Film::thinnest`] with the
+/// roughness and the size of a molecule.
 ///
 /// The equation is integrated by Radau IIA of order 5 from station to station of the strip. The
 /// error of every total is its change when all steps are halved.
@@ -57,13 +57,13 @@ pub fn film(
     properties: &Properties,
     options: &FilmOptions,
 ) -> Result<Film, Error> {
-    let on = |strip: &Strip| {
+    let film_on = |strip: &Strip| {
         let outflow = strip.pressure().to_vec();
         film_with_outflow(strip, outflow, conditions, properties, options)
     };
-    let mut film = on(strip)?;
+    let mut film = film_on(strip)?;
     if let Some(coarser) = strip.every_second() {
-        film.sampling = Some(film.totals.difference(&on(&coarser)?.totals));
+        film.sampling = Some(film.totals.difference(&film_on(&coarser)?.totals));
     }
     Ok(film)
 }
@@ -83,18 +83,18 @@ pub fn film_with_outflow(
     conditions.check()?;
     properties.check()?;
     options.check()?;
-    let track = &Track::new(strip, conditions, properties, outflow);
+    let equation = &FilmEquation::new(strip, conditions, properties, outflow);
     let mut tolerance = 0.1 * options.accuracy;
     let mut reached = f64::INFINITY;
     for _ in 0..ROUNDS {
-        let (steps, fine) = select_steps(track, tolerance)?;
-        let coarse = sweep(track, &steps)?;
+        let (steps, fine) = select_steps(equation, tolerance)?;
+        let coarse = sweep(equation, &steps)?;
         let errors = fine.totals.difference(&coarse.totals);
-        reached = errors.max_relative(&fine.totals, track.heats());
+        reached = errors.max_relative(&fine.totals, equation.heats());
         if reached <= options.accuracy {
             let ends = fine.ends.iter().zip(&coarse.ends).enumerate();
             let station = |(k, (h, other)): (usize, (&f64, &f64))| {
-                track.station(k + 1, *h, (h - other).abs())
+                equation.station(k + 1, *h, (h - other).abs())
             };
             return Ok(Film {
                 stations: ends.map(station).collect(),
@@ -123,28 +123,28 @@ struct Step {
 
 impl Step {
     /// The thickness at the end of the step, and the integrals of the totals over the step.
-    fn take(&self, track: &Track<'_>, before: f64) -> Option<(f64, FilmTotals)> {
+    fn take(&self, equation: &FilmEquation<'_>, before: f64) -> Option<(f64, FilmTotals)> {
         let at = nodes().map(|node| self.from + node * self.length);
-        let rates = at.map(|s| track.rate(self.segment, s));
+        let rates = at.map(|s| equation.rate(self.segment, s));
         let h = step(before, self.length, &rates)?;
         let mut added = FilmTotals::default();
         for (i, weight) in weights().into_iter().enumerate() {
-            let rate = track.totals_rate(self.segment, at[i], h[i]);
+            let rate = equation.totals_rate(self.segment, at[i], h[i]);
             added = added.combined(&rate, |sum, value| sum + weight * self.length * value);
         }
         Some((h[2], added))
     }
 
     /// As [`Step::take`], in two halves.
-    fn take_halved(&self, track: &Track<'_>, before: f64) -> Option<(f64, FilmTotals)> {
+    fn take_halved(&self, equation: &FilmEquation<'_>, before: f64) -> Option<(f64, FilmTotals)> {
         let length = self.length / 2.0;
         let half = |from: f64| Step {
             segment: self.segment,
             from,
             length,
         };
-        let (middle, first) = half(self.from).take(track, before)?;
-        let (end, second) = half(self.from + length).take(track, middle)?;
+        let (middle, first) = half(self.from).take(equation, before)?;
+        let (end, second) = half(self.from + length).take(equation, middle)?;
         Some((end, FilmTotals::default().plus(&first).plus(&second)))
     }
 }
@@ -155,46 +155,46 @@ impl Step {
 /// All totals are controlled, since some singularities do not show in thickness and drag: heat into
 /// the ice has a square-root singularity behind each station where the slope of the pressure
 /// changes, and melting and freezing have a kink where one turns into the other.
-fn select_steps(track: &Track<'_>, tolerance: f64) -> Result<(Vec<Step>, Sweep), Error> {
-    let last = track.segment(track.segments() - 1)[1];
+fn select_steps(equation: &FilmEquation<'_>, tolerance: f64) -> Result<(Vec<Step>, Sweep), Error> {
+    let last = equation.segment(equation.segments() - 1)[1];
     let shortest = 1e-13 * last;
     let mut steps = Vec::new();
     let (mut h, mut proposed) = (0.0, last);
     let mut sweep = Sweep::default();
-    for segment in 0..track.segments() {
-        let [mut from, to] = track.segment(segment);
+    for segment in 0..equation.segments() {
+        let [mut from, to] = equation.segment(segment);
         while from < to {
             let rest = to - from;
-            let whole = proposed >= 0.999 * rest;
+            let is_last = proposed >= 0.999 * rest;
             let part = proposed.min(0.5 * rest).max(shortest);
             let step = Step {
                 segment,
                 from,
-                length: if whole { rest } else { part },
+                length: if is_last { rest } else { part },
             };
             let length = step.length;
-            let halved = step.take_halved(track, h);
+            let halved = step.take_halved(equation, h);
             let mut error = f64::INFINITY;
-            if let (Some(one), Some(two)) = (step.take(track, h), &halved) {
-                let so_far = sweep.totals.plus(&two.1);
-                let changed = one.1.difference(&two.1);
-                let thickness_error = (one.0 - two.0).abs() / two.0;
-                error = larger(
-                    changed.max_relative(&so_far, track.heats()),
-                    thickness_error,
-                );
+            if let (Some((coarse_h, coarse)), Some((fine_h, fine))) =
+                (step.take(equation, h), &halved)
+            {
+                let so_far = sweep.totals.plus(fine);
+                let totals_error = coarse
+                    .difference(fine)
+                    .max_relative(&so_far, equation.heats());
+                error = larger(totals_error, (coarse_h - fine_h).abs() / fine_h);
             }
             let factor = 0.9 * (tolerance / error.max(1e-300)).powf(1.0 / 6.0);
             proposed = length * factor.clamp(0.2, 5.0);
-            let short = length <= shortest;
-            match halved.filter(|_| error <= tolerance || short) {
+            let is_shortest = length <= shortest;
+            match halved.filter(|_| error <= tolerance || is_shortest) {
                 Some((next, added)) => {
                     h = next;
                     sweep.totals = sweep.totals.plus(&added);
-                    from = if whole { to } else { from + length };
+                    from = if is_last { to } else { from + length };
                     steps.push(step);
                 }
-                None if short || !proposed.is_finite() => {
+                None if is_shortest || !proposed.is_finite() => {
                     return Err(stopped(steps.len(), error, tolerance));
                 }
                 None => {}
@@ -216,12 +216,12 @@ struct Sweep {
     totals: FilmTotals,
 }
 
-fn sweep(track: &Track<'_>, steps: &[Step]) -> Result<Sweep, Error> {
-    let mut ends = vec![0.0; track.segments()];
+fn sweep(equation: &FilmEquation<'_>, steps: &[Step]) -> Result<Sweep, Error> {
+    let mut ends = vec![0.0; equation.segments()];
     let mut totals = FilmTotals::default();
     let mut h = 0.0;
     for (done, step) in steps.iter().enumerate() {
-        let taken = step.take(track, h);
+        let taken = step.take(equation, h);
         let (next, added) = taken.ok_or_else(|| stopped(done, f64::INFINITY, 0.0))?;
         h = next;
         ends[step.segment] = h;
@@ -240,8 +240,7 @@ fn stopped(iterations: usize, residual: f64, tolerance: f64) -> Error {
     }
 }
 
-/// Ratio of the width to the largest width below which squeeze-out no longer grows, where the strip
-/// narrows to a point.
+/// Smallest width, relative to the largest, in the squeeze-out: a strip may narrow to a point.
 const MIN_WIDTH_RATIO: f64 = 1e-3;
 
 /// The film's equation along a strip.
@@ -252,33 +251,38 @@ const MIN_WIDTH_RATIO: f64 = 1e-3;
 /// ```text
 /// dh/ds = (4/V) [ (mu V^2/h + tau_b phi(h/sigma) V - q_i - q_s) s/(rho_w L) - s p h^3/(mu w^2) ]
 /// ```
-struct Track<'a> {
+struct FilmEquation<'a> {
     strip: &'a Strip,
     /// Pressure of a long strip with the same squeeze-out, at each station [Pa].
     outflow_pressure: Vec<f64>,
+    /// Squared width at each station, and its smallest value in the squeeze-out [m2].
     width_squared: Vec<f64>,
-    narrowest_squared: f64,
+    min_width_squared: f64,
     heat_into_ice: HeatIntoIce,
+    /// Heat transfer coefficient into the steel [W/(m2 K)].
     steel_transfer: f64,
+    /// Temperature of the steel [degrees Celsius].
     steel_c: f64,
+    /// Viscosity of water [Pa s].
     viscosity: f64,
     boundary: BoundaryContact,
+    /// Speed [m/s].
     v: f64,
     properties: &'a Properties,
 }
 
-impl<'a> Track<'a> {
+impl<'a> FilmEquation<'a> {
     fn new(
         strip: &'a Strip,
         conditions: &FilmConditions,
         properties: &'a Properties,
         outflow_pressure: Vec<f64>,
     ) -> Self {
-        Track {
+        FilmEquation {
             strip,
             outflow_pressure,
             width_squared: strip.width().iter().map(|w| w * w).collect(),
-            narrowest_squared: (MIN_WIDTH_RATIO * strip.largest_width()).powi(2),
+            min_width_squared: (MIN_WIDTH_RATIO * strip.largest_width()).powi(2),
             heat_into_ice: HeatIntoIce::new(strip, conditions, properties),
             steel_transfer: steel_transfer(conditions, properties),
             steel_c: conditions.steel_c,
@@ -318,7 +322,7 @@ impl<'a> Track<'a> {
     /// Ratio of the squeeze-out to `h^3` [1/(m2 s)].
     fn squeeze(&self, k: usize, xi: f64) -> f64 {
         let p = between(self.strip.xi(), &self.outflow_pressure, k, xi);
-        p / (self.viscosity * self.width_squared(k, xi).max(self.narrowest_squared))
+        p / (self.viscosity * self.width_squared(k, xi).max(self.min_width_squared))
     }
 
     fn heat_into_steel(&self, k: usize, xi: f64) -> f64 {
@@ -340,15 +344,15 @@ impl<'a> Track<'a> {
         }
     }
 
-    /// Derivatives of the totals with respect to `s` for the thickness `h`; `mean_thickness` is the
-    /// volume here.
+    /// Derivatives of the totals with respect to `s` for the thickness `h`. `mean_thickness` is here
+    /// that of the volume, and `boundary_share` that of the area.
     fn totals_rate(&self, k: usize, s: f64, h: f64) -> FilmTotals {
         let xi = s * s;
         let width = self.width_squared(k, xi).sqrt();
         let area = 2.0 * s * width;
         let viscous_drag = self.viscosity * self.v / h * area;
-        let touching = self.boundary.share(h) * area;
-        let boundary_drag = self.boundary.shear * touching;
+        let asperity_area = self.boundary.share(h) * area;
+        let boundary_drag = self.boundary.shear * asperity_area;
         let dissipated = (viscous_drag + boundary_drag) * self.v;
         let into_ice = 2.0 * width * self.heat_into_ice.scaled(xi);
         let into_steel = self.heat_into_steel(k, xi) * area;
@@ -358,7 +362,7 @@ impl<'a> Track<'a> {
             area,
             viscous_drag,
             boundary_drag,
-            boundary_share: touching,
+            boundary_share: asperity_area,
             dissipated,
             into_ice,
             into_steel,
@@ -370,7 +374,7 @@ impl<'a> Track<'a> {
         }
     }
 
-    /// The film of thickness `h` at station `k`, which is not the first.
+    /// The film of thickness `h` at station `k` after the first.
     fn station(&self, k: usize, h: f64, thickness_error: f64) -> FilmStation {
         let (xi, pressure) = (self.strip.xi()[k], self.strip.pressure()[k]);
         let heat_into_ice = self.heat_into_ice.scaled(xi) / xi.sqrt();
@@ -420,8 +424,7 @@ impl Rate {
         film + self.delta * self.boundary.share_slope(h)
     }
 
-    /// Root of one implicit Euler step, by bisection to a few per cent: a start for Newton's
-    /// method.
+    /// Root of one implicit Euler step by bisection to a few per cent, the start of Newton's method.
     fn implicit_euler(&self, before: f64, step: f64) -> f64 {
         let mut low = 0.0;
         let mut high =

@@ -1,4 +1,4 @@
-//! Whether a run's columns hold what their names state.
+//! Checks of single columns of a run, and their interpolation to a uniform time base.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -8,24 +8,24 @@ use crate::error::Error;
 use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps, Saturation};
 use crate::series::median;
 
-/// Largest number of a column that is used, and of a time [s]: no sled is further, faster or more
-/// turned, and squares of these are finite.
+/// Largest magnitude of a used column, in its unit: no sled reaches it.
 pub const LARGEST_VALUE: f64 = 1e6;
-const LATEST_S: f64 = 1e15;
+/// Largest magnitude of a time [s].
+const LARGEST_TIME_S: f64 = 1e15;
 
-/// Fewest samples of a run that filters and derivatives can work on.
-pub const LEAST_SAMPLES: usize = 64;
+/// Fewest samples of a run, for filters and derivatives.
+pub const MIN_RUN_SAMPLES: usize = 64;
 
-/// Checks the columns of one run, brings them to a uniform clock and finds what takes part.
+/// Checks the columns of one run, interpolates them to a uniform time base, and finds the samples
+/// that are used and the saturated channels.
 ///
-/// `required` are the columns there must be besides `t_s`; `used` those of the file that must have
-/// a value where a sample takes part; `file` names the source in errors. In this order: missing
-/// columns, numbers that none can be, too few samples, time (backwards, jumps), values missing
-/// altogether. `t_s` is taken out of the columns. With [`OnGaps::Refuse`] irregular steps, missing
-/// values and standstill are errors. Sensors that stick at their extremes are returned too.
+/// `required` are the columns of the file besides `t_s`; `used` are those that must have a value in a
+/// used sample; `file` names the source in errors. `t_s` is removed from the columns.
 ///
 /// # Errors
-/// The first of these that is found, with its place.
+/// The first of these, with its place: a missing column, a number out of range, too few samples, time
+/// that runs backwards or jumps, a column without values. With [`OnGaps::Refuse`] also irregular
+/// steps, missing values and standstill.
 pub fn check_columns(
     columns: &mut Columns,
     required: &[&str],
@@ -37,20 +37,20 @@ pub fn check_columns(
     if let Some(name) = needed.find(|name| !columns.contains_key(*name)) {
         return Err(Error::missing_column(file, name, columns.keys()));
     }
-    refuse_too_large(&columns["t_s"], "t_s", LATEST_S, file)?;
+    refuse_too_large(&columns["t_s"], "t_s", LARGEST_TIME_S, file)?;
     for name in used {
         refuse_too_large(&columns[*name], name, LARGEST_VALUE, file)?;
     }
     let mut time = columns.remove("t_s").unwrap_or_default();
-    if time.len() < LEAST_SAMPLES {
+    if time.len() < MIN_RUN_SAMPLES {
         let what = format!("{file}: samples");
-        return Err(Error::too_few(what, time.len(), LEAST_SAMPLES));
+        return Err(Error::too_few(what, time.len(), MIN_RUN_SAMPLES));
     }
     if on_gaps == OnGaps::Refuse {
         refuse_gaps(columns, &time, used, file)?;
     }
     let rows: Vec<usize> = (0..time.len()).filter(|i| time[*i].is_finite()).collect();
-    if rows.len() < LEAST_SAMPLES {
+    if rows.len() < MIN_RUN_SAMPLES {
         refuse_missing(&time, &time, "t_s", file)?;
     }
     if rows.len() < time.len() {
@@ -58,7 +58,7 @@ pub fn check_columns(
             *column = rows.iter().map(|i| column[*i]).collect();
         }
     }
-    let base = Base::of(&time, &|i| rows[i] as u64 + 2, file)?;
+    let base = TimeBase::of(&time, &|i| rows[i] as u64 + 2, file)?;
     for name in used {
         if columns[*name].iter().all(|x| !x.is_finite()) {
             refuse_missing(&columns[*name], &time, name, file)?;
@@ -76,18 +76,18 @@ pub fn check_columns(
     {
         return Err(standstill(file, 2, speed[0], time[0]));
     }
-    if samples < LEAST_SAMPLES {
+    if samples < MIN_RUN_SAMPLES {
         let what = format!(
             "{file}: samples with a value in every channel, in stretches long enough for the filter"
         );
-        return Err(Error::too_few(what, samples, LEAST_SAMPLES));
+        return Err(Error::too_few(what, samples, MIN_RUN_SAMPLES));
     }
     let clock = Clock {
         t0_s: base.clock.t0_s + gaps.cut_s[0],
         ..base.clock
     };
-    let stop = |name: &&str| Some((name.to_string(), Saturation::of(&columns[*name])?));
-    let saturated = used.iter().filter_map(stop).collect();
+    let saturation = |name: &&str| Some((name.to_string(), Saturation::of(&columns[*name])?));
+    let saturated = used.iter().filter_map(saturation).collect();
     Ok((clock, gaps, saturated))
 }
 
@@ -101,18 +101,20 @@ fn refuse_too_large(values: &[f64], column: &str, most: f64, file: &str) -> Resu
     Err(Error::cell(file, row, column, found, &expected))
 }
 
-/// Refuses what [`OnGaps::LeaveOut`] leaves out: values without a number, uneven time, standstill.
+/// Refuses what [`OnGaps::LeaveOut`] excludes: missing values, uneven time, standstill.
 fn refuse_gaps(columns: &Columns, time: &[f64], used: &[&str], file: &str) -> Result<(), Error> {
     refuse_missing(time, time, "t_s", file)?;
     refuse_uneven(time, file)?;
     for name in used {
         refuse_missing(&columns[*name], time, name, file)?;
     }
-    let speed = columns.get("v_mps").filter(|_| used.contains(&"v_mps"));
-    match speed.and_then(|speed| Some((speed, speed.iter().position(|v| *v <= LEAST_SPEED)?))) {
-        Some((speed, at)) => Err(standstill(file, at as u64 + 2, speed[at], time[at])),
-        None => Ok(()),
+    if used.contains(&"v_mps")
+        && let Some(speed) = columns.get("v_mps")
+        && let Some(at) = speed.iter().position(|v| *v <= LEAST_SPEED)
+    {
+        return Err(standstill(file, at as u64 + 2, speed[at], time[at]));
     }
+    Ok(())
 }
 
 fn standstill(file: &str, row: u64, v_mps: f64, t_s: f64) -> Error {
@@ -122,28 +124,28 @@ fn standstill(file: &str, row: u64, v_mps: f64, t_s: f64) -> Error {
     Error::row(file, row, reason)
 }
 
-/// The error of a step of time [s] that starts at `t_s`; `row` is that of the later sample.
-fn bad_step(file: &str, row: u64, what: &str, [t_s, step, usual]: [f64; 3]) -> Error {
+/// The error of a time step that starts at `t_s` [s]; `row` is that of the later sample.
+fn bad_step(file: &str, row: u64, what: &str, [t_s, step, expected]: [f64; 3]) -> Error {
     let reason = format!(
-        "{what}: t_s steps by {step:.6} s at t = {t_s:.4} s, expected {usual:.6} s throughout"
+        "{what}: t_s steps by {step:.6} s at t = {t_s:.4} s, expected {expected:.6} s throughout"
     );
     Error::row(file, row, reason)
 }
 
 fn refuse_uneven(time: &[f64], file: &str) -> Result<(), Error> {
     let steps = time.windows(2).map(|pair| pair[1] - pair[0]);
-    let usual = median(steps.clone()).unwrap_or(0.0);
+    let median = median(steps.clone()).unwrap_or(0.0);
     for (i, step) in steps.enumerate() {
         let what = if step <= 0.0 {
             "time is constant or runs backwards"
-        } else if step > 1.5 * usual {
+        } else if step > 1.5 * median {
             "clock jump or gap"
-        } else if (step - usual).abs() > 0.05 * usual {
+        } else if (step - median).abs() > 0.05 * median {
             "irregular time"
         } else {
             continue;
         };
-        return Err(bad_step(file, i as u64 + 3, what, [time[i], step, usual]));
+        return Err(bad_step(file, i as u64 + 3, what, [time[i], step, median]));
     }
     Ok(())
 }
@@ -155,16 +157,16 @@ fn refuse_missing(values: &[f64], time: &[f64], column: &str, file: &str) -> Res
     };
     let bursts = values.chunk_by(|a, b| missing(a) == missing(b));
     let bursts: Vec<&[f64]> = bursts.filter(|burst| missing(&burst[0])).collect();
-    let (count, of) = (bursts[0].len(), bursts.len());
+    let (length, count) = (bursts[0].len(), bursts.len());
     let total: usize = bursts.iter().map(|burst| burst.len()).sum();
     let (row, t_s) = (first + 2, time[first]);
     let reason = format!(
-        "column {column}: {count} values are NaN or missing from row {row} on (t = {t_s:.3} s); {of} such bursts in all, {total} values; expected a number in every row: nothing is filled in"
+        "column {column}: {length} values are NaN or missing from row {row} on (t = {t_s:.3} s); {count} such bursts in all, {total} values; expected a number in every row: nothing is filled in"
     );
     Err(Error::file(file, reason))
 }
 
-/// Start and step of a uniform time column.
+/// Start and step of a uniform time base.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
     /// Time of the first sample [s].
@@ -173,61 +175,63 @@ pub struct Clock {
     pub dt_s: f64,
 }
 
-/// Steps that differ by less than this share come from rounded times.
+/// Relative deviation of a step that rounded times explain.
 const ROUNDING: f64 = 0.05;
-/// Shortest usual step: a shorter one is an error of the clock or of its unit [s].
-const LEAST_STEP_S: f64 = 1e-5;
-/// A step between half and one and a half of the usual one is one step; a longer one leaves rows
-/// out.
+/// Smallest typical step [s]: a smaller one shows an error of the clock or of its unit.
+const MIN_STEP_S: f64 = 1e-5;
+/// Ratio to the typical step of a step between successive rows; rows are missing in a longer one.
 const ONE_STEP: std::ops::Range<f64> = 0.5..1.5;
 
-/// The uniform base of a file's rows, and how its columns are brought there.
+/// The uniform time base of a file's rows, and the interpolation of its columns.
 #[derive(Clone, Debug)]
-pub struct Base {
+pub struct TimeBase {
     /// Start and step.
     pub clock: Clock,
-    /// Samples on the base.
+    /// Number of samples.
     pub len: usize,
-    /// Largest distance of a row from its place on the base, in steps; 0 where rows are on it.
+    /// Largest distance of a row from its sample, in steps; 0 if columns are not interpolated.
     pub jitter: f64,
     /// The sample of each row.
     places: Vec<usize>,
-    /// The time of each row [s], where samples lie between rows.
+    /// The time of each row [s] if columns are interpolated.
     times: Option<Vec<f64>>,
 }
 
-impl Base {
-    /// The base of rows at increasing `time` [s]; `row` is the file's line of each, for errors.
+impl TimeBase {
+    /// The time base of rows at increasing `time` [s]; `row` is the line of each in the file, for
+    /// errors.
     ///
-    /// Rows whose steps differ by less than 5 % stay as they are. A step of one and a half usual
-    /// ones or more is a gap: the base has its rows without values. Where rows are further than 5 %
-    /// of a step from the base, be it by jitter (steps between half and one and a half of the usual
-    /// one), by drift or because a logger began anew, [`Base::column`] interpolates.
+    /// A step of 1.5 times the typical step or more is a gap: its samples have no value. Rows remain
+    /// unchanged if their steps differ by less than 5 %. If rows are farther than 5 % of a step from
+    /// the base, by jitter, drift or a restart of the logger, [`TimeBase::column`] interpolates.
     ///
     /// # Errors
-    /// [`Error::Row`] where time does not increase or runs backwards, steps by less than half the
-    /// usual step, or jumps further than there is time recorded.
-    pub fn of(time: &[f64], row: &dyn Fn(usize) -> u64, file: &str) -> Result<Base, Error> {
+    /// [`Error::Row`] if time does not increase, a step is less than half the typical step, or time
+    /// jumps farther than the recorded duration.
+    pub fn of(time: &[f64], row: &dyn Fn(usize) -> u64, file: &str) -> Result<TimeBase, Error> {
         let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let usual = usual_step(&steps);
+        let typical = typical_step(&steps);
         let step = |i: usize, what, expected| {
             bad_step(file, row(i + 1), what, [time[i], steps[i], expected])
         };
-        let error = |i: usize, what| step(i, what, usual);
+        let error = |i: usize, what| step(i, what, typical);
         if let Some(i) = steps.iter().position(|step| *step <= 0.0) {
             return Err(error(i, "time is constant or runs backwards"));
         }
-        if usual < LEAST_STEP_S {
-            return Err(step(0, "more than 100 000 rows a second", LEAST_STEP_S));
+        if typical < MIN_STEP_S {
+            return Err(step(0, "more than 100 000 rows a second", MIN_STEP_S));
         }
-        if let Some(i) = steps.iter().position(|step| *step < ONE_STEP.start * usual) {
+        if let Some(i) = steps
+            .iter()
+            .position(|step| *step < ONE_STEP.start * typical)
+        {
             return Err(error(i, "irregular time"));
         }
         let (first, last) = (time[0], time[time.len() - 1]);
         let mut places = vec![0.0_f64];
         for (i, step) in steps.iter().enumerate() {
-            let whole = (step / usual).round().max(1.0);
-            // More is missing than there is: a clock that jumped, not a gap.
+            let whole = (step / typical).round().max(1.0);
+            // A gap with more samples than there are rows is a jump of the clock.
             if whole > time.len() as f64 {
                 return Err(error(i, "clock jump"));
             }
@@ -245,9 +249,9 @@ impl Base {
         }
         let drift = |(t, place): (&f64, &f64)| ((t - first) / clock.dt_s - place).abs();
         let jitter = time.iter().zip(&places).map(drift).fold(0.0, f64::max);
-        let is_close = |step: &f64| (step - usual).abs() <= ROUNDING * usual;
+        let is_close = |step: &f64| (step - typical).abs() <= ROUNDING * typical;
         let on_base = jitter <= ROUNDING || jitter < 0.5 && steps.iter().all(is_close);
-        Ok(Base {
+        Ok(TimeBase {
             clock,
             len,
             jitter: if on_base { 0.0 } else { jitter },
@@ -256,8 +260,8 @@ impl Base {
         })
     }
 
-    /// A column of the file on the base: NaN where rows are missing; between rows by the cubic
-    /// through the four nearest, by a straight line next to gaps.
+    /// A column of the file on the time base: NaN in gaps. Between rows, the cubic through the four
+    /// nearest rows; next to gaps, linear interpolation.
     pub fn column(&self, values: &[f64]) -> Vec<f64> {
         if let Some(times) = &self.times {
             let mut before = 0;
@@ -280,17 +284,15 @@ impl Base {
     /// The value at `t` between rows `i` and `i + 1`.
     fn between(&self, time: &[f64], x: &[f64], i: usize, t: f64) -> f64 {
         let dt = self.clock.dt_s;
-        let near = |k: usize| (time[k] - t).abs() < ROUNDING * dt;
-        for k in [i, i + 1] {
-            if near(k) {
-                return x[k];
-            }
+        let is_near = |k: &usize| (time[*k] - t).abs() < ROUNDING * dt;
+        if let Some(k) = [i, i + 1].into_iter().find(is_near) {
+            return x[k];
         }
-        let one = |a: usize| ONE_STEP.contains(&((time[a + 1] - time[a]) / dt));
-        if !one(i) {
+        let is_one_step = |a: usize| ONE_STEP.contains(&((time[a + 1] - time[a]) / dt));
+        if !is_one_step(i) {
             return f64::NAN;
         }
-        if i > 0 && i + 2 < time.len() && one(i - 1) && one(i + 1) {
+        if i > 0 && i + 2 < time.len() && is_one_step(i - 1) && is_one_step(i + 1) {
             let cubic = lagrange(&time[i - 1..i + 3], &x[i - 1..i + 3], t);
             if cubic.is_finite() {
                 return cubic;
@@ -300,8 +302,8 @@ impl Base {
     }
 }
 
-/// The median step, made finer by the mean of those that are no gaps.
-fn usual_step(steps: &[f64]) -> f64 {
+/// The mean of the steps that are no gaps, by comparison with the median step.
+fn typical_step(steps: &[f64]) -> f64 {
     let median = median(steps.iter().copied()).unwrap_or(0.0);
     let single = steps
         .iter()
@@ -310,7 +312,7 @@ fn usual_step(steps: &[f64]) -> f64 {
     if count > 0.0 { sum / count } else { median }
 }
 
-/// The polynomial through points `(t, x)`, at `at`.
+/// The polynomial through the points `(t, x)` at `at`, by Lagrange's formula.
 fn lagrange(t: &[f64], x: &[f64], at: f64) -> f64 {
     (0..t.len())
         .map(|i| {
@@ -324,8 +326,8 @@ fn lagrange(t: &[f64], x: &[f64], at: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn base(time: &[f64]) -> Result<Base, Error> {
-        Base::of(time, &|i| i as u64 + 2, "run.csv")
+    fn base(time: &[f64]) -> Result<TimeBase, Error> {
+        TimeBase::of(time, &|i| i as u64 + 2, "run.csv")
     }
 
     #[test]
@@ -389,18 +391,18 @@ mod tests {
     fn clocks_that_run_backwards_or_jump_beyond_what_is_recorded_are_placed() {
         let mut time: Vec<f64> = (0..100).map(|i| 0.01 * f64::from(i)).collect();
         time[40] = 0.2;
-        let told = base(&time).unwrap_err().to_string();
+        let error = base(&time).unwrap_err().to_string();
         assert!(
-            told.contains("row 42") && told.contains("backwards"),
-            "{told}"
+            error.contains("row 42") && error.contains("backwards"),
+            "{error}"
         );
         let jumped: Vec<f64> = (0..100)
             .map(|i| 0.01 * f64::from(i) + if i > 30 { 1e12 } else { 0.0 })
             .collect();
-        let told = base(&jumped).unwrap_err().to_string();
+        let error = base(&jumped).unwrap_err().to_string();
         assert!(
-            told.contains("row 33") && told.contains("clock jump"),
-            "{told}"
+            error.contains("row 33") && error.contains("clock jump"),
+            "{error}"
         );
     }
 }

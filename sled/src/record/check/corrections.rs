@@ -1,5 +1,5 @@
 //! Corrections of channels: units, signs, exchanged names and gravity, and the faults that they
-//! are advice for.
+//! remove.
 
 use std::f64::consts::PI;
 
@@ -7,17 +7,17 @@ use crate::column::Sensor::{self, Ax, Ay, Az, PitchRate, RollRate, RollSplit};
 use crate::column::Sensor::{Slip, Speed, Steering, YawRate};
 use crate::fault::{Fault, FaultKind};
 use crate::friction::GRAVITY;
-use crate::record::check::relations::Slow;
+use crate::record::check::relations::SlowChannels;
 use crate::record::run::Run;
 
-/// What a channel's values are a multiple of.
+/// A wrong unit or sign of a channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scale {
-    /// In words.
+    /// What the values look like.
     pub words: &'static str,
-    /// The key of a mapping.
+    /// The line of a mapping that corrects it.
     pub key: &'static str,
-    /// Factor to the column's own unit.
+    /// Factor to the unit of the column; NaN if unknown.
     pub factor: f64,
 }
 
@@ -32,7 +32,7 @@ pub(super) const DEGREES_PER_SECOND: Scale =
 pub(super) const KM_PER_HOUR: Scale = scale("km/h", "unit = \"km/h\"", 1.0 / 3.6);
 const MILES_PER_HOUR: Scale = scale("miles per hour", "unit = \"mph\"", 0.447_04);
 const KNOTS: Scale = scale("knots", "unit = \"kn\"", 1852.0 / 3600.0);
-/// Speeds in km/h that were converted as another unit, and the reverse.
+// Speeds in km/h that were converted from another unit, and the reverse.
 const NOT_MILES: Scale = scale("km/h read as mph", "unit = \"km/h\"", 1.0 / 1.609_344);
 const NOT_KNOTS: Scale = scale("km/h read as knots", "unit = \"km/h\"", 1.0 / 1.852);
 const MILES_NOT_KM: Scale = scale("mph read as km/h", "unit = \"mph\"", 1.609_344);
@@ -55,14 +55,14 @@ pub(super) const DISTANCES: [Scale; 6] = [
     scale("a distance that runs backwards", "sign = -1", -1.0),
 ];
 
-/// What is done to channels.
+/// A correction of channels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Correction {
-    /// Multiplied.
+    /// Multiplication by a factor.
     Scale(Scale, &'static [Sensor]),
-    /// Exchanged.
+    /// Exchange of two channels.
     Exchange([Sensor; 2]),
-    /// Gravity added to the vertical acceleration.
+    /// Addition of gravity to the vertical acceleration.
     AddGravity,
 }
 
@@ -95,7 +95,7 @@ const SCALES: [(Scale, &[&[Sensor]]); 11] = [
     ),
 ];
 
-/// Channels that are exchanged.
+/// Channels whose names may be exchanged.
 const EXCHANGES: [[Sensor; 2]; 8] = [
     [Ax, Ay],
     [Ax, Az],
@@ -108,8 +108,8 @@ const EXCHANGES: [[Sensor; 2]; 8] = [
 ];
 
 impl Correction {
-    /// All that are tried on these channels, the likelier of two that fit equally first.
-    pub fn all(slow: &Slow) -> Vec<Correction> {
+    /// All corrections of these channels. Of two that fit equally, the likelier comes first.
+    pub fn all(slow: &SlowChannels) -> Vec<Correction> {
         let scales = SCALES.iter().flat_map(|(scale, groups)| {
             groups.iter().map(|group| Correction::Scale(*scale, group))
         });
@@ -126,8 +126,8 @@ impl Correction {
         }
     }
 
-    /// The channels corrected.
-    pub fn applied(&self, slow: &Slow) -> Slow {
+    /// The corrected channels.
+    pub fn applied(&self, slow: &SlowChannels) -> SlowChannels {
         let mut corrected = slow.clone();
         let mut change = |sensors: &[Sensor], change: &dyn Fn(f64) -> f64| {
             for sensor in sensors {
@@ -143,7 +143,7 @@ impl Correction {
         corrected
     }
 
-    /// The fault that it corrects.
+    /// The fault that the correction removes.
     pub fn fault(&self, run: &Run, evidence: String) -> Fault {
         let names: Vec<&str> = self.sensors().iter().map(|sensor| sensor.name()).collect();
         let (kind, looks_like, mend) = match self {
@@ -162,7 +162,7 @@ impl Correction {
 }
 
 impl Scale {
-    /// The fault of channels that have it.
+    /// The fault of channels in this unit or with this sign.
     pub fn fault(&self, run: &Run, columns: &[&str], evidence: String) -> Fault {
         let kind = match columns {
             ["s_m"] => FaultKind::Distance,
@@ -175,7 +175,7 @@ impl Scale {
 }
 
 impl Fault {
-    /// A fault of a run that is proved.
+    /// A proved fault of a run.
     pub(super) fn proven(
         run: &Run,
         columns: &[&str],

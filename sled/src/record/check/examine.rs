@@ -1,4 +1,4 @@
-//! Runs examined: faults, oddities, and the profile of every channel.
+//! Examination of recorded runs: faults, notes, and the profile of every channel.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -11,37 +11,39 @@ use crate::column::Sensor;
 use crate::columns::read_columns;
 use crate::error::Error;
 use crate::fault::Fault;
-use crate::record::check::judge::judge;
-use crate::record::check::profile::{Odd, OddKind, OddStretch, Profile, odd_words};
-use crate::record::check::relations::{Slow, delay};
+use crate::record::check::faults::find_faults;
+use crate::record::check::profile::{
+    OddKind, OddSamples, OddStretch, Profile, describe_odd_samples,
+};
+use crate::record::check::relations::{SlowChannels, delay};
 use crate::record::files::{copies, read_run};
 use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps};
 use crate::record::index::{Entry, read_index};
 use crate::record::needs::Needs;
 use crate::record::run::Run;
 
-/// Columns that every run must have; the others are judged where they are recorded.
-const LEAST: [&str; 1] = ["v_mps"];
-/// Length of a stretch of one value [s] that is reported.
-const STILL_S: f64 = 0.5;
+/// Columns that every run must have; the others are examined if they are recorded.
+const REQUIRED: [&str; 1] = ["v_mps"];
+/// Shortest constant stretch that is reported [s].
+const MIN_STILL_S: f64 = 0.5;
 /// Most stretches of a channel that are listed; its profile counts them all.
-const MOST_STRETCHES: usize = 100;
-/// Standstill [s] whose mean is a bias.
-const REST_S: f64 = 1.0;
-/// Delays [s] below this are not reported, nor those below five standard errors: clean runs show
-/// 0.27 +- 0.14 for a quiet channel.
-const LATE_S: f64 = 0.05;
+const MAX_STRETCHES: usize = 100;
+/// Shortest standstill that determines a bias [s].
+const MIN_REST_S: f64 = 1.0;
+/// Smallest delay that is reported [s], if it also exceeds five standard errors: clean runs show
+/// 0.27 +- 0.14 for a channel with a weak signal.
+const MIN_DELAY_S: f64 = 0.05;
 
-/// Something odd that no one can prove wrong from the run alone.
+/// An observation that may have a harmless cause and is therefore no fault.
 #[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Note {
     /// The channel; empty for the whole run.
     pub column: String,
-    /// What is odd.
+    /// The observation.
     pub what: String,
     /// What to do.
     pub advice: String,
-    /// Larger is worse: the share of the run that it costs, about.
+    /// About the share of the run that is affected; larger is worse.
     pub weight: f64,
 }
 
@@ -52,49 +54,50 @@ pub struct Examination {
     pub run: String,
     /// Its file.
     pub file: String,
-    /// Why it cannot be used at all.
+    /// Why the run cannot be used.
     pub refused: Option<String>,
     /// Faults, proved or suspected.
     pub faults: Vec<Fault>,
-    /// What is odd, worst first.
+    /// Notes, the worst first.
     pub notes: Vec<Note>,
     /// Gaps.
     pub gaps: Gaps,
-    /// Rows a second [Hz].
+    /// Sampling rate [Hz].
     pub rate_hz: f64,
-    /// Length [s].
+    /// Duration [s].
     pub length_s: f64,
-    /// Time that takes part [s].
+    /// Time that is used [s].
     pub used_s: f64,
-    /// Every channel.
+    /// The profile of every channel, by name.
     pub channels: BTreeMap<String, Profile>,
-    /// Where channels are odd for a while.
+    /// Where channels are odd.
     pub stretches: Vec<OddStretch>,
 }
 
 impl Examination {
-    /// Whether it has a proven fault.
+    /// Whether the run cannot be used or has a proven fault.
     pub fn is_wrong(&self) -> bool {
         self.refused.is_some() || self.faults.iter().any(|fault| fault.proven)
     }
 }
 
-/// Examines every run of an index; the worst first, else in the index's order. A run comes with its
-/// examination where it can be read.
+/// Examines every run of an index: the worst first, else in the order of the index. The run is
+/// absent if it cannot be read.
 ///
 /// # Errors
-/// Those of the index; errors of a run are in its examination.
+/// Those of the index. Errors of a run are in its examination.
 pub fn examine(index: &Path) -> Result<Vec<(Examination, Option<Run>)>, Error> {
-    let read = |entry: Entry| (entry.clone(), read_run(entry, &LEAST, OnGaps::LeaveOut));
+    let read = |entry: Entry| (entry.clone(), read_run(entry, &REQUIRED, OnGaps::LeaveOut));
     let read: Vec<_> = read_index(index)?.into_par_iter().map(read).collect();
     let runs: Vec<&Run> = read.iter().flat_map(|(_, run)| run).collect();
-    let name = |run: &Run| run.entry.run.clone();
-    let copied = copies(&runs).into_iter();
-    let copied = copied.map(|(first, second)| (name(runs[second]), name(runs[first])));
-    let copied: BTreeMap<String, String> = copied.collect();
+    let name = |run: usize| runs[run].entry.run.clone();
+    let copied: BTreeMap<String, String> = copies(&runs)
+        .into_iter()
+        .map(|(first, second)| (name(second), name(first)))
+        .collect();
     let is_original = |run: &&Run| !copied.contains_key(&run.entry.run);
     let originals = runs.into_iter().filter(is_original);
-    let faults = judge(&originals.collect::<Vec<_>>());
+    let faults = find_faults(&originals.collect::<Vec<_>>());
     let examine_one = |(entry, read): (Entry, Result<Run, Error>)| match read {
         Err(error) => {
             let refused = Examination {
@@ -116,31 +119,31 @@ pub fn examine(index: &Path) -> Result<Vec<(Examination, Option<Run>)>, Error> {
     };
     let mut examined: Vec<(Examination, Option<Run>)> =
         read.into_par_iter().map(examine_one).collect();
-    let odd = |one: &Examination| one.notes.first().map_or(0.0, |note| note.weight);
+    let max_weight = |one: &Examination| one.notes.first().map_or(0.0, |note| note.weight);
     let rank = |one: &Examination| (one.refused.is_some(), one.faults.len());
     examined.sort_by(|(a, _), (b, _)| {
         let by_fault = rank(b).cmp(&rank(a));
-        by_fault.then(odd(b).total_cmp(&odd(a)))
+        by_fault.then(max_weight(b).total_cmp(&max_weight(a)))
     });
     Ok(examined)
 }
 
 fn examine_run(run: &Run, faults: Vec<Fault>) -> Examination {
     let rate_hz = run.rate_hz();
-    let rest = at_rest(run);
-    // Not of a run with faults.
-    let slow = Slow::of(run).filter(|_| faults.is_empty());
+    let biases = biases_at_rest(run);
+    // Faults of other channels would appear as delays.
+    let slow = SlowChannels::of(run).filter(|_| faults.is_empty());
     let used: usize = run.gaps.pieces.iter().map(Range::len).sum();
     let (length_s, used_s) = (run.len() as f64 * run.dt_s, used as f64 * run.dt_s);
-    let stretch = |column: &str, kind, of: Range<usize>| OddStretch {
+    let stretch = |column: &str, kind, samples: Range<usize>| OddStretch {
         column: column.to_owned(),
         kind,
-        from_s: run.t0_s + of.start as f64 * run.dt_s,
-        to_s: run.t0_s + (of.end - 1) as f64 * run.dt_s,
+        from_s: run.t0_s + samples.start as f64 * run.dt_s,
+        to_s: run.t0_s + (samples.end - 1) as f64 * run.dt_s,
     };
     let between = run.gaps.pieces.windows(2);
     let gaps = between.map(|pair| stretch("", OddKind::Gap, pair[0].end..pair[1].start));
-    let mut stretches: Vec<OddStretch> = gaps.take(MOST_STRETCHES).collect();
+    let mut stretches: Vec<OddStretch> = gaps.take(MAX_STRETCHES).collect();
     let mut notes = run_notes(run, length_s, used_s);
     let mut channels = BTreeMap::new();
     for sensor in Sensor::ALL {
@@ -149,31 +152,24 @@ fn examine_run(run: &Run, faults: Vec<Fault>) -> Examination {
             continue;
         };
         let (profile, odd) = Profile::of(column, &run.gaps.pieces, rate_hz);
-        let late = slow.as_ref().and_then(|slow| delay(slow, sensor));
+        let delay = slow.as_ref().and_then(|slow| delay(slow, sensor));
         let profile = Profile {
             missing: run.gaps.missing.get(name).copied().unwrap_or(0),
-            at_standstill: rest.get(name).copied(),
-            delay_s: late.map(<[f64; 2]>::from),
+            at_standstill: biases.get(name).copied(),
+            delay_s: delay.map(<[f64; 2]>::from),
             saturation: run.saturated.get(name).copied(),
             ..profile
         };
-        // A low pass overshoots next to an end stop.
-        let stills = odd.iter().filter(|one| one.kind == OddKind::Still);
-        let still = stills.max_by_key(|still| still.at.len());
-        let value = still.map_or(0.0, |still| column[still.at.start].abs());
-        let largest = column.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let at_end = value > 0.0 && value >= 0.97 * largest;
-        let words = odd_words(run, column, &odd);
-        notes.extend(channel_notes(run, name, &profile, words, at_end, length_s));
+        notes.extend(channel_notes(run, name, &profile, &odd, length_s));
         let stop = profile.saturation.iter();
         let stop = stop.map(|stop| (OddKind::Saturated, stop.begins..stop.begins + stop.longest));
-        let is_long = |one: &Odd| one.at.len() as f64 * run.dt_s > STILL_S;
+        let is_long = |one: &OddSamples| one.samples.len() as f64 * run.dt_s > MIN_STILL_S;
         let listed = odd
             .into_iter()
-            .filter(|one| one.is_evident() || is_long(one));
-        let odd = stop.chain(listed.map(|one| (one.kind, one.at)));
-        let odd = odd.take(MOST_STRETCHES);
-        stretches.extend(odd.map(|(kind, of)| stretch(name, kind, of)));
+            .filter(|one| one.is_implausible() || is_long(one));
+        let listed = stop.chain(listed.map(|one| (one.kind, one.samples)));
+        let listed = listed.take(MAX_STRETCHES);
+        stretches.extend(listed.map(|(kind, samples)| stretch(name, kind, samples)));
         channels.insert(name.to_owned(), profile);
     }
     notes.sort_by(|a, b| b.weight.total_cmp(&a.weight));
@@ -192,11 +188,11 @@ fn examine_run(run: &Run, faults: Vec<Fault>) -> Examination {
     }
 }
 
-/// Means of the gyroscopes while the speed was 0, from the file itself: a run is cut to where it
-/// moves.
-fn at_rest(run: &Run) -> BTreeMap<String, f64> {
+/// Means of the gyroscope's axes while the speed was 0, by column. They are read from the file, since
+/// the run itself is cut to the samples in motion.
+fn biases_at_rest(run: &Run) -> BTreeMap<String, f64> {
     let mut means = BTreeMap::new();
-    if run.gaps.cut_s.iter().all(|cut| *cut < REST_S) && run.gaps.standstill == 0 {
+    if run.gaps.cut_s.iter().all(|cut| *cut < MIN_REST_S) && run.gaps.standstill == 0 {
         return means;
     }
     let columns = read_columns(&run.entry.file, &[]).unwrap_or_default();
@@ -205,27 +201,18 @@ fn at_rest(run: &Run) -> BTreeMap<String, f64> {
     };
     for name in Sensor::GYROSCOPE.map(Sensor::name) {
         let pairs = speed.iter().zip(columns.get(name).into_iter().flatten());
-        let still = pairs.filter(|(v, x)| v.abs() <= LEAST_SPEED && x.is_finite());
-        let (sum, count) = still.fold((0.0, 0.0), |(sum, count), (_, x)| (sum + x, count + 1.0));
-        if count * run.dt_s >= REST_S {
+        let at_rest = pairs.filter(|(v, x)| v.abs() <= LEAST_SPEED && x.is_finite());
+        let (sum, count) = at_rest.fold((0.0, 0.0), |(sum, count), (_, x)| (sum + x, count + 1.0));
+        if count * run.dt_s >= MIN_REST_S {
             means.insert(name.to_string(), sum / count);
         }
     }
     means
 }
 
-/// Advice of notes.
-const EMPTY_CELLS: &str = "empty those cells: a gap takes no part";
-const RECORD_IT: &str = "record it, or leave the run out (--leave-out-bad-runs) where forces on the \
-    runners are needed";
-const NOTHING_FOR_GAPS: &str =
-    "nothing: results are made without them; check the logger where it is much";
+/// Advice of several notes.
 const LEAVE_OUT: &str = "leave the column out if nothing measures it";
-const OWN_CLOCK: &str = "import it with its own clock and rate";
 const LARGER_RANGE: &str = "a sensor with a larger range, or leave the run out";
-const STATE_NOISE: &str = "state [noise] as the step over the root of 12";
-const ALIGN: &str = "align the clocks when importing, or state delay_s in [tolerances]";
-const TAKE_OFF: &str = "take it off when importing, or state gyro_bias_radps";
 
 impl Note {
     fn new(column: &str, weight: f64, advice: &str, what: String) -> Note {
@@ -241,23 +228,26 @@ impl Note {
 /// Notes on the whole run.
 fn run_notes(run: &Run, length_s: f64, used_s: f64) -> Vec<Note> {
     let gaps = &run.gaps;
-    // Only those that every computation needs: errors name the other absent ones.
+    // An error names other absent columns when a computation needs them.
     let needed = Needs::FORCES.columns.iter();
     let absent = needed.filter(|name| !run.columns.contains_key(**name));
     let what = "not recorded, and forces on the runners need it";
+    let advice = "record it, or leave the run out (--leave-out-bad-runs) where forces on the \
+        runners are needed";
     let mut notes: Vec<Note> = absent
-        .map(|name| Note::new(name, 1.0, RECORD_IT, what.to_owned()))
+        .map(|name| Note::new(name, 1.0, advice, what.to_owned()))
         .collect();
-    let gone = 1.0 - used_s / length_s;
-    if gone > 0.0 {
+    let unused = 1.0 - used_s / length_s;
+    if unused > 0.0 {
         let what = format!(
-            "{:.2} % take no part: {} rows missing, {} samples at standstill, {} values missing",
-            100.0 * gone,
+            "{:.2} % are not used: {} rows missing, {} samples at standstill, {} values missing",
+            100.0 * unused,
             gaps.rows_missing,
             gaps.standstill,
             gaps.missing.values().sum::<usize>()
         );
-        notes.push(Note::new("", gone, NOTHING_FOR_GAPS, what));
+        let advice = "nothing: results are made without them; check the logger where it is much";
+        notes.push(Note::new("", unused, advice, what));
     }
     if gaps.jitter > 0.0 {
         let what = format!("rows up to {:.0} % of a step off", 100.0 * gaps.jitter);
@@ -269,37 +259,43 @@ fn run_notes(run: &Run, length_s: f64, used_s: f64) -> Vec<Note> {
     notes
 }
 
-/// Notes on a channel; `words` on where it is odd; `at_end` where its longest stretch of one value is
-/// at its largest magnitude, give or take 3 %.
+/// Notes on a channel.
 fn channel_notes(
     run: &Run,
     name: &str,
     profile: &Profile,
-    words: Vec<(OddKind, String)>,
-    at_end: bool,
+    odd: &[OddSamples],
     length_s: f64,
 ) -> Vec<Note> {
+    let column = &run.columns[name];
+    let constant = odd.iter().filter(|one| one.kind == OddKind::Still);
+    let longest = constant.max_by_key(|one| one.samples.len());
+    let value = longest.map_or(0.0, |one| column[one.samples.start].abs());
+    let largest = column.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    // 3 % less than the largest magnitude: a low pass overshoots next to an end stop.
+    let is_at_end = value > 0.0 && value >= 0.97 * largest;
+    let described = describe_odd_samples(run, column, odd);
+    let is_frozen = described.iter().any(|(kind, _)| *kind == OddKind::Still);
     let mut notes = Vec::new();
     let mut note = |weight: f64, advice: &str, what: String| {
         notes.push(Note::new(name, weight, advice, what));
     };
     let still = profile.longest_still_s;
     let share = still / length_s;
-    let is_frozen = words.iter().any(|(kind, _)| *kind == OddKind::Still);
     if let Some(rows) = profile.rows_held {
         let rate = run.rate_hz() / rows as f64;
         let what = format!("each value is repeated over {rows} rows: {rate:.1} Hz");
-        note(0.02, OWN_CLOCK, what);
-    } else if still >= STILL_S.max(0.99 * length_s) {
+        note(0.02, "import it with its own clock and rate", what);
+    } else if still >= MIN_STILL_S.max(0.99 * length_s) {
         note(share, LEAVE_OUT, "one value throughout".to_owned());
-    } else if still >= STILL_S && at_end {
+    } else if still >= MIN_STILL_S && is_at_end {
         let what = format!("one value for {still:.2} s, at the end of its range: saturated?");
         note(share.max(0.05), LARGER_RANGE, what);
-    } else if still >= STILL_S && !is_frozen {
+    } else if still >= MIN_STILL_S && !is_frozen {
         note(share, LEAVE_OUT, format!("one value for {still:.2} s"));
     } else if let Some(quantum) = profile.quantum {
         let what = format!("steps of {quantum:.2e}, larger than its noise");
-        note(0.005, STATE_NOISE, what);
+        note(0.005, "state [noise] as the step over the root of 12", what);
     }
     if let Some(found) = profile.saturation {
         let what = format!(
@@ -312,22 +308,23 @@ fn channel_notes(
         let share = found.samples as f64 / run.len() as f64;
         note(share.max(0.05), LARGER_RANGE, what);
     }
-    // One value at the end of the range is noted above.
-    for (_, what) in words
-        .into_iter()
-        .filter(|(kind, _)| !at_end || *kind != OddKind::Still)
-    {
-        note(share.max(0.1), EMPTY_CELLS, what);
+    for (kind, what) in described {
+        // A constant value at the end of the range is noted above.
+        if !is_at_end || kind != OddKind::Still {
+            note(share.max(0.1), "empty those cells: a gap is not used", what);
+        }
     }
     if let Some([delay, error]) = profile.delay_s
-        && delay.abs() > LATE_S.max(5.0 * error)
+        && delay.abs() > MIN_DELAY_S.max(5.0 * error)
     {
         let [delay, error] = [delay, error].map(|time| 1e3 * time);
         let what = format!("is {delay:.0} +- {error:.0} ms later than the others");
-        note(0.2, ALIGN, what);
+        let advice = "align the clocks when importing, or state delay_s in [tolerances]";
+        note(0.2, advice, what);
     }
     if let Some(bias) = profile.at_standstill.filter(|bias| bias.abs() > 2e-3) {
-        note(0.1, TAKE_OFF, format!("{bias:.4} rad/s at standstill"));
+        let advice = "take it off when importing, or state gyro_bias_radps";
+        note(0.1, advice, format!("{bias:.4} rad/s at standstill"));
     }
     notes
 }

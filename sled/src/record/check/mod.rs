@@ -1,10 +1,10 @@
-//! Whether a run's columns hold what their names state: column by column, and by the relations of a
-//! rigid body between them.
+//! Checks of a run's columns against their names: column by column, and by the relations of a rigid
+//! body between them.
 
 pub(crate) mod columns;
 mod corrections;
 pub(crate) mod examine;
-pub(crate) mod judge;
+pub(crate) mod faults;
 pub(crate) mod profile;
 mod relations;
 mod response;
@@ -12,4 +12,4 @@ mod rotation;
 mod single;
 
 pub use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps, SampleCoverage, gaps_line};
-pub use columns::{Clock, LEAST_SAMPLES, check_columns};
+pub use columns::{Clock, MIN_RUN_SAMPLES, check_columns};

@@ -1,5 +1,5 @@
-//! Profile of a recorded channel: its noise, its steps, and where it is odd: end stops, leaps,
-//! drop-outs, one value for long.
+//! Profile of a recorded channel: its noise, its quantisation, and where its samples are odd: leaps,
+//! drop-outs, implausibly constant values.
 
 use std::ops::Range;
 
@@ -7,95 +7,102 @@ use serde::Serialize;
 
 use crate::record::gaps::{Saturation, rows_held};
 use crate::record::run::Run;
-use crate::series::{bridged, median, noise_sd_within};
+use crate::series::{median, noise_sd_within};
 
 /// Longest leap or drop-out [s]; after a longer one the channel has another level.
-const DROPOUT_S: f64 = 0.5;
-/// Share of a channel's steps that shows what is usual, and how many times as large a leap is.
-const USUAL_STEPS: f64 = 0.999;
-const UNUSUAL: f64 = 5.0;
-/// Changes that as many samples elsewhere have where a repeated value is not plausible: if they come
-/// by chance, none comes with a probability of e^-20; next to the extremum of a smooth quantised
-/// signal there are eight at most.
-const LEAST_CHANGES: usize = 20;
-/// Steps into and out of a rest below this part of the median one around it are those of a channel
-/// without noise: of noise both are in one case in a thousand.
-const SMOOTH: f64 = 0.05;
+const MAX_LEAP_S: f64 = 0.5;
+/// Quantile of the magnitudes of a channel's steps that counts as its usual step.
+const USUAL_QUANTILE: f64 = 0.999;
+/// Smallest size of a leap over the usual step.
+const MIN_LEAP_RATIO: f64 = 5.0;
+/// A constant value is implausible if the channel changes as often as this in as many samples
+/// elsewhere. If changes come by chance, none comes with a probability of e^-20. Next to the
+/// extremum of a smooth quantised signal there are eight at most.
+const MIN_CHANGES: usize = 20;
+/// A channel without noise comes to rest smoothly: the steps into and out of the rest are below this
+/// part of the median step around it. With noise both are so in one case in a thousand.
+const MAX_SMOOTH_STEP: f64 = 0.05;
 
 /// Profile of a recorded channel, in its own unit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Profile {
-    /// Values that are NaN or empty in rows that hold others.
+    /// Values that are NaN or empty in rows with values of other channels.
     pub missing: usize,
     /// White noise, from third differences.
     pub noise_sd: f64,
-    /// Smallest difference between values, where three in ten or more do not differ from those
-    /// before: the step of a converter.
+    /// Smallest difference between values, the step of a converter; absent if fewer than three in
+    /// ten values equal those before.
     pub quantum: Option<f64>,
-    /// Rows over which each value is repeated, where it is more than one.
+    /// Rows over which each value is repeated; absent if it is one.
     pub rows_held: Option<usize>,
     /// Longest stretch of one value [s].
     pub longest_still_s: f64,
-    /// Stretches of up to half a second that leap off the values around them and back: by more than
-    /// twenty deviations of the noise and five times what all but a thousandth of the steps stay
-    /// below. Of one value a fifth of the channel's span is enough.
+    /// Stretches of up to half a second that leap off the values around them and back. A leap
+    /// exceeds twenty standard deviations of the noise, and five times the 99.9 % quantile of the
+    /// steps. A stretch of one value may instead exceed a fifth of the channel's span.
     pub leaps: usize,
-    /// Those that have one value: what was sent while nothing was measured.
+    /// Leaps of several equal values: what was sent while nothing was measured.
     pub dropouts: usize,
     /// Samples at an end of its range.
     pub saturation: Option<Saturation>,
     /// Mean while the speed was 0 for a second or more: a gyroscope's bias.
     pub at_standstill: Option<f64>,
-    /// Delay relative to the others, if it alone is late, and the standard error [s]; none where
+    /// Delay relative to the others, if it alone is late, and the standard error [s]; absent if
     /// the channels do not determine it within a second.
     pub delay_s: Option<[f64; 2]>,
 }
 
 impl Profile {
-    /// Of a column in the pieces that take part, at a rate [Hz]; with every leap and drop-out, and
-    /// of each piece the longest stretch of one value and those that are not plausible.
-    pub(super) fn of(column: &[f64], pieces: &[Range<usize>], rate_hz: f64) -> (Profile, Vec<Odd>) {
+    /// The profile of a column in the `pieces` that are used, at a rate [Hz], and its odd samples:
+    /// every leap and drop-out, the longest constant stretch of each piece, and the implausible
+    /// ones.
+    pub(super) fn of(
+        column: &[f64],
+        pieces: &[Range<usize>],
+        rate_hz: f64,
+    ) -> (Profile, Vec<OddSamples>) {
         let stretches = || pieces.iter().map(|piece| &column[piece.clone()]);
         let pairs = stretches().flat_map(|x| x.windows(2));
-        let mut differences: Vec<f64> = pairs.map(|w| (w[1] - w[0]).abs()).collect();
-        let unequal = || differences.iter().copied().filter(|d| *d != 0.0);
+        let mut steps: Vec<f64> = pairs.map(|w| (w[1] - w[0]).abs()).collect();
+        let unequal = || steps.iter().copied().filter(|step| *step != 0.0);
         let least = unequal().fold(f64::INFINITY, f64::min);
-        let equal = differences.len() - unequal().count();
-        let coarse = 10 * equal >= 3 * differences.len() && least.is_finite();
+        let equal = steps.len() - unequal().count();
+        let is_coarse = 10 * equal >= 3 * steps.len() && least.is_finite();
         let noise_sd = noise_sd_within(stretches());
+        let ends = (f64::INFINITY, f64::NEG_INFINITY);
         let (low, high) = stretches()
             .flatten()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
-                (x.min(l), x.max(h))
-            });
-        let usual = (USUAL_STEPS * differences.len() as f64) as usize;
-        let usual = match differences.is_empty() {
-            true => 0.0,
-            false => *differences.select_nth_unstable_by(usual, f64::total_cmp).1,
+            .fold(ends, |(low, high), x| (x.min(low), x.max(high)));
+        let place = (USUAL_QUANTILE * steps.len() as f64) as usize;
+        let usual_step = if steps.is_empty() {
+            0.0
+        } else {
+            *steps.select_nth_unstable_by(place, f64::total_cmp).1
         };
-        let noise = 20.0 * noise_sd;
-        let unusual = noise.max(UNUSUAL * usual);
-        let limits = Limits {
-            usual,
-            // A fifth of all that it does is more than a quick hand.
-            far: unusual.min(noise.max(0.2 * (high - low))),
-            unusual,
-            most: (DROPOUT_S * rate_hz) as usize,
+        let min_by_noise = 20.0 * noise_sd;
+        let min_leap = min_by_noise.max(MIN_LEAP_RATIO * usual_step);
+        let limits = LeapLimits {
+            usual_step,
+            min_leap,
+            // A driver's hand moves by less than a fifth of the span within a sample.
+            min_leap_of_one_value: min_leap.min(min_by_noise.max(0.2 * (high - low))),
+            max_samples: ((MAX_LEAP_S * rate_hz) as usize).max(1),
         };
         let in_piece = |piece: &Range<usize>| {
-            let found = limits.odd(&column[piece.clone()]).into_iter();
-            let start = piece.start;
-            found.map(move |odd| Odd {
-                at: odd.at.start + start..odd.at.end + start,
-                ..odd
-            })
+            let x = &column[piece.clone()];
+            let mut odd = limits.leaps(x);
+            odd.extend(reported_constants(x));
+            for one in &mut odd {
+                one.samples = one.samples.start + piece.start..one.samples.end + piece.start;
+            }
+            odd
         };
-        let odd: Vec<Odd> = pieces.iter().flat_map(in_piece).collect();
-        let of = |wanted| odd.iter().filter(move |one| one.kind == wanted);
-        let longest = of(OddKind::Still).map(|still| still.at.len()).max();
+        let odd: Vec<OddSamples> = pieces.iter().flat_map(in_piece).collect();
+        let of = |kind| odd.iter().filter(move |one| one.kind == kind);
+        let longest = of(OddKind::Still).map(|one| one.samples.len()).max();
         let profile = Profile {
             noise_sd,
-            quantum: coarse.then_some(least),
+            quantum: is_coarse.then_some(least),
             rows_held: rows_held(stretches()),
             longest_still_s: longest.unwrap_or(0).saturating_sub(1) as f64 / rate_hz,
             leaps: of(OddKind::Leap).count(),
@@ -106,18 +113,22 @@ impl Profile {
     }
 }
 
-/// What is odd in a channel of a run for a while and no end stop, in words, by kind: the first
-/// stretch with its place and evidence, and how many there are.
-pub(super) fn odd_words(run: &Run, column: &[f64], odd: &[Odd]) -> Vec<(OddKind, String)> {
+/// One text for each kind of odd samples of a channel: their number, and place and evidence of the
+/// first. Constant stretches that are plausible are not described.
+pub(super) fn describe_odd_samples(
+    run: &Run,
+    column: &[f64],
+    odd: &[OddSamples],
+) -> Vec<(OddKind, String)> {
     let kinds = [
         (OddKind::DropOut, "drops out to one value and back"),
         (OddKind::Leap, "leaps off the values around it and back"),
         (OddKind::Still, "has one value for long"),
     ];
-    let words = |(kind, what): (OddKind, &str)| {
+    let describe = |(kind, what): (OddKind, &str)| {
         let mut own = odd
             .iter()
-            .filter(|one| one.kind == kind && one.is_evident());
+            .filter(|one| one.kind == kind && one.is_implausible());
         let first = own.next()?.describe(run, column);
         let text = match own.count() {
             0 => first,
@@ -125,38 +136,41 @@ pub(super) fn odd_words(run: &Run, column: &[f64], odd: &[Odd]) -> Vec<(OddKind,
         };
         Some((kind, text))
     };
-    kinds.into_iter().filter_map(words).collect()
+    kinds.into_iter().filter_map(describe).collect()
 }
 
-/// An odd stretch of a column.
+/// Successive odd samples of a column.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Odd {
+pub(super) struct OddSamples {
     pub kind: OddKind,
-    pub at: Range<usize>,
-    /// Of a leap the size that nearly all steps stay below; of one value the least number of
-    /// changes in as many samples, 0 where it may be plausible.
-    usual: f64,
+    pub samples: Range<usize>,
+    /// Usual step of the channel ([`USUAL_QUANTILE`]); 0 for a constant stretch.
+    usual_step: f64,
+    /// Least number of changes in as many samples elsewhere, for a constant stretch that is
+    /// implausible; else 0.
+    changes_elsewhere: usize,
 }
 
-impl Odd {
-    /// Whether it is not plausible by itself.
-    pub fn is_evident(&self) -> bool {
-        self.kind != OddKind::Still || self.usual > 0.0
+impl OddSamples {
+    /// Whether the samples themselves show a fault; a constant stretch may be plausible.
+    pub fn is_implausible(&self) -> bool {
+        self.kind != OddKind::Still || self.changes_elsewhere > 0
     }
 
     fn describe(&self, run: &Run, column: &[f64]) -> String {
-        let (start, end, usual) = (self.at.start, self.at.end, self.usual);
+        let Range { start, end } = self.samples;
         let duration_s = (end - start) as f64 * run.dt_s;
         let place = place(run, start);
-        let from = column[start];
+        let value = column[start];
         if self.kind == OddKind::Still {
             let duration_s = duration_s - run.dt_s;
+            let changes = self.changes_elsewhere;
             return format!(
-                "one value for {duration_s:.2} s, {from}, from {place} on, where in as many samples elsewhere it changes {usual} times or more: frozen?"
+                "one value for {duration_s:.2} s, {value}, from {place} on, where in as many samples elsewhere it changes {changes} times or more: frozen?"
             );
         }
-        let (up, down) = (from - column[start - 1], column[end] - column[end - 1]);
-        let [up, down, usual] = [up, down, usual].map(four_digits);
+        let (up, down) = (value - column[start - 1], column[end] - column[end - 1]);
+        let [up, down, usual] = [up, down, self.usual_step].map(four_digits);
         let verb = match self.kind {
             OddKind::DropOut => "drops out",
             _ => "leaps off",
@@ -172,23 +186,23 @@ fn four_digits(x: f64) -> f64 {
     format!("{x:.3e}").parse().unwrap_or(x)
 }
 
-/// Time and distance of a sample; the distance is the integral of the speed where none is recorded.
+/// Time and distance of a sample in words; the distance is the integral of the speed if none is
+/// recorded.
 fn place(run: &Run, sample: usize) -> String {
     let t_s = run.t0_s + sample as f64 * run.dt_s;
     let recorded = run.columns.get("s_m").map(|s| s[sample]);
-    let travelled = |v: &Vec<f64>| bridged(v)[..sample].iter().sum::<f64>() * run.dt_s;
-    let integral = || run.columns.get("v_mps").map(travelled);
-    match recorded.filter(|s| s.is_finite()).or_else(integral) {
+    let recorded = recorded.filter(|s| s.is_finite());
+    match recorded.or_else(|| run.travelled_m(sample)) {
         Some(s_m) => format!("t = {t_s:.3} s (s = {s_m:.1} m)"),
         None => format!("t = {t_s:.3} s"),
     }
 }
 
-/// How a channel is odd for a while.
+/// How the samples of a channel are odd.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum OddKind {
-    /// A channel has no value, or the sled is at rest: no channel takes part.
+    /// A channel has no value, or the sled is at rest: no channel is used.
     Gap,
     /// Equal values at an end of the channel's range.
     Saturated,
@@ -196,8 +210,8 @@ pub enum OddKind {
     Leap,
     /// A few equal values off those around them.
     DropOut,
-    /// One value for longer than the channel's changes elsewhere make plausible; or the longest such
-    /// stretch, half a second or more.
+    /// One value for longer than the channel's changes elsewhere make plausible; or the longest
+    /// stretch of one value, if it lasts half a second or more.
     Still,
 }
 
@@ -206,7 +220,7 @@ pub enum OddKind {
 pub struct OddStretch {
     /// The channel; empty for all.
     pub column: String,
-    /// How.
+    /// How it is odd.
     pub kind: OddKind,
     /// Time of its first sample, as recorded [s].
     pub from_s: f64,
@@ -214,113 +228,120 @@ pub struct OddStretch {
     pub to_s: f64,
 }
 
-/// From where on a value is off those next to it.
-struct Limits {
-    /// What nearly all steps stay below, in the channel's unit.
-    usual: f64,
-    /// Least size of a leap of one value, in the channel's unit.
-    far: f64,
-    /// Least size where it has several: a force that sets in may have a fifth of the span.
-    unusual: f64,
+/// Which steps of a channel are leaps; sizes in the channel's unit.
+struct LeapLimits {
+    /// [`USUAL_QUANTILE`] of the steps.
+    usual_step: f64,
+    /// Smallest size of a leap to several values. It is larger than that to one value, since the
+    /// onset of a force may reach a fifth of the span.
+    min_leap: f64,
+    /// Smallest size of a leap to one value.
+    min_leap_of_one_value: f64,
     /// Most samples of a leap.
-    most: usize,
+    max_samples: usize,
 }
 
-impl Limits {
-    /// Odd stretches of a piece: leaps, which end by a step back to nearer than either step is
-    /// large, and stretches of one value.
-    fn odd(&self, x: &[f64]) -> Vec<Odd> {
+impl LeapLimits {
+    /// Leaps and drop-outs. A leap ends by a step back, to nearer the value before than either step
+    /// is large.
+    fn leaps(&self, x: &[f64]) -> Vec<OddSamples> {
         let step = |i: usize| x[i + 1] - x[i];
-        let leaps = |i: &usize| step(*i).abs() > self.far;
-        let mut odd = Vec::new();
+        let is_far = |i: &usize| step(*i).abs() > self.min_leap_of_one_value;
+        let mut leaps = Vec::new();
         let mut i = 0;
         while i + 2 < x.len() {
-            let mut next = (i + 1..x.len() - 1).take(self.most.max(1));
-            let next = if leaps(&i) { next.find(leaps) } else { None };
-            let equal = |j: usize| x[i + 1..=j].iter().all(|value| *value == x[i + 1]);
+            let mut later = (i + 1..x.len() - 1).take(self.max_samples);
+            let next = if is_far(&i) { later.find(is_far) } else { None };
+            let is_equal = |j: usize| x[i + 1..=j].iter().all(|value| *value == x[i + 1]);
             let is_back = |j: &usize| {
-                let least = step(i).abs().min(step(*j).abs());
-                let returns = step(i) * step(*j) < 0.0 && (x[j + 1] - x[i]).abs() < least;
-                returns && (least > self.unusual || equal(*j))
+                let smaller = step(i).abs().min(step(*j).abs());
+                let returns = step(i) * step(*j) < 0.0 && (x[j + 1] - x[i]).abs() < smaller;
+                returns && (smaller > self.min_leap || is_equal(*j))
             };
             let Some(last) = next.filter(is_back) else {
                 i += 1;
                 continue;
             };
-            let kind = match equal(last) && last > i + 1 {
-                true => OddKind::DropOut,
-                false => OddKind::Leap,
-            };
-            odd.push(Odd {
-                kind,
-                at: i + 1..last + 1,
-                usual: self.usual,
+            leaps.push(OddSamples {
+                kind: if is_equal(last) && last > i + 1 {
+                    OddKind::DropOut
+                } else {
+                    OddKind::Leap
+                },
+                samples: i + 1..last + 1,
+                usual_step: self.usual_step,
+                changes_elsewhere: 0,
             });
             i = last + 1;
         }
-        let stills = stills(x);
-        let longest = stills.iter().map(|still| still.at.len()).max();
-        let mut is_listed = false;
-        odd.extend(stills.into_iter().filter(|still| {
-            // The first of several.
-            let first = !is_listed && Some(still.at.len()) == longest;
-            is_listed |= first;
-            first || still.is_evident()
-        }));
-        odd
+        leaps
     }
 }
 
-/// The median step, of those that are none of 0, of so many samples before and after.
-fn usual_step(before: &[f64], after: &[f64], most: usize) -> f64 {
-    let before = &before[before.len().saturating_sub(most)..];
-    let pairs = before.windows(2).chain(after.windows(2).take(most));
+/// The implausible constant stretches, and the first of the longest.
+fn reported_constants(x: &[f64]) -> Vec<OddSamples> {
+    let mut all = constant_stretches(x);
+    let length = |one: &OddSamples| one.samples.len();
+    let longest = all.iter().map(length).max().unwrap_or(0);
+    let first = all.iter().position(|one| length(one) == longest);
+    let mut place = 0;
+    all.retain(|one| {
+        place += 1;
+        Some(place - 1) == first || one.is_implausible()
+    });
+    all
+}
+
+/// Median magnitude of the steps that are not 0, of up to `count` samples before and after.
+fn median_step(before: &[f64], after: &[f64], count: usize) -> f64 {
+    let before = &before[before.len().saturating_sub(count)..];
+    let pairs = before.windows(2).chain(after.windows(2).take(count));
     let steps = pairs.map(|w| (w[1] - w[0]).abs());
     median(steps.filter(|step| *step > 0.0)).unwrap_or(0.0)
 }
 
-/// Stretches of equal values, each with the least number of changes in as many samples elsewhere
-/// where that makes it implausible: next to it on either side, and in four of five stretches of that
-/// length, since a channel that rests now and then does so again. One without noise that comes to
-/// rest smoothly has small steps at both ends.
-fn stills(x: &[f64]) -> Vec<Odd> {
-    let changes = |x: &[f64]| x.windows(2).filter(|w| w[0] != w[1]).count();
-    let elsewhere = |at: &Range<usize>| {
-        if at.len() <= LEAST_CHANGES {
-            return 0;
-        }
-        let (before, after) = (&x[..at.start], &x[at.end..]);
-        let mut left = before.rchunks_exact(at.len()).map(changes);
-        let mut right = after.chunks_exact(at.len()).map(changes);
-        let nearest = [left.next(), right.next()].into_iter().flatten().min();
-        let near = nearest.unwrap_or_else(|| changes(before).max(changes(after)));
-        if near < LEAST_CHANGES {
-            return 0;
-        }
-        let smooth = SMOOTH * usual_step(before, after, at.len());
-        let ends = [before.last(), after.first()].into_iter().flatten();
-        if ends
-            .map(|next| (next - x[at.start]).abs())
-            .all(|step| step <= smooth)
-        {
-            return 0;
-        }
-        let mut all: Vec<usize> = left.chain(right).chain([near]).collect();
-        let fifth = all.len() / 5;
-        near.min(*all.select_nth_unstable(fifth).1)
-    };
+/// Stretches of equal values, with the number of changes elsewhere if they are implausible.
+fn constant_stretches(x: &[f64]) -> Vec<OddSamples> {
     let mut end = 0;
-    let still = |equal: &[f64]| {
-        let at = end..end + equal.len();
-        end = at.end;
-        let usual = Some(elsewhere(&at)).filter(|count| *count >= LEAST_CHANGES);
-        Odd {
+    let stretch = |equal: &[f64]| {
+        let samples = end..end + equal.len();
+        end = samples.end;
+        OddSamples {
             kind: OddKind::Still,
-            at,
-            usual: usual.unwrap_or(0) as f64,
+            changes_elsewhere: implausible_changes(x, &samples),
+            usual_step: 0.0,
+            samples,
         }
     };
-    x.chunk_by(|a, b| a == b).map(still).collect()
+    x.chunk_by(|a, b| a == b).map(stretch).collect()
+}
+
+/// Least number of changes in as many samples as a constant stretch, next to it on either side and
+/// in four of five stretches of that length: a channel that rests now and then does so again. 0 if
+/// the stretch is plausible.
+fn implausible_changes(x: &[f64], constant: &Range<usize>) -> usize {
+    let length = constant.len();
+    if length <= MIN_CHANGES {
+        return 0;
+    }
+    let changes = |x: &[f64]| x.windows(2).filter(|w| w[0] != w[1]).count();
+    let (before, after) = (&x[..constant.start], &x[constant.end..]);
+    let mut earlier = before.rchunks_exact(length).map(changes);
+    let mut later = after.chunks_exact(length).map(changes);
+    let nearest = [earlier.next(), later.next()].into_iter().flatten().min();
+    let nearest = nearest.unwrap_or_else(|| changes(before).max(changes(after)));
+    if nearest < MIN_CHANGES {
+        return 0;
+    }
+    let smooth = MAX_SMOOTH_STEP * median_step(before, after, length);
+    let mut neighbours = [before.last(), after.first()].into_iter().flatten();
+    if neighbours.all(|next| (next - x[constant.start]).abs() <= smooth) {
+        return 0;
+    }
+    let mut all: Vec<usize> = earlier.chain(later).chain([nearest]).collect();
+    let fifth = all.len() / 5;
+    let count = nearest.min(*all.select_nth_unstable(fifth).1);
+    if count < MIN_CHANGES { 0 } else { count }
 }
 
 #[cfg(test)]
@@ -367,7 +388,12 @@ mod tests {
 
     #[test]
     fn one_value_is_implausible_by_what_the_channel_does_elsewhere() {
-        let evident = |x: &[f64]| stills(x).iter().filter(|one| one.is_evident()).count();
+        let evident = |x: &[f64]| {
+            constant_stretches(x)
+                .iter()
+                .filter(|one| one.is_implausible())
+                .count()
+        };
         // Samples of a parabola in steps: near its extremum one value for 89 of 2000 samples.
         let steps = |i: i32| (1e-3 * f64::from((i - 1000) * (i - 1000))).floor();
         let smooth: Vec<f64> = (0..2000).map(steps).collect();

@@ -11,16 +11,15 @@
 use crate::column::Sensor;
 use crate::fault::Fault;
 use crate::record::check::corrections::{G, OTHER_SIGN};
-use crate::record::check::judge::RelationRules;
-use crate::record::check::relations::{Coefficient, Slow, coefficients};
+use crate::record::check::faults::RelationRules;
+use crate::record::check::relations::{Coefficient, SlowChannels, coefficients};
 use crate::record::run::Run;
 use crate::series::{median, root_mean_square};
 
-/// Density of the air [kg/m3], as accurate as these judgements need it.
-const AIR: f64 = 1.2;
+/// Density of the air [kg/m3]; these checks need no better value.
+const AIR_DENSITY: f64 = 1.2;
 
-/// What responds to a channel, and the sign and the unit of the coefficient where the channel is
-/// right.
+/// Channel, its response, and sign and unit of the coefficient if the channel is right.
 const RESPONSES: [(Sensor, &str, f64, &str); 4] = [
     (Sensor::Slip, "acceleration sideways", 1.0, "m/s2"),
     (Sensor::Steering, "yaw acceleration", 1.0, "1/s2"),
@@ -28,9 +27,9 @@ const RESPONSES: [(Sensor, &str, f64, &str); 4] = [
     (Sensor::Ax, "braking by the air", 1.0, "m2/kg"),
 ];
 
-/// Faults by the response of these runs to steering, roll split and air; the slow parts are
-/// corrected already.
-pub(super) fn response_faults(runs: &[(&Run, &Slow)], rules: &RelationRules) -> Vec<Fault> {
+/// Faults by the response of these runs to steering, roll split and air. The low-passed channels
+/// have been corrected.
+pub(super) fn response_faults(runs: &[(&Run, &SlowChannels)], rules: &RelationRules) -> Vec<Fault> {
     let mut faults = Vec::new();
     for (sensor, output, sign, unit) in RESPONSES {
         let found = runs.iter().map(|(_, slow)| {
@@ -38,46 +37,46 @@ pub(super) fn response_faults(runs: &[(&Run, &Slow)], rules: &RelationRules) -> 
             Some((sign * c, error))
         });
         let found: Vec<Option<Coefficient>> = found.collect();
-        let wrong = is_wrong_way(&found, rules);
+        let has_wrong_sign = sign_test(&found, rules);
         for ((run, _), found) in runs.iter().zip(&found) {
             let Some((c, error)) = *found else { continue };
             // An accelerometer in g shows a tenth of the drag.
-            let weak = sensor == Sensor::Ax && c > 0.0 && c + 4.0 * error < rules.least_drag;
-            let (scale, expected) = match (wrong(c, error), weak) {
-                (true, _) => (OTHER_SIGN, "good runs with the other sign"),
-                (_, true) => (G, "a bobsled with 7e-4"),
-                _ => continue,
+            let is_weak = sensor == Sensor::Ax && c > 0.0 && c + 4.0 * error < rules.min_drag;
+            let (scale, expected) = if has_wrong_sign(c, error) {
+                (OTHER_SIGN, "good runs with the other sign")
+            } else if is_weak {
+                (G, "a bobsled with 7e-4")
+            } else {
+                continue;
             };
             let c = sign * c;
             let evidence =
                 format!("the {output} responds with {c:.1e} +- {error:.1e} {unit}, {expected}");
-            faults.push(
-                scale
-                    .fault(run, &[sensor.name()], evidence)
-                    .proven_if(false),
-            );
+            let fault = scale.fault(run, &[sensor.name()], evidence);
+            faults.push(fault.proven_if(false));
         }
     }
     faults
 }
 
-/// Whether a coefficient is negative, by itself or because nearly all runs together show it.
+/// A test whether the coefficient of a run is negative, by this run alone or by nearly all runs
+/// together.
 ///
-/// By itself a run must respond as strongly as others do: a run that hits walls responds to them, a
-/// little and either way.
-fn is_wrong_way(each: &[Option<Coefficient>], rules: &RelationRules) -> impl Fn(f64, f64) -> bool {
+/// A single run must respond about as strongly as the others: contacts with walls cause weak
+/// responses of either sign.
+fn sign_test(each: &[Option<Coefficient>], rules: &RelationRules) -> impl Fn(f64, f64) -> bool {
     let known = || each.iter().flatten().filter(|(_, error)| *error > 0.0);
     let weights: f64 = known().map(|(_, error)| error.powi(-2)).sum();
     let t = known().map(|(c, error)| c / error.powi(2)).sum::<f64>() / weights.sqrt().max(1e-300);
-    let below = known().filter(|(c, _)| *c < 0.0).count();
-    let all = t < -rules.least_t && below as f64 >= rules.agree * known().count() as f64;
-    let strong = rules.alike * median(known().map(|(c, _)| c.abs())).unwrap_or(0.0);
-    move |c, error| c < -strong && c < -rules.least_t * error || all && c < 0.0
+    let negative = known().filter(|(c, _)| *c < 0.0).count();
+    let by_all =
+        t < -rules.min_t && negative as f64 >= rules.min_run_share * known().count() as f64;
+    let strong = rules.min_relative_response * median(known().map(|(c, _)| c.abs())).unwrap_or(0.0);
+    move |c, error| c < -strong && c < -rules.min_t * error || by_all && c < 0.0
 }
 
-/// The coefficient of a channel in what responds to it; `None` where one of the channels is not
-/// recorded.
-fn response(slow: &Slow, sensor: Sensor, rules: &RelationRules) -> Option<Coefficient> {
+/// The coefficient of a channel in its response; `None` if a channel is not recorded or is constant.
+fn response(slow: &SlowChannels, sensor: Sensor, rules: &RelationRules) -> Option<Coefficient> {
     if sensor == Sensor::Ax {
         return drag(slow, rules);
     }
@@ -87,14 +86,13 @@ fn response(slow: &Slow, sensor: Sensor, rules: &RelationRules) -> Option<Coeffi
     };
     let (yaw, v) = (channel(Sensor::YawRate)?, channel(Sensor::Speed)?);
     let turn: Vec<f64> = yaw.iter().zip(v).map(|(r, v)| r / v).collect();
-    // Drivers turn the front part as they steer: without the roll split its share would be
+    // Drivers roll the front part as they steer: without the roll split its effect would be
     // attributed to the steering.
-    let [slip, steering, roll_split] = [Sensor::Slip, Sensor::Steering, Sensor::RollSplit];
     let columns = [
-        channel(slip)?,
+        channel(Sensor::Slip)?,
         &turn,
-        channel(steering)?,
-        channel(roll_split)?,
+        channel(Sensor::Steering)?,
+        channel(Sensor::RollSplit)?,
     ];
     let (place, output) = match sensor {
         Sensor::Slip => (0, slow[Sensor::Ay].clone()?),
@@ -107,14 +105,14 @@ fn response(slow: &Slow, sensor: Sensor, rules: &RelationRules) -> Option<Coeffi
     Some(coefficients(&columns, &inner(&output))?[place])
 }
 
-/// The air's share of the braking, c_d A/m [m2/kg]; `None` where something drives.
-fn drag(slow: &Slow, rules: &RelationRules) -> Option<Coefficient> {
+/// Drag area over mass, c_d A/m [m2/kg]; `None` if the vehicle is driven or braked.
+fn drag(slow: &SlowChannels, rules: &RelationRules) -> Option<Coefficient> {
     let (ax, v) = (slow[Sensor::Ax].as_ref()?, slow[Sensor::Speed].as_ref()?);
     let mean = ax.iter().sum::<f64>() / ax.len() as f64;
-    if root_mean_square(ax.iter().map(|a| a - mean)) > rules.free {
+    if root_mean_square(ax.iter().map(|a| a - mean)) > rules.max_coasting_sd {
         return None;
     }
-    let pressure: Vec<f64> = v.iter().map(|v| 0.5 * AIR * v * v).collect();
+    let pressure: Vec<f64> = v.iter().map(|v| 0.5 * AIR_DENSITY * v * v).collect();
     let mut columns: Vec<&[f64]> = vec![&pressure];
     columns.extend(slow[Sensor::Az].as_deref());
     let brakes: Vec<f64> = ax.iter().map(|a| -a).collect();

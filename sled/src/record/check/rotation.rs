@@ -1,15 +1,16 @@
 //! A sensor box that is turned: one rotation of its accelerometer and its gyroscope.
 //!
-//! The sled moves with the speed v along e, the axis forward as the box has it. Gravity is the same
-//! in any axes, so that
+//! The sled moves with the speed v along e, its forward axis in the axes of the box. Gravity is
+//! constant, so that
 //!
 //! ```text
 //! D a = D D (v e),   D x = dx/dt + w x x                  [m/s3]
 //! ```
 //!
-//! in the axes of the box, for its specific force a and rates w. The equation is linear in e: least
-//! squares give it. Its length is 1 where all units are right. The axis up is that of the mean
-//! specific force across e: the forces of the runners across a sled are small compared with those up.
+//! for the specific force a and the rotation rates w in the axes of the box. The equation is linear
+//! in e, which follows by least squares. Its length is 1 if all units are right. The axis up is that
+//! of the mean specific force across e: the lateral forces of the runners are small compared with the
+//! vertical ones.
 //!
 //! In 44 simulated runs of a bobsled e is found within 0.13 degrees a run, the roll within 0.01.
 
@@ -19,78 +20,80 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::column::Sensor;
 use crate::fault::{Fault, FaultKind};
-use crate::record::check::judge::RelationRules;
-use crate::record::check::relations::{Agreement, Slow, coefficients};
+use crate::record::check::faults::RelationRules;
+use crate::record::check::relations::{Consistency, SlowChannels, coefficients};
 use crate::record::run::Run;
 
-/// Least angle of the forward axis that is reported [rad]: 3 degrees. Boxes are mounted within less,
-/// which is undone all the same before single channels are judged: gravity along a box that is
-/// pitched by it exceeds what the speed explains, and resembles another sign.
-const LEAST_FORWARD: f64 = 0.052;
-/// Least roll that is reported [rad], where the forward axis is right: a track that turns to one
-/// side more than to the other turns the mean force.
-const LEAST_ROLL: f64 = 0.5;
-/// Least angle that is proved [rad]: less may be a box that is not quite aligned.
-const LEAST_PROVEN: f64 = 0.5;
-/// Share by which the length of e may differ from 1: noise of the rates makes it shorter.
-const LENGTH: f64 = 0.15;
-/// Angle from a quarter turn that is no finding [rad]: the forward axis is known within about 0.005,
-/// the roll less well.
-const QUARTER_TURN: f64 = 0.02;
-/// Least mean specific force across e [m/s2].
-const LEAST_FORCE: f64 = 2.0;
+/// Smallest angle of the forward axis that is reported [rad]: 3 degrees. Boxes are mounted within
+/// this angle. A smaller angle is corrected all the same before the relations are checked: gravity
+/// along a pitched box exceeds what the speed explains, and looks like a wrong sign.
+const MIN_REPORTED_ANGLE: f64 = 0.052;
+/// Smallest roll that is reported [rad], if the forward axis is right: more curves to one side than
+/// to the other turn the mean force.
+const MIN_REPORTED_ROLL: f64 = 0.5;
+/// Smallest angle that is proved [rad]: a smaller one may be an inaccurate mount.
+const MIN_PROVED_ANGLE: f64 = 0.5;
+/// Largest deviation of the length of e from 1: noise of the rates makes it shorter.
+const MAX_LENGTH_DEVIATION: f64 = 0.15;
+/// An angle this close to a quarter turn is reported as one [rad]: the forward axis is known within
+/// about 0.005, the roll less well.
+const QUARTER_TURN_TOLERANCE: f64 = 0.02;
+/// Smallest mean specific force across e [m/s2].
+const MIN_FORCE: f64 = 2.0;
 
-/// From the axes of a sensor box to those of the sled.
+/// The rotation of a sensor box in the sled.
 pub(super) struct BoxRotation {
+    /// From the axes of the box to those of the sled.
     rotation: Rotation3<f64>,
     /// Standard error of the forward axis [rad].
     error: f64,
-    /// Whether it is a finding, not the usual accuracy of a mount.
-    reported: bool,
-    proven: bool,
+    /// Whether it exceeds the usual accuracy of a mount.
+    is_reported: bool,
+    is_proven: bool,
 }
 
 impl BoxRotation {
-    /// The rotation that all of these runs agree on; `None` where there is none.
-    pub fn of(runs: &[&Slow], rules: &RelationRules) -> Option<BoxRotation> {
+    /// The common rotation of these runs; `None` if none is significant.
+    pub fn of(runs: &[&SlowChannels], rules: &RelationRules) -> Option<BoxRotation> {
         let complete = runs.iter().copied().filter(|slow| is_complete(slow));
-        let runs: Vec<&Slow> = complete.collect();
+        let runs: Vec<&SlowChannels> = complete.collect();
         let (forward, error) = forward_axis(&runs)?;
-        if (forward.norm() - 1.0).abs() > LENGTH {
+        if (forward.norm() - 1.0).abs() > MAX_LENGTH_DEVIATION {
             return None;
         }
         let forward = forward.normalize();
         let angle = forward.angle(&Vector3::x());
-        let turned = angle > rules.least_t * error;
-        let forward = if turned { forward } else { Vector3::x() };
+        let is_turned = angle > rules.min_t * error;
+        let forward = if is_turned { forward } else { Vector3::x() };
         let forces = runs.iter().map(|slow| mean_force(slow));
         let force = forces.sum::<Vector3<f64>>() / runs.len() as f64;
         let across = force - forward * force.dot(&forward);
-        let up = across.try_normalize(LEAST_FORCE)?;
+        let up = across.try_normalize(MIN_FORCE)?;
         let rows = [forward, up.cross(&forward), up].map(|axis| axis.transpose());
         let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_rows(&rows));
-        if !turned && rotation.angle() < LEAST_ROLL {
+        if !is_turned && rotation.angle() < MIN_REPORTED_ROLL {
             return None;
         }
         let mut found = BoxRotation {
             rotation,
             error,
-            reported: !turned || angle > LEAST_FORWARD,
-            proven: false,
+            is_reported: !is_turned || angle > MIN_REPORTED_ANGLE,
+            is_proven: false,
         };
-        // The relations do not know the roll; the forward axis shows in them.
-        let gain = rules.least_gain * if turned { 1.0 } else { -1.0 };
-        let mends = |slow: &&&Slow| {
-            let (before, after) = (Agreement::of(slow), Agreement::of(&found.applied(slow)));
-            after.is_below(rules.holds) && before.score() - after.score() >= gain
+        // A roll does not change the relations; a wrong forward axis violates them.
+        let min_gain = rules.min_gain * if is_turned { 1.0 } else { -1.0 };
+        let is_better = |slow: &&&SlowChannels| {
+            let (before, after) = (Consistency::of(slow), Consistency::of(&found.applied(slow)));
+            after.is_below(rules.satisfied_below)
+                && before.disagreement() - after.disagreement() >= min_gain
         };
-        let share = runs.iter().filter(mends).count() as f64 / runs.len() as f64;
-        found.proven = share == 1.0 && found.rotation.angle() > LEAST_PROVEN;
-        (share >= rules.agree).then_some(found)
+        let share = runs.iter().filter(is_better).count() as f64 / runs.len() as f64;
+        found.is_proven = share == 1.0 && found.rotation.angle() > MIN_PROVED_ANGLE;
+        (share >= rules.min_run_share).then_some(found)
     }
 
-    /// The channels in the axes of the sled.
-    fn applied(&self, slow: &Slow) -> Slow {
+    /// The channels, rotated to the axes of the sled.
+    fn applied(&self, slow: &SlowChannels) -> SlowChannels {
         let mut turned = slow.clone();
         for axes in [Sensor::ACCELEROMETER, Sensor::GYROSCOPE] {
             for (i, own) in slow.vectors(axes, [0.0; 3]).iter().enumerate() {
@@ -105,25 +108,25 @@ impl BoxRotation {
         turned
     }
 
-    /// Turns the channels of a run where all are recorded; the fault, where it is a finding.
-    pub fn correct(&self, run: &Run, slow: &mut Slow) -> Option<Fault> {
+    /// Rotates the channels of a run if all are recorded. Returns the fault if it is reported.
+    pub fn correct(&self, run: &Run, slow: &mut SlowChannels) -> Option<Fault> {
         if !is_complete(slow) {
             return None;
         }
         let turned = self.applied(slow);
         let before = std::mem::replace(slow, turned);
-        let evidence = Agreement::of(&before).compared(&Agreement::of(slow));
-        self.reported.then(|| self.fault(run, &evidence))
+        let evidence = Consistency::of(&before).describe_change(&Consistency::of(slow));
+        self.is_reported.then(|| self.fault(run, &evidence))
     }
 
-    /// The fault of one run, with what the relations say of it.
+    /// The fault of one run, with the evidence by the `relations`.
     fn fault(&self, run: &Run, relations: &str) -> Fault {
         let names = Sensor::ACCELEROMETER.iter().chain(&Sensor::GYROSCOPE);
         let names: Vec<&str> = names.map(|sensor| sensor.name()).collect();
         let angles: [f64; 3] = self.rotation.euler_angles().into();
         let angles = angles.map(|angle| {
             let quarter = (angle / FRAC_PI_2).round() * FRAC_PI_2;
-            let is_quarter = (angle - quarter).abs() < QUARTER_TURN;
+            let is_quarter = (angle - quarter).abs() < QUARTER_TURN_TOLERANCE;
             // Not -0.
             (1e4 * if is_quarter { quarter } else { angle }).round() / 1e4 + 0.0
         });
@@ -138,30 +141,30 @@ impl BoxRotation {
         );
         let (kind, looks_like) = (FaultKind::Rotation, "the axes of a box that is turned");
         let fault = Fault::proven(run, &names, kind, looks_like, mend, evidence);
-        fault.proven_if(self.proven)
+        fault.proven_if(self.is_proven)
     }
 }
 
 /// Whether a run has an accelerometer, a gyroscope and the speed.
-fn is_complete(slow: &Slow) -> bool {
+fn is_complete(slow: &SlowChannels) -> bool {
     let boxes = [Sensor::ACCELEROMETER, Sensor::GYROSCOPE].concat();
     slow.has(&boxes) && slow.has(&[Sensor::Speed])
 }
 
-fn mean_force(slow: &Slow) -> Vector3<f64> {
+fn mean_force(slow: &SlowChannels) -> Vector3<f64> {
     let forces = slow.vectors(Sensor::ACCELEROMETER, [0.0; 3]);
     forces.iter().sum::<Vector3<f64>>() / slow.len().max(1) as f64
 }
 
 /// The forward axis in the box and the standard error of its direction [rad].
-fn forward_axis(runs: &[&Slow]) -> Option<(Vector3<f64>, f64)> {
+fn forward_axis(runs: &[&SlowChannels]) -> Option<(Vector3<f64>, f64)> {
     let (mut columns, mut forces): ([Vec<f64>; 3], Vec<f64>) = Default::default();
     for slow in runs {
-        let force = slow.outside_rate(&slow.vectors(Sensor::ACCELEROMETER, [0.0; 3]));
+        let force = slow.inertial_rate(&slow.vectors(Sensor::ACCELEROMETER, [0.0; 3]));
         let along = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| {
             let speed = slow[Sensor::Speed].iter().flatten();
             let velocity: Vec<Vector3<f64>> = speed.map(|v| axis * *v).collect();
-            slow.outside_rate(&slow.outside_rate(&velocity))
+            slow.inertial_rate(&slow.inertial_rate(&velocity))
         });
         for i in slow.inner() {
             forces.extend(&force[i]);

@@ -1,5 +1,5 @@
-//! Faults of single channels: one value throughout, values repeated over many rows, magnitudes that
-//! no sled reaches.
+//! Faults of single channels: constant values, values repeated over many rows, magnitudes that no
+//! sled reaches.
 
 use std::f64::consts::PI;
 
@@ -12,36 +12,37 @@ use crate::record::gaps::rows_held;
 use crate::record::run::Run;
 use crate::series::median;
 
-/// Channels that move together: where one moves and another has one value, that one does not
-/// measure.
-const TOGETHER: [&[Sensor]; 4] = [
+/// Channels that vary together: if one varies, a constant one does not measure.
+const COUPLED: [&[Sensor]; 4] = [
     &[Sensor::Ay, Sensor::YawRate, Sensor::Slip],
     &[Sensor::Az, Sensor::PitchRate],
     &[Sensor::Ax, Sensor::Speed],
     &[Sensor::YawRate, Sensor::RollRate],
 ];
 
-/// A step of the clock [s] in which a sled passes a curve.
-const LONGEST_STEP_S: f64 = 0.5;
+/// Time step [s] in which a sled passes a curve: a clock with this step or a longer one has another
+/// unit.
+const MAX_STEP_S: f64 = 0.5;
 
-/// Rows of one value from which a channel is slower than its rows, where its own rate is below
-/// twice the usual corner of the filters, 20 Hz.
-const HELD_ROWS: usize = 5;
-const LEAST_RATE_HZ: f64 = 40.0;
+/// A channel is too slow if each value is repeated over this number of rows or more, and its own
+/// rate is below [`MIN_RATE_HZ`].
+const MIN_HELD_ROWS: usize = 5;
+/// Twice the usual cutoff frequency of the filters [Hz].
+const MIN_RATE_HZ: f64 = 40.0;
 
 /// Faults of clock, constant channels and channels slower than their rows.
 pub(super) fn plain_faults(run: &Run) -> Vec<Fault> {
     let mut faults = Vec::new();
-    if run.dt_s >= LONGEST_STEP_S {
+    if run.dt_s >= MAX_STEP_S {
         let step = run.dt_s;
         let evidence = format!("a row every {step} s; good runs have one every 0.02 s or less");
         let mend = "unit = \"ms\" for the clock".to_owned();
-        let kind = FaultKind::Clock;
+        let (kind, looks_like) = (FaultKind::Clock, "milliseconds");
         faults.push(Fault::proven(
             run,
             &["t_s"],
             kind,
-            "milliseconds",
+            looks_like,
             mend,
             evidence,
         ));
@@ -52,13 +53,13 @@ pub(super) fn plain_faults(run: &Run) -> Vec<Fault> {
         let first = values.next()?;
         values.all(|x| x == first).then_some(*first)
     };
-    for group in TOGETHER {
+    for group in COUPLED {
         let names = group.iter().map(|sensor| sensor.name());
         let recorded = names.filter(|name| run.columns.contains_key(*name));
-        let (still, moving): (Vec<&str>, Vec<&str>) =
+        let (constants, varying): (Vec<&str>, Vec<&str>) =
             recorded.partition(|name| constant(name).is_some());
-        for name in still {
-            let (Some(value), Some(other)) = (constant(name), moving.first()) else {
+        for name in constants {
+            let (Some(value), Some(other)) = (constant(name), varying.first()) else {
                 continue;
             };
             let evidence = format!("{value} in every row, while {other} moves");
@@ -76,9 +77,9 @@ pub(super) fn plain_faults(run: &Run) -> Vec<Fault> {
             continue;
         };
         let rate = run.rate_hz() / rows as f64;
-        if rows >= HELD_ROWS && rate < LEAST_RATE_HZ {
+        if rows >= MIN_HELD_ROWS && rate < MIN_RATE_HZ {
             let evidence = format!(
-                "9 of 10 values or more are repeated so; filters at 20 Hz need {LEAST_RATE_HZ} Hz"
+                "9 of 10 values or more are repeated so; filters at 20 Hz need {MIN_RATE_HZ} Hz"
             );
             let looks_like = format!("values of {rate:.4} Hz, each repeated over {rows} rows");
             let clock = format!("its own clock ({rate:.4} Hz)");
@@ -91,12 +92,12 @@ pub(super) fn plain_faults(run: &Run) -> Vec<Fault> {
     faults
 }
 
-/// Channels of a run that exceed their range; those with a fault already are skipped.
+/// Channels of a run that exceed their range, without those that have a `known` fault.
 pub(super) fn range_faults(run: &Run, known: &[Fault]) -> Vec<Fault> {
-    let judged = |name: &str| known.iter().flat_map(|f| &f.columns).any(|c| c == name);
+    let is_known = |name: &str| known.iter().flat_map(|f| &f.columns).any(|c| c == name);
     let fault = |sensor: Sensor| {
         let column = run.columns.get(sensor.name());
-        let column = column.filter(|_| !judged(sensor.name()))?;
+        let column = column.filter(|_| !is_known(sensor.name()))?;
         let values: Vec<f64> = run.gaps.within(column).flatten().copied().collect();
         let (scale, evidence) = out_of_range(sensor, &values)?;
         Some(scale.fault(run, &[sensor.name()], evidence))
@@ -104,8 +105,8 @@ pub(super) fn range_faults(run: &Run, known: &[Fault]) -> Vec<Fault> {
     Sensor::ALL.into_iter().filter_map(fault).collect()
 }
 
-/// Channels, their largest magnitude, their unit in words, and what they are in where they exceed
-/// it.
+/// Channels, their largest magnitude, their unit in words, and the likely wrong unit of a channel
+/// that exceeds it.
 const RANGES: [(&[Sensor], f64, &str, Scale); 5] = [
     (&[Sensor::Slip, Sensor::RollSplit], 0.4, "radians", DEGREES),
     (&[Sensor::Steering], 0.6, "radians", DEGREES),
@@ -124,21 +125,20 @@ const RANGES: [(&[Sensor], f64, &str, Scale); 5] = [
     ),
 ];
 
-/// Scale and evidence of a channel out of its range.
+/// Wrong unit or sign of a channel, by its magnitudes, with the evidence.
 fn out_of_range(sensor: Sensor, values: &[f64]) -> Option<(Scale, String)> {
     let largest = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     // A sled that spins slips by up to half a turn for a while, but not for most of its run.
-    let far = values.iter().filter(|v| v.abs() > 0.4).count();
-    let spins = sensor == Sensor::Slip && largest <= PI && 4 * far < values.len();
-    let range = RANGES.iter().find(|(of, ..)| of.contains(&sensor))?;
-    let (_, most, own, scale) = range;
-    if largest > *most && !spins {
+    let large = values.iter().filter(|v| v.abs() > 0.4).count();
+    let is_spin = sensor == Sensor::Slip && largest <= PI && 4 * large < values.len();
+    let (_, most, unit, scale) = RANGES.iter().find(|(of, ..)| of.contains(&sensor))?;
+    if largest > *most && !is_spin {
         let above = values.iter().filter(|v| v.abs() > *most).count();
         let evidence = format!(
-            "largest magnitude {largest:.4}, {above} of {} values; expected {own}, magnitudes below {most}",
+            "largest magnitude {largest:.4}, {above} of {} values; expected {unit}, magnitudes below {most}",
             values.len()
         );
-        // In another unit more than single values are far off.
+        // A wrong unit affects more than single values.
         let is_unit = 20 * above >= values.len();
         return Some((if is_unit { *scale } else { SPIKES }, evidence));
     }
@@ -165,9 +165,9 @@ mod tests {
                 .map(|i| if i < share { size } else { 0.02 })
                 .collect()
         };
-        let judged = |share, size| out_of_range(Sensor::Slip, &slip(share, size));
-        assert!(judged(20, 3.1).is_none());
-        assert!(judged(60, 2.0).is_some());
-        assert!(judged(5, 40.0).is_some());
+        let fault = |share, size| out_of_range(Sensor::Slip, &slip(share, size));
+        assert!(fault(20, 3.1).is_none());
+        assert!(fault(60, 2.0).is_some());
+        assert!(fault(5, 40.0).is_some());
     }
 }

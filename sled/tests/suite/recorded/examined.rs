@@ -6,7 +6,7 @@ use std::path::Path;
 use kufe_sled::sample_data::sample_track;
 use kufe_sled::{
     Driver, Examination, FaultKind, Model, Noise, Run, RunFormat, Saturation, SimulateOptions,
-    TrackShape, Vehicle, check_relations, examine, judge, record, simulate, simulated_entry,
+    TrackShape, Vehicle, check_relations, examine, find_faults, record, simulate, simulated_entry,
     write_run,
 };
 
@@ -336,7 +336,7 @@ fn a_box_that_is_turned_is_one_fault_with_its_rotation() {
         [0.3, -0.4, 2.0],
         [-2.5, 1.0, -0.7],
     ] {
-        let faults = judge(&[in_a_box("a", angles), in_a_box("b", angles)]);
+        let faults = find_faults(&[in_a_box("a", angles), in_a_box("b", angles)]);
         let runs: Vec<&str> = faults.iter().map(|fault| fault.run.as_str()).collect();
         assert_eq!(runs, ["a", "b"], "{angles:?}: {faults:#?}");
         for fault in &faults {
@@ -354,7 +354,7 @@ fn a_box_that_is_turned_is_one_fault_with_its_rotation() {
         }
     }
     // The rest of a quarter turn is no finding.
-    let turned = judge(&[
+    let turned = find_faults(&[
         in_a_box("a", [0.0, 0.0, FRAC_PI_2]),
         in_a_box("b", [0.0, 0.0, FRAC_PI_2]),
     ]);
@@ -366,17 +366,17 @@ fn a_box_that_is_turned_is_one_fault_with_its_rotation() {
         turned[0].mend
     );
     // A box that is nearly aligned is advice.
-    let slight = judge(&[
+    let slight = find_faults(&[
         in_a_box("a", [0.0, 0.1, 0.0]),
         in_a_box("b", [0.0, 0.1, 0.0]),
     ]);
     assert!(slight.iter().all(|fault| !fault.proven), "{slight:?}");
     assert_eq!(slight[0].kind, FaultKind::Rotation);
-    assert!(judge(&[in_a_box("a", [0.0, 0.0, 0.005]), in_a_box("b", [0.0; 3])]).is_empty());
+    assert!(find_faults(&[in_a_box("a", [0.0, 0.0, 0.005]), in_a_box("b", [0.0; 3])]).is_empty());
     // The usual accuracy of a mount is no other sign of a channel.
     for pitch in [-0.045, -0.03, 0.03, 0.045] {
         let mounted = ["a", "b"].map(|name| in_a_box(name, [0.0, pitch, 0.0]));
-        assert_eq!(judge(&mounted), [], "{pitch}");
+        assert_eq!(find_faults(&mounted), [], "{pitch}");
     }
 }
 
@@ -392,7 +392,7 @@ fn turned(name: &str, sign: f64) -> Run {
 #[test]
 fn a_sign_is_proved_where_all_runs_agree_and_doubted_where_one_does_not() {
     let mut mixed = [turned("a", 1.0), turned("b", -1.0)];
-    let faults = judge(&mixed);
+    let faults = find_faults(&mixed);
     assert!(
         faults
             .iter()
@@ -410,7 +410,7 @@ fn a_sign_is_proved_where_all_runs_agree_and_doubted_where_one_does_not() {
         mixed[1].remarks
     );
     let mut all = [turned("a", -1.0), turned("b", -1.0)];
-    let proven = judge(&all).iter().filter(|f| f.proven).count();
+    let proven = find_faults(&all).iter().filter(|f| f.proven).count();
     assert_eq!(proven, 2);
     let message = check_relations(&mut all).unwrap_err().to_string();
     assert!(message.contains("yaw_rate_radps"), "{message}");
