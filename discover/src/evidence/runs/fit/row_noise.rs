@@ -179,8 +179,7 @@ fn noise_covariance(model: &ResidualModel, frame: &Frame) -> NoiseCovariance {
     let on_run = ModelOnRun::new(model, &noise.samples);
     let share = 1.0 / noise.samples.len().max(1) as f64;
     for i in 0..noise.samples.len() {
-        let at = on_run.instant(i, &on_run.measured(i));
-        let jacobian = on_run.jacobian_of_readings(i, &at, &on_run.forces(&at));
+        let jacobian = on_run.jacobian_of_readings(i, &on_run.instant(i));
         let change = |sensor: Sensor, value: f64, rate: f64| {
             Vector3::from(jacobian.of_sensor(sensor, value, rate)) / on_run.scale(sensor)
         };

@@ -184,12 +184,11 @@ impl Design<'_> {
             .collect();
         let any_corrects = in_time.iter().any(|(_, (trial, _))| trial.moves_signals());
         for i in 0..n {
-            let at = on_run.instant(i, &on_run.measured(i));
-            let forces = on_run.forces(&at);
+            let at = on_run.instant(i);
             let jacobian = any_corrects
-                .then(|| on_run.residual_jacobian(&at, &forces))
+                .then(|| on_run.residual_jacobian(&at))
                 .flatten();
-            let unchanged = on_run.residuals_with_forces(&at, &forces);
+            let unchanged = at.residuals();
             if !shifted.is_empty() {
                 instants.push(at);
             }
@@ -211,7 +210,7 @@ impl Design<'_> {
                     }
                 };
                 let jacobian = jacobian.as_ref();
-                let values = on_run.residuals_with_effect(i, trial, at, &forces, jacobian);
+                let values = on_run.residuals_with_effect(i, trial, at, jacobian);
                 put(*k, values, 0.01);
             }
             for (k, other) in &with_steps {
@@ -219,7 +218,7 @@ impl Design<'_> {
             }
             if self.form > 0.0 {
                 let form = 0.01 * self.form;
-                let with_errors = on_run.residuals_with_form_errors(&at, &forces, form);
+                let with_errors = on_run.residuals_with_form_errors(&at, form);
                 for (k, values) in (first_form..).zip(with_errors) {
                     put(k, values, 0.01);
                 }
@@ -325,7 +324,7 @@ impl Design<'_> {
         let readings = Readings::new(self.residual_model, modelled);
         let jacobian = |(i, known): (usize, &Instant)| {
             let at = on_modelled.instant_near(i, &on_modelled.measured(i), known);
-            on_modelled.jacobian_of_readings(i, &at, &on_modelled.forces(&at))
+            on_modelled.jacobian_of_readings(i, &at)
         };
         let jacobians: Vec<ResidualJacobian> = instants.iter().enumerate().map(jacobian).collect();
         for (k, shift) in shifted {

@@ -1,7 +1,7 @@
 //! Changes of sensor readings and constants by installation errors and delays.
 
+use kufe_sled::Sled;
 use kufe_sled::effects::{SENSORS, Sensor};
-use kufe_sled::{Sled, Vehicle};
 
 use crate::evidence::runs::model::channels::Channels;
 use crate::evidence::runs::model::installation::{Installation, InstallationError};
@@ -10,7 +10,7 @@ use crate::evidence::runs::model::residual_model::{BALANCES, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 
 /// Channels of the inertial unit.
-const UNIT: [Sensor; 6] = [
+const INERTIAL_UNIT: [Sensor; 6] = [
     Sensor::Ax,
     Sensor::Ay,
     Sensor::Az,
@@ -43,8 +43,8 @@ impl<'a> Readings<'a> {
     pub fn new(model: &'a ResidualModel, frame: &'a Frame) -> Self {
         let delays = model.effects.on_track(&frame.track).delays();
         let installation = &model.installation;
-        let channels = corrected(installation, frame, &Sensor::ALL, &delays);
-        let mut unmixed = corrected(installation, frame, &UNIT, &delays);
+        let channels = installation.corrected_channels(frame, &Sensor::ALL, &delays);
+        let mut unmixed = installation.corrected_channels(frame, &INERTIAL_UNIT, &delays);
         installation.correct_coupling(&mut unmixed);
         Self {
             model,
@@ -52,7 +52,7 @@ impl<'a> Readings<'a> {
             delays,
             channels,
             unmixed,
-            sled: sled_of(&model.vehicle, installation, frame),
+            sled: installation.corrected_constants(stated_sled(model, frame)),
         }
     }
 
@@ -85,11 +85,12 @@ impl<'a> Readings<'a> {
             let mut changed = changed.iter();
             self.delays[k] != delays[k] || changed.any(|error| error.sensor() == Some(*sensor))
         };
-        let sensors = match couples {
-            true => UNIT.to_vec(),
-            false => Sensor::ALL.into_iter().filter(is_changed).collect(),
+        let sensors = if couples {
+            INERTIAL_UNIT.to_vec()
+        } else {
+            Sensor::ALL.into_iter().filter(is_changed).collect()
         };
-        let mut channels = corrected(other, frame, &sensors, delays);
+        let mut channels = other.corrected_channels(frame, &sensors, delays);
         if couples {
             other.correct_coupling(&mut channels);
         }
@@ -108,35 +109,21 @@ impl<'a> Readings<'a> {
         };
         Differences {
             sensors: sensors.into_iter().map(between).collect(),
-            sleds: [self.sled, sled_of(&model.vehicle, other, frame)],
+            sleds: [
+                self.sled,
+                other.corrected_constants(stated_sled(model, frame)),
+            ],
         }
     }
 }
 
-/// Channels of a run; `sensors` are corrected for installation errors and delays.
-fn corrected<'a>(
-    installation: &Installation,
-    frame: &'a Frame,
-    sensors: &[Sensor],
-    delays: &[f64; SENSORS],
-) -> Channels<'a> {
-    let mut channels = Channels::new(frame);
-    for sensor in sensors {
-        let delay = delays[*sensor as usize];
-        installation.correct(*sensor, &frame.session, delay, &mut channels);
-    }
-    channels
-}
-
-/// The constants of a run's sled, corrected for installation errors.
-fn sled_of(vehicle: &Vehicle, installation: &Installation, frame: &Frame) -> Sled {
-    let sled = vehicle.sled;
-    let mut sled = Sled {
+/// The stated constants of a run's sled.
+fn stated_sled(model: &ResidualModel, frame: &Frame) -> Sled {
+    let sled = model.vehicle.sled;
+    Sled {
         mass_kg: frame.mass_kg.unwrap_or(sled.mass_kg),
         ..sled
-    };
-    installation.correct_constants(&mut sled);
-    sled
+    }
 }
 
 impl Differences {

@@ -198,37 +198,59 @@ impl Frame {
         let used: Vec<usize> = self.samples().collect();
         let every = used.len().div_ceil(count.max(1)).max(1);
         let samples: Vec<usize> = used.into_iter().step_by(every).collect();
-        let mut thinned = self.with_columns(|column| match column.is_empty() {
-            true => Vec::new(),
-            false => samples.iter().map(|i| column[*i]).collect(),
+        let mut thinned = self.with_columns(|column| {
+            let at_samples = samples.iter().filter_map(|i| column.get(*i));
+            at_samples.copied().collect()
         });
         thinned.is_used = vec![true; samples.len()];
         thinned.centres.clear();
         thinned
     }
 
+    /// A sensor's signal, and its derivative if the model uses it.
+    pub fn series(&self, sensor: Sensor) -> (&Vec<f64>, Option<&Vec<f64>>) {
+        match sensor {
+            Sensor::Ax => (&self.acceleration[0], None),
+            Sensor::Ay => (&self.acceleration[1], None),
+            Sensor::Az => (&self.acceleration[2], None),
+            Sensor::RollRate => (&self.rate[0], Some(&self.rate_slope[0])),
+            Sensor::PitchRate => (&self.rate[1], Some(&self.rate_slope[1])),
+            Sensor::YawRate => (&self.rate[2], Some(&self.rate_slope[2])),
+            Sensor::Speed => (&self.v, Some(&self.v_slope)),
+            Sensor::Slip => (&self.slip, Some(&self.slip_rate)),
+            Sensor::Steering => (&self.steer, Some(&self.steer_rate)),
+            Sensor::RollSplit => (&self.roll_split, None),
+        }
+    }
+
+    /// [`series`](Self::series), to be changed.
+    pub fn series_mut(&mut self, sensor: Sensor) -> (&mut Vec<f64>, Option<&mut Vec<f64>>) {
+        match sensor {
+            Sensor::Ax => (&mut self.acceleration[0], None),
+            Sensor::Ay => (&mut self.acceleration[1], None),
+            Sensor::Az => (&mut self.acceleration[2], None),
+            Sensor::RollRate => (&mut self.rate[0], Some(&mut self.rate_slope[0])),
+            Sensor::PitchRate => (&mut self.rate[1], Some(&mut self.rate_slope[1])),
+            Sensor::YawRate => (&mut self.rate[2], Some(&mut self.rate_slope[2])),
+            Sensor::Speed => (&mut self.v, Some(&mut self.v_slope)),
+            Sensor::Slip => (&mut self.slip, Some(&mut self.slip_rate)),
+            Sensor::Steering => (&mut self.steer, Some(&mut self.steer_rate)),
+            Sensor::RollSplit => (&mut self.roll_split, None),
+        }
+    }
+
     /// The run with `of` applied to every column of samples.
     pub fn with_columns(&self, of: impl Fn(&[f64]) -> Vec<f64>) -> Self {
         let mut changed = self.clone();
-        for column in changed
-            .acceleration
-            .iter_mut()
-            .chain(&mut changed.rate)
-            .chain(&mut changed.rate_slope)
-            .chain(changed.extra.values_mut())
-            .chain([
-                &mut changed.t,
-                &mut changed.s,
-                &mut changed.v,
-                &mut changed.v_slope,
-                &mut changed.slip,
-                &mut changed.slip_rate,
-                &mut changed.steer,
-                &mut changed.steer_rate,
-                &mut changed.roll_split,
-                &mut changed.slope,
-            ])
-        {
+        for sensor in Sensor::ALL {
+            let (signal, derivative) = changed.series_mut(sensor);
+            *signal = of(signal);
+            if let Some(derivative) = derivative {
+                *derivative = of(derivative);
+            }
+        }
+        let others = [&mut changed.t, &mut changed.s, &mut changed.slope];
+        for column in others.into_iter().chain(changed.extra.values_mut()) {
             *column = of(column);
         }
         changed
