@@ -10,7 +10,7 @@
 use std::sync::Arc;
 
 use kufe_sled::Noise;
-use kufe_sled::effects::{Sensor, ahead};
+use kufe_sled::effects::{SENSORS, Sensor, ahead};
 use rand::Rng;
 use rayon::prelude::*;
 
@@ -18,7 +18,6 @@ use crate::evidence::runs::model::channels::Channels;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows, ResidualModel};
 use crate::evidence::runs::model::whiten::scaled;
 use crate::evidence::runs::recordings::frame::{Frame, ReadingVariances, RowNoise};
-use crate::evidence::runs::recordings::noise::axes::ColumnNoise;
 use crate::evidence::runs::recordings::noise::sensors::SensorNoise;
 use crate::evidence::runs::recordings::smooth_run::signal_kernel;
 use crate::null::random::{below, sign, stream};
@@ -46,6 +45,20 @@ const MIN_NOISE: Noise = Noise {
     steer_rad: 1e-6,
     roll_split_rad: 1e-6,
 };
+
+/// The order in which noise is drawn.
+const NOISE_ORDER: [Sensor; SENSORS] = [
+    Sensor::Ax,
+    Sensor::RollRate,
+    Sensor::Ay,
+    Sensor::PitchRate,
+    Sensor::Az,
+    Sensor::YawRate,
+    Sensor::Speed,
+    Sensor::Slip,
+    Sensor::Steering,
+    Sensor::RollSplit,
+];
 
 /// A simulated run without noise and with noise of both signs.
 pub struct SimulatedPair {
@@ -228,54 +241,24 @@ impl RunSimulator {
         rng: &mut impl Rng,
     ) {
         let kernel = signal_kernel(plus.recorded_dt, &self.signals);
-        let n = plus.len();
-        let length = (n - 1) * kernel.stride + 2 * kernel.margin() + 1;
+        let length = (plus.len() - 1) * kernel.stride + 2 * kernel.margin() + 1;
         let dt = plus.recorded_dt;
-        let mut noise_of = |column: ColumnNoise| -> Vec<f64> {
+        for sensor in NOISE_ORDER {
+            let column = noise.of(sensor);
             let noise = column.colour.noise(length, dt, rng);
-            noise.into_iter().map(|e| column.sd * e).collect()
-        };
-        let add = |plus: &mut [f64], minus: &mut [f64], noise: Vec<f64>| {
-            for ((x, y), e) in plus.iter_mut().zip(minus).zip(noise) {
-                *x += e;
-                *y -= e;
+            let noise: Vec<f64> = noise.into_iter().map(|e| column.sd * e).collect();
+            let smooth = kernel.smooth(&noise);
+            let (_, derivative) = plus.series(sensor);
+            let slope = derivative.map_or_else(Vec::new, |_| kernel.slope(&noise));
+            for (run, sign) in [(&mut *plus, 1.0), (&mut *minus, -1.0)] {
+                let (signal, derivative) = run.series_mut(sensor);
+                let changed = [(Some(signal), &smooth), (derivative, &slope)];
+                for (to, noise) in changed {
+                    let both = to.into_iter().flatten().zip(noise);
+                    both.for_each(|(x, e)| *x += sign * e);
+                }
             }
-        };
-        for axis in 0..3 {
-            let e = kernel.smooth(&noise_of(noise.accel_mps2[axis]));
-            add(
-                &mut plus.acceleration[axis],
-                &mut minus.acceleration[axis],
-                e,
-            );
-            let e = noise_of(noise.rate_radps[axis]);
-            add(
-                &mut plus.rate[axis],
-                &mut minus.rate[axis],
-                kernel.smooth(&e),
-            );
-            let slope = kernel.slope(&e);
-            add(
-                &mut plus.rate_slope[axis],
-                &mut minus.rate_slope[axis],
-                slope,
-            );
         }
-        let e = noise_of(noise.speed_mps);
-        add(&mut plus.v, &mut minus.v, kernel.smooth(&e));
-        add(&mut plus.v_slope, &mut minus.v_slope, kernel.slope(&e));
-        let e = noise_of(noise.slip_rad);
-        add(&mut plus.slip, &mut minus.slip, kernel.smooth(&e));
-        add(&mut plus.slip_rate, &mut minus.slip_rate, kernel.slope(&e));
-        let e = noise_of(noise.steer_rad);
-        add(&mut plus.steer, &mut minus.steer, kernel.smooth(&e));
-        add(
-            &mut plus.steer_rate,
-            &mut minus.steer_rate,
-            kernel.slope(&e),
-        );
-        let e = kernel.smooth(&noise_of(noise.roll_split_rad));
-        add(&mut plus.roll_split, &mut minus.roll_split, e);
     }
 }
 
@@ -285,28 +268,28 @@ impl RunSimulator {
 /// Residuals of a delayed sensor are shifted to the time of its reading.
 ///
 /// `rows` are the longitudinal, lateral and yaw residuals at every retained sample.
-pub fn truth<R: AsRef<[f64]>>(frame: &Frame, residual_model: &ResidualModel, rows: &[R]) -> Frame {
+pub fn truth(frame: &Frame, residual_model: &ResidualModel, rows: &[Vec<f64>]) -> Frame {
     let mut run = frame.clone();
     let sled = &residual_model.vehicle.sled;
     let mass_kg = frame.mass_kg.unwrap_or(sled.mass_kg);
     let delayed = |sensor: Sensor, residual: Vec<f64>| {
         let delay = residual_model.delay(sensor, &frame.track);
-        match delay == 0.0 {
-            true => residual,
-            false => ahead(&residual, -delay / frame.sample_s()),
+        if delay == 0.0 {
+            return residual;
         }
+        ahead(&residual, -delay / frame.sample_s())
     };
-    let yaw: Vec<f64> = rows[2]
-        .as_ref()
-        .iter()
-        .map(|m| m / sled.j_zz_kgm2)
-        .collect();
-    let aligned = |place: f64, rows: &[f64]| -> Vec<f64> {
+    let [along, side, yaw, ..] = rows else {
+        panic!("rows of three balances");
+    };
+    let yaw: Vec<f64> = yaw.iter().map(|m| m / sled.j_zz_kgm2).collect();
+    // The accelerometer at a lever from the centre of gravity measures the yaw acceleration, too.
+    let at_sensor = |lever: f64, rows: &[f64]| -> Vec<f64> {
         let both = rows.iter().zip(&yaw);
-        both.map(|(r, yaw)| place * yaw - r / mass_kg).collect()
+        both.map(|(r, yaw)| lever * yaw - r / mass_kg).collect()
     };
-    let along = aligned(sled.accel_y_m, rows[0].as_ref());
-    let side = aligned(-sled.accel_x_m, rows[1].as_ref());
+    let along = at_sensor(sled.accel_y_m, along);
+    let side = at_sensor(-sled.accel_x_m, side);
     let minus_yaw = yaw.iter().map(|yaw| -yaw).collect();
     let [longitudinal, lateral, _] = &mut run.acceleration;
     for (to, change) in [

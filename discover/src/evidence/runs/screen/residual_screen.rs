@@ -13,7 +13,6 @@ use crate::evidence::runs::model::windows::Window;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::null::clusters::session_numbers;
 use crate::null::sign_flips::MaxT;
-use crate::null::unit_scores::UnitScores;
 use crate::procedure::candidate::Candidate;
 use crate::regression::prior::Prior;
 use crate::regression::scores::{Scores, cross_information};
@@ -68,7 +67,7 @@ pub struct RunScreen {
     /// Scores of the regular candidates, then of the windows.
     pub scores: Vec<CandidateScore>,
     /// Scores by run of candidates and windows.
-    pub sums: UnitScores,
+    pub by_run: Scores,
     /// Information matrix of the regular candidates given the base.
     pub cross: DMatrix<f64>,
 }
@@ -160,10 +159,9 @@ pub fn screen_runs(
     );
     // Three families of candidates: the catalogue, columns outside it, places.
     let families = [0..named, named..regular, regular..count];
-    let sums = UnitScores::of(&scores);
     let of_family = |family: &Range<usize>| {
         let rows: Vec<usize> = family.clone().collect();
-        let mut family = sums.only(&rows);
+        let mut family = scores.only(&rows);
         for (row, _) in rows.iter().enumerate().filter(|(_, c)| !usable[**c]) {
             family.information.row_mut(row).fill(0.0);
         }
@@ -237,7 +235,7 @@ pub fn screen_runs(
         .collect();
     RunScreen {
         scores: candidate_scores,
-        sums,
+        by_run: scores,
         cross: cross_information(&grams, prior),
     }
 }
@@ -248,12 +246,12 @@ pub fn screen_runs(
 /// The few runs on a track have few sign patterns, and the windows share their norms. An effect in
 /// the data would otherwise appear in its own null distribution, with seven ninths of its T if one
 /// of nine signs is flipped. The remaining scores scatter as noise does.
-fn without_estimated_effect(windows: &UnitScores) -> DMatrix<f64> {
+fn without_estimated_effect(windows: &Scores) -> DMatrix<f64> {
     let mut u = windows.u.clone();
     for c in 0..u.nrows() {
         let of_runs = windows.information.row(c);
         let runs = of_runs.iter().filter(|i| **i > 1e-9).count() as f64;
-        let information = of_runs.sum() + windows.common.row(c).norm_squared();
+        let information = windows.total_information(c);
         if information <= 0.0 || runs < 2.0 {
             continue;
         }
@@ -320,7 +318,7 @@ impl RunScreen {
         let pairs = |i: usize, j: usize| self.cross[(selected[i], selected[j])];
         Self {
             scores: selected.iter().map(|c| self.scores[*c].clone()).collect(),
-            sums: self.sums.only(selected),
+            by_run: self.by_run.only(selected),
             cross: DMatrix::from_fn(selected.len(), selected.len(), pairs),
         }
     }
@@ -328,7 +326,7 @@ impl RunScreen {
     /// T of regular candidate `a` given `b`.
     pub fn t_given(&self, a: usize, b: usize) -> f64 {
         let share = self.cross[(a, b)] / self.cross[(b, b)].max(1e-300);
-        self.sums.t_less(a, b, share)
+        self.by_run.t_less(a, b, share)
     }
 
     /// Correlation of two regular candidates given the base, corrected for noise.

@@ -14,7 +14,6 @@ use crate::evidence::runs::screen::residual_screen::{
 };
 use crate::evidence::runs::screen::track::on_track::SurveyedTrack;
 use crate::evidence::runs::shared_effects::within;
-use crate::null::unit_scores::UnitScores;
 use crate::options::OUTSIDE_CATALOGUE;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Randomised, Screen, Selection};
@@ -200,9 +199,8 @@ impl Campaign<'_> {
                 .collect();
             let scores = Scores::new(&grams, &design.prior());
             together.cross = cross_information(&grams, &design.prior());
-            let sums = UnitScores::of(&scores);
             for (k, (candidate, c)) in (selected.len()..).zip(&competing) {
-                together.sums.push(&sums, k);
+                together.by_run.push(&scores, k);
                 let information = scores.total_information(k).max(1e-300);
                 let sum = scores.sum(k);
                 let mut seen = screen.scores[*c].clone();

@@ -1,5 +1,7 @@
 //! Noise of an instrument's axes by their spectra.
 
+use kufe_sled::effects::Sensor;
+
 use crate::evidence::runs::recordings::noise::colour::Colour;
 use crate::evidence::runs::recordings::noise::periodogram::Periodogram;
 use crate::evidence::runs::recordings::training_samples::TrainingSamples;
@@ -15,13 +17,13 @@ pub struct ColumnNoise {
 /// Noise of each axis of an instrument, by its spectrum.
 pub fn of_instrument(
     learned: &[TrainingSamples],
-    axes: &[&str],
+    axes: &[Sensor],
     from_hz: f64,
     quietest: f64,
 ) -> Option<Vec<ColumnNoise>> {
     // A column that is always constant, as a roll split of zeros, is not measured: it has no noise.
-    let moves = |name: &str| learned.iter().any(|piece| piece.moves(name));
-    if !axes.iter().any(|name| moves(name)) {
+    let moves = |axis: &Sensor| learned.iter().any(|piece| piece.moves(axis.name()));
+    if !axes.iter().any(moves) {
         let still = ColumnNoise {
             sd: 0.0,
             colour: Colour::WHITE,
@@ -30,9 +32,10 @@ pub fn of_instrument(
     }
     let dt = learned.first()?.run.dt_s;
     let alike: Vec<&TrainingSamples> = learned.iter().filter(|p| p.run.dt_s == dt).collect();
-    let spectrum = |name: &&str| {
-        let columns: Vec<&[f64]> = alike.iter().filter_map(|p| p.column(name)).collect();
-        Periodogram::of(&columns, dt, from_hz).filter(|_| moves(name))
+    let spectrum = |axis: &Sensor| {
+        let columns = alike.iter().filter_map(|piece| piece.column(axis.name()));
+        let columns: Vec<&[f64]> = columns.collect();
+        Periodogram::of(&columns, dt, from_hz).filter(|_| moves(axis))
     };
     let seen: Vec<Option<Periodogram>> = axes.iter().map(spectrum).collect();
     of_axes(&seen, dt, quietest)
