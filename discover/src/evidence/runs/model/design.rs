@@ -49,7 +49,25 @@ pub struct Design<'a> {
     pub noise: Option<&'a [Matrix3<f64>]>,
 }
 
-impl Design<'_> {
+impl<'a> Design<'a> {
+    /// Plain derivatives by the fitted parameters of a model, without candidates and form errors.
+    pub fn new(
+        residual_model: &'a ResidualModel,
+        whitener: &'a Whitener,
+        free_base: &'a [usize],
+    ) -> Self {
+        Self {
+            residual_model,
+            whitener,
+            free_base,
+            form: 0.0,
+            candidates: &[],
+            local: &[],
+            windows: &[],
+            noise: None,
+        }
+    }
+
     /// Number of fitted parameters: base, amplitudes, installation errors, form errors,
     /// discrepancy.
     pub fn fitted_count(&self) -> usize {
