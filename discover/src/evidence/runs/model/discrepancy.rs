@@ -77,10 +77,8 @@ impl Discrepancy {
             splines: ((to - from) / knots_m).ceil().max(1.0) as usize + 3,
         };
         let repeatable = |c, rows| Means::new(c, frames, rows, 0.5 * knots_m).repeatable(None);
-        let variance = |c: usize| match used[c] {
-            true => repeatable(c, rows) - repeatable(c, simulated).max(0.0),
-            false => 0.0,
-        };
+        let variance = |c: usize| repeatable(c, rows) - repeatable(c, simulated).max(0.0);
+        let variance = |c: usize| if used[c] { variance(c) } else { 0.0 };
         let spans = spans.into_iter().filter(|(_, [from, to])| from <= to);
         Self {
             spans: spans.map(span).collect(),
@@ -129,10 +127,7 @@ impl Discrepancy {
 
     /// Number of coefficients that are fitted.
     pub fn fitted_count(&self) -> usize {
-        match self.fixed {
-            true => 0,
-            false => self.count(),
-        }
+        if self.fixed { 0 } else { self.count() }
     }
 
     /// The first coefficient of a track and its splines.

@@ -126,7 +126,7 @@ pub fn screen_runs(
     let grams: Vec<_> = products
         .iter()
         .zip(noise)
-        .map(|(p, d)| p.corrected(d, 1.0))
+        .map(|(p, d)| p.corrected(d))
         .collect();
     let scores = Scores::new(&grams, prior);
     let plain: Vec<_> = products.iter().map(Products::plain).collect();

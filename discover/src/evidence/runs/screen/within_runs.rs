@@ -195,7 +195,7 @@ impl Campaign<'_> {
                 .products(&self.training)
                 .iter()
                 .zip(&noise)
-                .map(|(p, d)| p.corrected(d, 1.0))
+                .map(|(p, d)| p.corrected(d))
                 .collect();
             let scores = Scores::new(&grams, &design.prior());
             together.cross = cross_information(&grams, &design.prior());
