@@ -9,7 +9,7 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::installation::{Information, Installation, InstallationError};
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel, TRACK};
-use crate::evidence::runs::screen::track::channel::TrackChannel;
+use crate::evidence::runs::screen::track::channel::{ProfileDeparture, TrackChannel};
 use crate::finding::{Fitted, Rival};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Dependence, Selection};
@@ -189,24 +189,34 @@ impl Campaign<'_> {
             "m/s2" => known.accel_bias_mps2,
             _ => 0.0,
         };
-        match sd > 0.0 {
-            true => (FREEDOM + 1.0) * ((size / sd).powi(2) / FREEDOM).ln_1p(),
-            false => 0.0,
+        if sd > 0.0 {
+            (FREEDOM + 1.0) * ((size / sd).powi(2) / FREEDOM).ln_1p()
+        } else {
+            0.0
         }
     }
 
-    /// The selected effect in the track channel, if one is significant.
+    /// The selected effect in the track channel, if one is significant: a slope or a sensor error,
+    /// else a departure of the profile.
     pub fn on_the_track(
         &self,
         residual_model: &ResidualModel,
         track: &SurveyedTrack,
         account: &mut Account,
     ) -> Option<Selection<Amplitude>> {
+        self.slope_or_sensor(residual_model, track, account)
+            .or_else(|| self.profile_departure(residual_model, track, account))
+    }
+
+    /// The candidate of the largest posterior density, if one is significant.
+    fn slope_or_sensor(
+        &self,
+        residual_model: &ResidualModel,
+        track: &SurveyedTrack,
+        account: &mut Account,
+    ) -> Option<Selection<Amplitude>> {
         let rules = self.rules();
-        let SurveyedTrack {
-            channel, list, sd, ..
-        } = track;
-        let sd = *sd;
+        let (channel, list, sd) = (&track.channel, &track.list, track.sd);
         // A sensor error also acts on the forces: candidates that these contradict are excluded.
         let agrees = |c: usize| {
             self.by_forces
@@ -246,62 +256,74 @@ impl Campaign<'_> {
                 .max_by(|a, b| posterior(*a).total_cmp(&posterior(*b)))
         };
         let selected = |factor: f64| best(significant(factor), factor);
-        let named = selected(1.0);
-        if let Some(named) = named {
-            let seen = channel.score(named, sd);
-            // A rival is excluded if the forces contradict its size but not the named one's.
-            let needed = rules.track_rivals.needed_t.powi(2);
-            let contradicted = |j: &usize| force_gains[*j] < force_gains[named] - needed;
-            let rivals = consistent.iter().copied();
-            let rivals = rivals.filter(|j| *j != named && !contradicted(j));
-            let others = rivals.map(|j| {
-                let seen = channel.score(j, sd);
-                Rival {
-                    correlation: channel.correlation(named, j, sd),
-                    t_of_named_beyond: channel.t_given(named, j, sd),
-                    in_class: true,
-                    ..list[j].rival(seen.size, seen.size / seen.error)
-                }
-            });
-            let t = seen.size / seen.error;
-            let (class, rivals) = rules.track_rivals.class(
-                &NamedEffect {
-                    effect: &list[named].effect,
-                    t,
-                    gain: t * t,
-                    units: self.training.len(),
-                },
-                others.collect(),
-            );
-            let error = seen.error.hypot(self.line_sd(&list[named]));
-            if selected(2.0).is_none() {
-                account.depends.push(on_survey(format!(
-                    "{} is significant at the stated survey deviation but not at twice it",
-                    list[named].effect
-                )));
+        let named = selected(1.0)?;
+        let seen = channel.score(named, sd);
+        // A rival is excluded if the forces contradict its size but not the named one's.
+        let needed = rules.track_rivals.needed_t.powi(2);
+        let contradicted = |j: &usize| force_gains[*j] < force_gains[named] - needed;
+        let rivals = consistent.iter().copied();
+        let rivals = rivals.filter(|j| *j != named && !contradicted(j));
+        let others = rivals.map(|j| {
+            let seen = channel.score(j, sd);
+            Rival {
+                correlation: channel.correlation(named, j, sd),
+                t_of_named_beyond: channel.t_given(named, j, sd),
+                in_class: true,
+                ..list[j].rival(seen.size, seen.size / seen.error)
             }
-            let candidate = list[named].clone();
-            let place = ("all runs", CHANNEL_NAMES[TRACK]);
-            return Some(Selection {
-                class,
-                rivals,
-                p_value: seen.p_value,
-                parameters: self.track_estimate(&candidate, seen.size, error),
-                ..Selection::new(candidate, seen.size, seen.error, place)
-            });
+        });
+        let t = seen.size / seen.error;
+        let (class, rivals) = rules.track_rivals.class(
+            &NamedEffect {
+                effect: &list[named].effect,
+                t,
+                gain: t * t,
+                units: self.training.len(),
+            },
+            others.collect(),
+        );
+        let candidate = list[named].clone();
+        let error = seen.error.hypot(self.line_sd(&candidate));
+        if selected(2.0).is_none() {
+            account.depends.push(on_survey(format!(
+                "{} is significant at the stated survey deviation but not at twice it",
+                candidate.effect
+            )));
         }
+        let place = ("all runs", CHANNEL_NAMES[TRACK]);
+        Some(Selection {
+            class,
+            rivals,
+            p_value: seen.p_value,
+            parameters: self.track_estimate(&candidate, seen.size, error),
+            ..Selection::new(candidate, seen.size, seen.error, place)
+        })
+    }
+
+    /// The departure of the track's profile from its survey, if it is significant and plausible.
+    fn profile_departure(
+        &self,
+        residual_model: &ResidualModel,
+        track: &SurveyedTrack,
+        account: &mut Account,
+    ) -> Option<Selection<Amplitude>> {
+        let (channel, sd) = (&track.channel, track.sd);
+        let alpha = self.rules().alpha_track;
         let profile = self.candidates.track.iter().find(|c| c.is_profile())?;
-        if residual_model
-            .effects
-            .active
-            .iter()
-            .any(|e| e.effect_name() == profile.effect)
-        {
+        let mut active = residual_model.effects.active.iter();
+        if active.any(|e| e.effect_name() == profile.effect) {
             return None;
         }
-        let (p, track, from, to, slope, needed_sd) = channel.profile(sd);
-        if p > rules.alpha_track {
-            if channel.profile(0.5 * sd).0 <= rules.alpha_track && needed_sd > sd {
+        let ProfileDeparture {
+            p_value,
+            track,
+            from_m,
+            to_m,
+            slope,
+            needed_sd,
+        } = channel.profile(sd);
+        if p_value > alpha {
+            if channel.profile(0.5 * sd).p_value <= alpha && needed_sd > sd {
                 account.remarks.push(format!("the track's profile would be off if its survey were twice as good as stated; {needed_sd:.5} rad fits it"));
             }
             return None;
@@ -309,23 +331,23 @@ impl Campaign<'_> {
         // A slope error beyond the bounds of a profile is not an error of the survey.
         if !profile.admits(slope) {
             account.remarks.push(format!(
-                "on track {track}, s {from:.0}-{to:.0} m, the speed's derivative, the accelerometer and the slope disagree by {slope:.3} rad, more than a plausible profile error: a sensor or the distance is wrong there"
+                "on track {track}, s {from_m:.0}-{to_m:.0} m, the speed's derivative, the accelerometer and the slope disagree by {slope:.3} rad, more than a plausible profile error: a sensor or the distance is wrong there"
             ));
             return None;
         }
-        if channel.profile(2.0 * sd).0 > rules.alpha_track {
+        if channel.profile(2.0 * sd).p_value > alpha {
             account.depends.push(on_survey(format!(
                 "the track's profile departs from its survey at the stated deviation of {sd:.5} rad, not at twice it; {needed_sd:.5} rad fits it"
             )));
         }
-        let candidate = profile.within(&track, from, to);
+        let candidate = profile.within(&track, from_m, to_m);
         let place = format!(
-            "s {from:.0}-{to:.0} m on track {track} most; the whole profile departs by {needed_sd:.5} rad"
+            "s {from_m:.0}-{to_m:.0} m on track {track} most; the whole profile departs by {needed_sd:.5} rad"
         );
         let place = (place.as_str(), CHANNEL_NAMES[TRACK]);
         Some(Selection {
             parameters: self.track_estimate(&candidate, slope, needed_sd),
-            p_value: p,
+            p_value,
             ..Selection::new(candidate, slope, needed_sd, place)
         })
     }
