@@ -10,7 +10,7 @@ use crate::evidence::runs::recordings::place_scales::PlaceScales;
 use crate::evidence::runs::recordings::smooth::Kernel;
 
 /// One run, or one segment of a single long run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Frame {
     pub name: String,
     pub track: String,
@@ -87,6 +87,24 @@ pub struct RowNoise {
     pub variances: ReadingVariances,
 }
 
+/// Sum and number of values in a bin of distance.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BinSum {
+    pub sum: f64,
+    pub count: f64,
+}
+
+impl BinSum {
+    pub fn mean(&self) -> f64 {
+        self.sum / self.count
+    }
+}
+
+/// Number of the bin of width `width` \[m\] at a distance \[m\].
+pub fn bin_of(s: f64, width: f64) -> i64 {
+    (s / width).floor() as i64
+}
+
 /// Variances of each reading and of its derivative, by sensor.
 pub type ReadingVariances = [[f64; 2]; Sensor::ALL.len()];
 
@@ -139,15 +157,26 @@ impl Frame {
         self.row_kernel.smooth_at(x, &self.centres)
     }
 
-    /// A signal at retained samples, low-passed and thinned to rows, without rows next to gaps.
-    pub fn rows_without_gaps(&self, x: &[f64]) -> Vec<f64> {
-        let left_out = |i: &usize| self.centres.binary_search(i).is_err();
-        let centres: Vec<usize> = self
-            .row_kernel
-            .centres(self.len())
-            .filter(left_out)
-            .collect();
-        self.row_kernel.smooth_at(x, &centres)
+    /// A signal at the rows that are omitted because of gaps.
+    pub fn omitted_rows(&self, x: &[f64]) -> Vec<f64> {
+        let centres = self.row_kernel.centres(self.len());
+        let omitted = centres.filter(|i| self.centres.binary_search(i).is_err());
+        let omitted: Vec<usize> = omitted.collect();
+        self.row_kernel.smooth_at(x, &omitted)
+    }
+
+    /// Sums of values of the rows by bin of distance of width `width` [m].
+    pub fn sums_by_bin(
+        &self,
+        values: impl IntoIterator<Item = f64>,
+        width: f64,
+    ) -> BTreeMap<i64, BinSum> {
+        let mut sums: BTreeMap<i64, BinSum> = BTreeMap::new();
+        for (s, value) in self.rows(&self.s).into_iter().zip(values) {
+            let bin = sums.entry(bin_of(s, width)).or_default();
+            (bin.sum, bin.count) = (bin.sum + value, bin.count + 1.0);
+        }
+        sums
     }
 
     /// The relative standard deviation of each balance by row; empty if equal.

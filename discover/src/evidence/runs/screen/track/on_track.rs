@@ -360,7 +360,7 @@ impl Campaign<'_> {
             model_error: model.model_error,
             ..fit.residual_model
         };
-        Some(self.misfit(&model, &fit.whitener) + model.installation.penalty_relative_to_zero())
+        Some(self.penalised_misfit(&model, &fit.whitener))
     }
 
     /// Twice the decrease of the forces' misfit by a candidate of this size, relative to the misfit
