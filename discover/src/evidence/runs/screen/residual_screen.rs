@@ -11,6 +11,7 @@ use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::{Design, Products};
 use crate::evidence::runs::model::windows::Window;
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::finding::Detectable;
 use crate::null::clusters::session_numbers;
 use crate::null::sign_flips::MaxT;
 use crate::procedure::candidate::Candidate;
@@ -24,10 +25,8 @@ pub struct ScreenOptions {
     pub pairs: u64,
     /// Number of sign-flips.
     pub flips: usize,
-    /// Largest p-value of a selected effect.
+    /// Largest p-value of a selected effect of the catalogue, also in a window of distance.
     pub alpha: f64,
-    /// Largest p-value of a selected effect in a window of distance.
-    pub alpha_local: f64,
     /// Largest p-value of a selected effect outside the catalogue.
     pub alpha_column: f64,
     /// Smallest share of a column's information that remains after a refit of the base, and
@@ -36,6 +35,17 @@ pub struct ScreenOptions {
     /// Excess over the critical value of a size with a power of 90 %, in standard errors.
     pub nine_in_ten: f64,
     pub seed: u64,
+}
+
+impl ScreenOptions {
+    /// Largest p-value of a candidate that is selected.
+    pub fn alpha_of(&self, candidate: &Candidate<Amplitude>) -> f64 {
+        if candidate.is_column() {
+            self.alpha_column
+        } else {
+            self.alpha
+        }
+    }
 }
 
 /// Scores of a candidate or window.
@@ -123,34 +133,14 @@ pub fn screen_runs(
         noise,
         ..
     } = tested;
-    let grams: Vec<_> = products
-        .iter()
-        .zip(noise)
-        .map(|(p, d)| p.corrected(d))
-        .collect();
+    let grams = products.iter().zip(noise).map(|(p, d)| p.corrected(d));
+    let grams: Vec<_> = grams.collect();
     let scores = Scores::new(&grams, prior);
     let plain: Vec<_> = products.iter().map(Products::plain).collect();
     let plain = Scores::new(&plain, prior);
     let (count, runs) = scores.u.shape();
     let regular = tested.regular.len();
-    let usable: Vec<bool> = (0..count)
-        .map(|c| {
-            let information = scores.total_information(c);
-            let informative_runs = (0..runs)
-                .filter(|i| scores.information[(c, *i)] > 1e-9)
-                .count();
-            let enough = if c < regular {
-                // A direction that is mostly noise is excluded.
-                let min_information = options.min_shares[1] * plain.total_information(c);
-                informative_runs >= 4 && information > min_information
-            } else {
-                let window = &tested.windows[c - regular];
-                let on_track = frames.iter().filter(|f| f.track == window.track).count();
-                informative_runs >= 4 && 2 * informative_runs > on_track
-            };
-            scores.remaining_share(c) > options.min_shares[0] && information > 1e-6 && enough
-        })
-        .collect();
+    let usable = usable(tested, [&scores, &plain], frames, options);
     let norms = window_norms(&scores, &usable, tested);
     let named = tested.regular.iter().filter(|c| !c.is_column()).count();
     assert!(
@@ -179,12 +169,15 @@ pub fn screen_runs(
             options.seed ^ 0x10CA,
         ),
     ];
-    let alphas = [options.alpha, options.alpha_column, options.alpha_local];
-    let of_window = |(w, norm): (usize, &f64)| match *norm > 0.0 {
-        true => scores.sum(regular + w) / norm,
-        false => 0.0,
-    };
-    let of_windows = norms.iter().enumerate().map(of_window).collect();
+    let alphas = [options.alpha, options.alpha_column, options.alpha];
+    let of_windows = (regular..).zip(&norms).map(|(c, norm)| {
+        if *norm > 0.0 {
+            scores.sum(c) / norm
+        } else {
+            0.0
+        }
+    });
+    let of_windows = of_windows.collect();
     let t_all = [known.t(), columns.t(), of_windows].concat();
     let sessions = session_numbers(frames.iter().map(|frame| frame.session.as_str()));
     let p_sessions: Vec<Option<f64>> = [&known, &columns, &places]
@@ -198,11 +191,9 @@ pub fn screen_runs(
             of_sessions.t().into_iter().map(p_value).collect()
         })
         .collect();
-    let criticals: Vec<f64> = nulls
-        .iter()
-        .zip(alphas)
-        .map(|(null, alpha)| null.critical(alpha))
-        .collect();
+    let criticals = nulls.iter().zip(alphas);
+    let criticals = criticals.map(|(null, alpha)| null.critical(alpha));
+    let criticals: Vec<f64> = criticals.collect();
     let family = |c: usize| usize::from(c >= named) + usize::from(c >= regular);
     let candidate_scores = (0..count)
         .map(|c| {
@@ -238,6 +229,32 @@ pub fn screen_runs(
         by_run: scores,
         cross: cross_information(&grams, prior),
     }
+}
+
+/// Whether the data determine each candidate and window well enough to be tested, from the scores
+/// with and without correction for noise.
+fn usable(
+    tested: &CandidateProducts,
+    [scores, plain]: [&Scores; 2],
+    frames: &[Frame],
+    options: &ScreenOptions,
+) -> Vec<bool> {
+    let [min_remaining, min_signal] = options.min_shares;
+    let is_usable = |c: usize| {
+        let information = scores.total_information(c);
+        let of_runs = scores.information.row(c);
+        let runs = of_runs.iter().filter(|i| **i > 1e-9).count();
+        let enough = match c.checked_sub(tested.regular.len()) {
+            // A direction that is mostly noise is excluded.
+            None => information > min_signal * plain.total_information(c),
+            Some(w) => {
+                let track = &tested.windows[w].track;
+                2 * runs > frames.iter().filter(|f| f.track == *track).count()
+            }
+        };
+        scores.remaining_share(c) > min_remaining && information > 1e-6 && runs >= 4 && enough
+    };
+    (0..scores.u.nrows()).map(is_usable).collect()
 }
 
 /// Scores of windows minus the contribution of the window's estimated size, rescaled for the lost
@@ -338,6 +355,19 @@ impl RunScreen {
         correlation([self.cross[(a, a)], self.cross[(a, b)], self.cross[(b, b)]])
     }
 
+    /// Detectable size of each usable candidate of a list, and its most similar rival.
+    pub fn detectable(&self, list: &[Candidate<Amplitude>]) -> Vec<Detectable> {
+        let usable = |c: &usize| self.scores[*c].usable;
+        let detectable = |c: usize| {
+            let others = (0..list.len()).filter(usable);
+            let others = others.filter(|j| list[*j].effect != list[c].effect);
+            let others = others.map(|j| (&list[j], self.correlation(c, j)));
+            let seen = &self.scores[c];
+            list[c].detectable(seen.detectable, seen.remaining_share, others)
+        };
+        (0..list.len()).filter(usable).map(detectable).collect()
+    }
+
     /// Whether a candidate may be selected.
     pub fn is_selectable(&self, c: usize, candidate: &Candidate<Amplitude>, alpha: f64) -> bool {
         let s = &self.scores[c];
@@ -366,9 +396,10 @@ pub fn best_windows<'w>(
 
 /// Correlation of two columns by their products, at most 1 in magnitude.
 fn correlation([aa, ab, bb]: [f64; 3]) -> f64 {
-    match aa > 0.0 && bb > 0.0 {
-        true => (ab / (aa * bb).sqrt()).clamp(-1.0, 1.0),
-        false => 0.0,
+    if aa > 0.0 && bb > 0.0 {
+        (ab / (aa * bb).sqrt()).clamp(-1.0, 1.0)
+    } else {
+        0.0
     }
 }
 
