@@ -14,6 +14,7 @@ use kufe_sled::effects::{SENSORS, Sensor, ahead};
 use rand::Rng;
 use rayon::prelude::*;
 
+use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::channels::Channels;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows, ResidualModel};
 use crate::evidence::runs::model::whiten::scaled;
@@ -78,20 +79,15 @@ impl RunSimulator {
         (seed, rules): (u64, &RunRules),
     ) -> Self {
         let mut simulator = Self::of_sensors(noise, (seed, rules));
-        let powers: Vec<[[f64; CHANNELS]; 2]> = frames
-            .par_iter()
-            .enumerate()
-            .map(|(i, frame)| {
-                let power = |rows: ChannelRows| {
-                    scaled(frame, &rows).map(|r| r.iter().map(|x| x * x).sum::<f64>())
-                };
-                let pair = simulator.pair(frame, residual_model, 1_000_003, i);
-                [
-                    power(residual_model.residuals(frame)),
-                    power(residual_model.residuals(&pair.plus)),
-                ]
+        // Sums of squares of each run and of its simulation.
+        let powers = |(i, frame): (usize, &Frame)| -> [[f64; CHANNELS]; 2] {
+            let simulated = simulator.pair(frame, residual_model, 1_000_003, i).plus;
+            [frame, &simulated].map(|run| {
+                let rows = scaled(frame, &residual_model.residuals(run));
+                rows.map(|r| r.iter().map(|x| x * x).sum())
             })
-            .collect();
+        };
+        let powers: Vec<_> = frames.par_iter().enumerate().map(powers).collect();
         for (c, used) in used.iter().enumerate() {
             let total: f64 = powers.iter().map(|p| p[0][c]).sum();
             let explained: f64 = powers.iter().map(|p| p[1][c]).sum();
@@ -164,16 +160,8 @@ impl RunSimulator {
     }
 
     /// Residuals of a simulation of each run.
-    pub fn residuals(
-        &self,
-        frames: &[Frame],
-        residual_model: &ResidualModel,
-        k: u64,
-    ) -> Vec<ChannelRows> {
-        let of = |(i, frame): (usize, &Frame)| {
-            residual_model.residuals(&self.pair(frame, residual_model, k, i).plus)
-        };
-        frames.par_iter().enumerate().map(of).collect()
+    pub fn residuals(&self, frames: &[Frame], model: &ResidualModel, k: u64) -> Vec<ChannelRows> {
+        residuals(model, &self.simulated(frames, model, k))
     }
 
     /// The `k`-th pair of simulations of a run, the `i`-th of its set.
@@ -214,10 +202,10 @@ impl RunSimulator {
         let unexplained = |c: usize, k: usize| -> f64 {
             let (from, to) = (samples[(k + shift) % n], samples[k]);
             let scale = |i: usize| scales.get(i).and_then(|s| s.get(c)).copied().unwrap_or(1.0);
-            match rows[c].get(from) {
-                Some(r) => flip * self.unexplained[c] * r * scale(to) / scale(from),
-                None => 0.0,
-            }
+            let residual = rows[c].get(from);
+            residual.map_or(0.0, |r| {
+                flip * self.unexplained[c] * r * scale(to) / scale(from)
+            })
         };
         for (k, i) in samples.iter().copied().enumerate() {
             let yaw = unexplained(2, k) / sled.j_zz_kgm2;

@@ -44,11 +44,16 @@ impl<'a> Channels<'a> {
         [value, slope.as_deref().unwrap_or_default()]
     }
 
+    /// A sensor's values, and their derivatives if it has any, to be changed.
+    fn value_and_slope(&mut self, sensor: Sensor) -> impl Iterator<Item = &mut Cow<'a, [f64]>> {
+        let (value, slope) = &mut self.values[sensor as usize];
+        std::iter::once(value).chain(slope)
+    }
+
     /// Corrects a delay [s].
     pub fn correct_delay(&mut self, sensor: Sensor, delay_s: f64) {
         let samples = delay_s / self.sample_s;
-        let (value, slope) = &mut self.values[sensor as usize];
-        for x in [Some(value), slope.as_mut()].into_iter().flatten() {
+        for x in self.value_and_slope(sensor) {
             *x = Cow::Owned(ahead(x, samples));
         }
     }
@@ -62,8 +67,7 @@ impl<'a> Channels<'a> {
     /// Corrects a scale.
     pub fn correct_scale(&mut self, sensor: Sensor, scale: f64) {
         self.scales[sensor as usize] *= scale;
-        let (value, slope) = &mut self.values[sensor as usize];
-        for x in [Some(value), slope.as_mut()].into_iter().flatten() {
+        for x in self.value_and_slope(sensor) {
             x.to_mut().iter_mut().for_each(|x| *x /= scale);
         }
     }

@@ -56,21 +56,11 @@ impl ResidualModel {
         rows
     }
 
-    /// The track channel of [`raw`](Self::raw) alone; zeros without a survey.
+    /// The track channel at every retained sample; zeros without a survey.
     pub fn track_residual(&self, frame: &Frame) -> Vec<f64> {
-        let [residual, _] = self.track_residual_and_speed(frame);
-        residual
-    }
-
-    /// The track channel at every retained sample, and the corrected speed [m/s].
-    pub fn track_residual_and_speed(&self, frame: &Frame) -> [Vec<f64>; 2] {
         let on_run = ModelOnRun::new(self, frame);
-        let sample = |i: usize| {
-            let signals = on_run.measured(i);
-            (on_run.track_residual(i, &signals), signals[Sensor::Speed])
-        };
-        let (residual, speed) = (0..frame.len()).map(sample).unzip();
-        [residual, speed]
+        let residual = |i: usize| on_run.track_residual(i, &on_run.measured(i));
+        (0..frame.len()).map(residual).collect()
     }
 }
 

@@ -45,27 +45,26 @@ impl Colour {
 
     /// Power at a frequency, relative to the power at frequency 0.
     fn power(self, f: f64, dt: f64) -> f64 {
-        match self.corner_hz.is_finite() {
-            true => {
-                1.0 / ((1.0 + (f / self.knee_hz).powi(2)) * (1.0 + (f / self.corner_hz).powi(4)))
-            }
-            false => {
-                let decay = self.decay(dt);
-                let turn = (2.0 * PI * f * dt).cos();
-                (1.0 - decay).powi(2) / (1.0 + decay * decay - 2.0 * decay * turn)
-            }
+        if self.corner_hz.is_finite() {
+            let knee = 1.0 + (f / self.knee_hz).powi(2);
+            return 1.0 / (knee * (1.0 + (f / self.corner_hz).powi(4)));
         }
+        let decay = self.decay(dt);
+        let turn = (2.0 * PI * f * dt).cos();
+        (1.0 - decay).powi(2) / (1.0 + decay * decay - 2.0 * decay * turn)
     }
 
+    /// `k` of the first-order low pass.
     fn decay(self, dt: f64) -> f64 {
         (-2.0 * PI * self.knee_hz * dt).exp()
     }
 
     /// tan(pi corner dt) of the bilinear transform; infinite above half the rate.
     fn warped(self, dt: f64) -> f64 {
-        match self.corner_hz * dt < 0.5 {
-            true => (PI * self.corner_hz * dt).tan(),
-            false => f64::INFINITY,
+        if self.corner_hz * dt < 0.5 {
+            (PI * self.corner_hz * dt).tan()
+        } else {
+            f64::INFINITY
         }
     }
 
