@@ -133,7 +133,7 @@ impl Scores {
     }
 
     /// t of candidate `a` minus `share` times candidate `b`, with the scatter taken about 0.
-    pub(crate) fn t_less(&self, a: usize, b: usize, share: f64) -> f64 {
+    pub(crate) fn t_of_difference(&self, a: usize, b: usize, share: f64) -> f64 {
         let difference = self.u.row(a) - self.u.row(b) * share;
         let common = self.common.row(a) - self.common.row(b) * share;
         let sum = difference.sum() + self.shared[a] - share * self.shared[b];

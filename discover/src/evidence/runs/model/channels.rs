@@ -73,7 +73,7 @@ impl<'a> Channels<'a> {
     }
 
     /// Corrects cross-sensitivity to another channel.
-    pub fn correct(&mut self, fault: &Fault, size: f64) {
+    pub fn correct_cross_sensitivity(&mut self, fault: &Fault, size: f64) {
         let Reading::PicksUp { other, factor } = fault.reading else {
             return;
         };

@@ -186,7 +186,7 @@ impl<'a> Design<'a> {
         };
         let mut columns = matrix(order);
         for (k, noise) in self.noise.into_iter().flatten().enumerate() {
-            self.add_relative(
+            self.add_noise_gradient(
                 noise,
                 &all[at.residual],
                 columns.column_mut(k).as_mut_slice(),
@@ -296,7 +296,7 @@ impl<'a> Design<'a> {
                 }
             }
         }
-        self.put_shifted(frame, &shifted, &instants, &mut raw);
+        self.set_shifted_columns(frame, &shifted, &instants, &mut raw);
         raw
     }
 
@@ -321,7 +321,7 @@ impl<'a> Design<'a> {
 
     /// Adds the change of the noise's Cholesky factor, `inv(L) dL r`, to a column of the whitened
     /// balances.
-    fn add_relative(&self, noise: &Matrix3<f64>, residual: &[f64], column: &mut [f64]) {
+    fn add_noise_gradient(&self, noise: &Matrix3<f64>, residual: &[f64], column: &mut [f64]) {
         let used: Vec<usize> = (0..BALANCES).filter(|c| self.whitener.used[*c]).collect();
         let n = residual.len() / used.len().max(1);
         for (to, c) in used.iter().enumerate() {
@@ -338,7 +338,7 @@ impl<'a> Design<'a> {
     ///
     /// Plain derivatives use the accelerations of the model: the measured ones contain the
     /// residual, and the columns would be correlated with it.
-    fn put_shifted(
+    fn set_shifted_columns(
         &self,
         frame: &Frame,
         shifted: &[(usize, Shift)],
@@ -363,7 +363,7 @@ impl<'a> Design<'a> {
         let jacobians: Vec<ResidualJacobian> = instants.iter().enumerate().map(jacobian).collect();
         for (k, shift) in shifted {
             let differences = match shift {
-                Shift::Installation(error) => readings.with_error_moved(*error, STEP),
+                Shift::Installation(error) => readings.with_error_changed(*error, STEP),
                 Shift::Delays(delays) => readings.with_delays(delays),
             };
             if differences.is_empty() {

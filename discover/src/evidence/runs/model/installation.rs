@@ -33,21 +33,21 @@ use crate::evidence::runs::recordings::frame::Frame;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum ErrorKind {
     /// A delay of a channel.
-    Late(Sensor),
+    Delay(Sensor),
     /// A relative scale error.
-    Scaled(Sensor),
+    Scale(Sensor),
     /// A bias.
-    Biased(Sensor),
+    Bias(Sensor),
     /// A rotation of the inertial unit about an axis: roll, pitch, yaw.
-    Misaligned(usize),
+    Misalignment(usize),
     /// Sensitivity of a gyroscope's axis to the vertical acceleration.
-    GSensitive(usize),
+    GSensitivity(usize),
     /// Position of the accelerometer along an axis.
-    Accelerometer(usize),
+    AccelerometerPlace(usize),
     /// Longitudinal position of the slip sensor.
-    SlipSensor,
+    SlipSensorPlace,
     /// Longitudinal position of the centre of gravity.
-    Centre,
+    CentreOfGravity,
     /// Relative error of the sled's mass.
     Mass,
     /// Relative error of its pitch inertia.
@@ -60,27 +60,27 @@ impl ErrorKind {
     /// Description and unit.
     fn description(self) -> (String, &'static str) {
         match self {
-            Self::Late(s) => (format!("delay of {}", s.name()), "s"),
-            Self::Scaled(s) => (format!("scale of {}", s.name()), ""),
-            Self::Biased(s) => {
+            Self::Delay(s) => (format!("delay of {}", s.name()), "s"),
+            Self::Scale(s) => (format!("scale of {}", s.name()), ""),
+            Self::Bias(s) => {
                 let is_gyro = Sensor::GYROSCOPE.contains(&s);
                 let unit = if is_gyro { "rad/s" } else { "m/s2" };
                 (format!("bias of {}", s.name()), unit)
             }
-            Self::Misaligned(axis) => {
+            Self::Misalignment(axis) => {
                 let name = ["roll", "pitch", "yaw"][axis];
                 (format!("misalignment of the inertial unit, {name}"), "rad")
             }
-            Self::GSensitive(axis) => {
+            Self::GSensitivity(axis) => {
                 let name = Sensor::GYROSCOPE[axis].name();
                 (format!("g-sensitivity of {name}"), "rad/s per m/s2")
             }
-            Self::Accelerometer(axis) => {
+            Self::AccelerometerPlace(axis) => {
                 let name = ["x", "y", "z"][axis];
                 (format!("place of the accelerometer, {name}"), "m")
             }
-            Self::SlipSensor => ("place of the slip sensor, x".to_owned(), "m"),
-            Self::Centre => ("place of the centre of gravity, x".to_owned(), "m"),
+            Self::SlipSensorPlace => ("place of the slip sensor, x".to_owned(), "m"),
+            Self::CentreOfGravity => ("place of the centre of gravity, x".to_owned(), "m"),
             Self::Mass => ("mass, relative".to_owned(), ""),
             Self::PitchInertia => ("pitch inertia, relative".to_owned(), ""),
             Self::YawInertia => ("yaw inertia, relative".to_owned(), ""),
@@ -106,7 +106,7 @@ impl InstallationError {
     pub fn is_tilt(&self) -> bool {
         matches!(
             self.kind,
-            ErrorKind::Biased(Sensor::Ax) | ErrorKind::Misaligned(1 | 2)
+            ErrorKind::Bias(Sensor::Ax) | ErrorKind::Misalignment(1 | 2)
         )
     }
 
@@ -114,13 +114,13 @@ impl InstallationError {
     pub fn couples(&self) -> bool {
         matches!(
             self.kind,
-            ErrorKind::Misaligned(_) | ErrorKind::GSensitive(_)
+            ErrorKind::Misalignment(_) | ErrorKind::GSensitivity(_)
         )
     }
 
     /// Whether it is a delay or a bias: these do not scale the noise of the residuals.
     pub fn is_additive(&self) -> bool {
-        matches!(self.kind, ErrorKind::Late(_) | ErrorKind::Biased(_))
+        matches!(self.kind, ErrorKind::Delay(_) | ErrorKind::Bias(_))
     }
 
     pub fn acts_in(&self, session: &str) -> bool {
@@ -130,9 +130,7 @@ impl InstallationError {
     /// The sensor whose reading it changes.
     pub fn sensor(&self) -> Option<Sensor> {
         match self.kind {
-            ErrorKind::Late(sensor) | ErrorKind::Scaled(sensor) | ErrorKind::Biased(sensor) => {
-                Some(sensor)
-            }
+            ErrorKind::Delay(s) | ErrorKind::Scale(s) | ErrorKind::Bias(s) => Some(s),
             _ => None,
         }
     }
@@ -198,20 +196,20 @@ impl Installation {
     pub fn new<'s>(t: &Tolerances, sessions: impl IntoIterator<Item = &'s str>) -> Self {
         use ErrorKind::*;
         let scale_and_bias = |sensors: [Sensor; 3], [scale, bias]: [f64; 2]| {
-            let of_sensor = move |s| [(Scaled(s), scale), (Biased(s), bias)];
+            let of_sensor = move |s| [(Scale(s), scale), (Bias(s), bias)];
             sensors.into_iter().flat_map(of_sensor)
         };
         let g_sensitivity = t.gyro_g_sensitivity_radps_per_mps2;
         let gyroscope = [t.gyro_scale, t.gyro_bias_radps];
         let accelerometer = [t.accel_scale, t.accel_bias_mps2];
-        let kinds = (Sensor::ALL.map(|s| (Late(s), t.delay_s)).into_iter())
+        let kinds = (Sensor::ALL.map(|s| (Delay(s), t.delay_s)).into_iter())
             .chain(scale_and_bias(Sensor::GYROSCOPE, gyroscope))
             .chain(scale_and_bias(Sensor::ACCELEROMETER, accelerometer))
-            .chain([(Scaled(Sensor::Steering), t.steer_scale)])
-            .chain([0, 1, 2].map(|axis| (Misaligned(axis), t.misalignment_rad)))
-            .chain([0, 1, 2].map(|axis| (GSensitive(axis), g_sensitivity)))
-            .chain([0, 1, 2].map(|axis| (Accelerometer(axis), t.place_m)))
-            .chain([(SlipSensor, t.place_m), (Centre, t.place_m)])
+            .chain([(Scale(Sensor::Steering), t.steer_scale)])
+            .chain([0, 1, 2].map(|axis| (Misalignment(axis), t.misalignment_rad)))
+            .chain([0, 1, 2].map(|axis| (GSensitivity(axis), g_sensitivity)))
+            .chain([0, 1, 2].map(|axis| (AccelerometerPlace(axis), t.place_m)))
+            .chain([(SlipSensorPlace, t.place_m), (CentreOfGravity, t.place_m)])
             .chain([(Mass, t.mass)])
             .chain([(PitchInertia, t.inertia), (YawInertia, t.inertia)]);
         let allowed = kinds.filter(|(_, sd)| *sd > 0.0);
@@ -235,7 +233,7 @@ impl Installation {
                     unit: "rad",
                     sd: t.session_offset_rad,
                     session: Some(session.to_owned()),
-                    kind: Biased(s),
+                    kind: Bias(s),
                 }));
             }
         }
@@ -277,14 +275,6 @@ impl Installation {
     /// Number of errors that are fitted.
     pub fn fitted_count(&self) -> usize {
         if self.fixed { 0 } else { self.errors.len() }
-    }
-
-    /// The installation with fixed or free sizes.
-    pub fn with_fixed(&self, fixed: bool) -> Self {
-        Self {
-            fixed,
-            ..self.clone()
-        }
     }
 
     /// Negative log prior density of the sizes, minus its value at sizes of 0.
@@ -353,11 +343,11 @@ impl Installation {
     pub fn corrected_constants(&self, mut sled: Sled) -> Sled {
         for (error, size) in self.sizes_in_units() {
             match error.kind {
-                ErrorKind::Accelerometer(0) => sled.accel_x_m += size,
-                ErrorKind::Accelerometer(1) => sled.accel_y_m += size,
-                ErrorKind::Accelerometer(_) => sled.accel_z_m += size,
-                ErrorKind::SlipSensor => sled.slip_x_m += size,
-                ErrorKind::Centre => {
+                ErrorKind::AccelerometerPlace(0) => sled.accel_x_m += size,
+                ErrorKind::AccelerometerPlace(1) => sled.accel_y_m += size,
+                ErrorKind::AccelerometerPlace(_) => sled.accel_z_m += size,
+                ErrorKind::SlipSensorPlace => sled.slip_x_m += size,
+                ErrorKind::CentreOfGravity => {
                     sled.l_f_m -= size;
                     sled.l_r_m += size;
                     sled.accel_x_m -= size;
@@ -375,7 +365,7 @@ impl Installation {
     /// Delay of a sensor [s].
     pub fn delay(&self, sensor: Sensor) -> f64 {
         let errors = self.sizes_in_units();
-        let late = errors.filter(|(error, _)| error.kind == ErrorKind::Late(sensor));
+        let late = errors.filter(|(error, _)| error.kind == ErrorKind::Delay(sensor));
         late.map(|(_, size)| size).sum()
     }
 
@@ -395,9 +385,9 @@ impl Installation {
             let errors = self.sizes_in_units();
             for (error, size) in errors.filter(|(error, size)| *size != 0.0 && acts(error)) {
                 match error.kind {
-                    ErrorKind::Late(sensor) => channels.correct_delay(sensor, size),
-                    ErrorKind::Biased(sensor) => channels.correct_bias(sensor, size),
-                    ErrorKind::Scaled(sensor) => channels.correct_scale(sensor, 1.0 + size),
+                    ErrorKind::Delay(sensor) => channels.correct_delay(sensor, size),
+                    ErrorKind::Bias(sensor) => channels.correct_bias(sensor, size),
+                    ErrorKind::Scale(sensor) => channels.correct_scale(sensor, 1.0 + size),
                     _ => {}
                 }
             }
@@ -413,14 +403,15 @@ impl Installation {
     pub fn correct_coupling(&self, channels: &mut Channels) {
         for (error, size) in self.sizes_in_units().rev().filter(|(_, size)| *size != 0.0) {
             match error.kind {
-                ErrorKind::Misaligned(axis) => {
+                ErrorKind::Misalignment(axis) => {
                     for fault in Fault::misaligned(axis).iter().rev() {
-                        channels.correct(fault, size);
+                        channels.correct_cross_sensitivity(fault, size);
                     }
                 }
-                ErrorKind::GSensitive(axis) => {
+                ErrorKind::GSensitivity(axis) => {
                     let gyro = Sensor::GYROSCOPE[axis];
-                    channels.correct(&Fault::picks_up(gyro, Sensor::Az, 1.0, 0), size);
+                    let fault = Fault::picks_up(gyro, Sensor::Az, 1.0, 0);
+                    channels.correct_cross_sensitivity(&fault, size);
                 }
                 _ => {}
             }

@@ -31,8 +31,8 @@ pub struct Readings<'a> {
     sled: Sled,
 }
 
-/// Differences of values, derivatives and constants between two models' corrections of a run.
-pub struct Differences {
+/// ReadingChanges of values, derivatives and constants between two models' corrections of a run.
+pub struct ReadingChanges {
     sensors: Vec<(Sensor, [Vec<f64>; 2])>,
     /// The constants of the sled in both models.
     sleds: [Sled; 2],
@@ -56,20 +56,20 @@ impl<'a> Readings<'a> {
         }
     }
 
-    /// Differences from the readings if one installation error changes by `deviations` standard
+    /// ReadingChanges from the readings if one installation error changes by `deviations` standard
     /// deviations.
-    pub fn with_error_moved(&self, error: usize, deviations: f64) -> Differences {
+    pub fn with_error_changed(&self, error: usize, deviations: f64) -> ReadingChanges {
         let installation = self.model.installation.moved(error, deviations);
         self.differences(&installation, &self.delays)
     }
 
-    /// Differences from the readings with other delays by effects [s].
-    pub fn with_delays(&self, delays: &[f64; SENSORS]) -> Differences {
+    /// ReadingChanges from the readings with other delays by effects [s].
+    pub fn with_delays(&self, delays: &[f64; SENSORS]) -> ReadingChanges {
         self.differences(&self.model.installation, delays)
     }
 
-    /// Differences of sensors or of constants.
-    fn differences(&self, other: &Installation, delays: &[f64; SENSORS]) -> Differences {
+    /// ReadingChanges of sensors or of constants.
+    fn differences(&self, other: &Installation, delays: &[f64; SENSORS]) -> ReadingChanges {
         let Self { model, frame, .. } = self;
         let [sizes, others] = [&model.installation, other].map(|installation| &installation.sizes);
         let errors = model.installation.errors.iter();
@@ -107,7 +107,7 @@ impl<'a> Readings<'a> {
             });
             (sensor, differences)
         };
-        Differences {
+        ReadingChanges {
             sensors: sensors.into_iter().map(between).collect(),
             sleds: [
                 self.sled,
@@ -126,7 +126,7 @@ fn stated_sled(model: &ResidualModel, frame: &Frame) -> Sled {
     }
 }
 
-impl Differences {
+impl ReadingChanges {
     pub fn is_empty(&self) -> bool {
         self.sensors.is_empty() && self.sleds[0] == self.sleds[1]
     }

@@ -10,10 +10,10 @@ use crate::error::Error;
 use crate::evidence::runs::recordings::available::available;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::noise::sensors::{
-    NoiseFrom, SensorNoise, doubted, estimate, estimate_below, louder, quieter,
+    NoiseFrom, SensorNoise, estimate, estimate_below, is_contradicted, larger_noise, smaller_noise,
 };
 use crate::evidence::runs::recordings::smooth_run::{MIN_ROWS, frame, signal_kernel};
-use crate::evidence::runs::recordings::survey::{Surveys, turn_slopes};
+use crate::evidence::runs::recordings::survey::{Surveys, count_slopes_downhill};
 use crate::evidence::runs::recordings::training_samples::TrainingSamples;
 use crate::procedure::lock::{LockRules, Place, Split};
 use crate::procedure::rules::Rules;
@@ -139,7 +139,7 @@ pub fn prepare(
     let locked = split(&frames, segmented, &rules.lock);
     let learned = training_samples(runs, &frames, segmented, &locked);
     let (noise, noise_from) = sensor_noise(&learned, model, rules, &mut remarks);
-    let uphill = turn_slopes(&mut frames, &locked.training, &mut remarks);
+    let uphill = count_slopes_downhill(&mut frames, &locked.training, &mut remarks);
     let training: Vec<&Frame> = locked.training.iter().map(|i| &frames[*i]).collect();
     let mut available = available(runs, &learned, &training, &mut remarks);
     if frames.iter().all(|f| f.slope.len() == f.len()) {
@@ -197,10 +197,10 @@ fn sensor_noise(
     let seen = estimate(learned);
     let white = |stated: &Noise, remarks: &mut Vec<String>| {
         let below = estimate_below(learned, recordings.signal_cutoff_hz);
-        SensorNoise::white(quieter(stated, &louder(&seen, &below), remarks))
+        SensorNoise::white(smaller_noise(stated, &larger_noise(&seen, &below), remarks))
     };
     if let Some(stated) = &model.noise
-        && !doubted(stated, &seen, recordings.noise_as_stated)
+        && !is_contradicted(stated, &seen, recordings.noise_as_stated)
     {
         return (white(stated, remarks), NoiseFrom::Model);
     }

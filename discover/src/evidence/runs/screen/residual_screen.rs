@@ -109,7 +109,7 @@ impl<'a> CandidateProducts<'a> {
             windows: design.windows,
             prior: design.prior(),
             products: design.products(frames),
-            noise: mean_noise_products(design, frames, simulator, 0..pairs),
+            noise: mean_noise_products(design, frames, simulator, pairs),
         }
     }
 
@@ -343,7 +343,7 @@ impl RunScreen {
     /// T of regular candidate `a` given `b`.
     pub fn t_given(&self, a: usize, b: usize) -> f64 {
         let share = self.cross[(a, b)] / self.cross[(b, b)].max(1e-300);
-        self.by_run.t_less(a, b, share)
+        self.by_run.t_of_difference(a, b, share)
     }
 
     /// Correlation of two regular candidates given the base, corrected for noise.

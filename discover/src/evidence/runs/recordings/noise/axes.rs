@@ -22,8 +22,8 @@ pub fn of_instrument(
     quietest: f64,
 ) -> Option<Vec<ColumnNoise>> {
     // A column that is always constant, as a roll split of zeros, is not measured: it has no noise.
-    let moves = |axis: &Sensor| learned.iter().any(|piece| piece.moves(axis.name()));
-    if !axes.iter().any(moves) {
+    let varies = |axis: &Sensor| learned.iter().any(|piece| piece.varies(axis.name()));
+    if !axes.iter().any(varies) {
         let still = ColumnNoise {
             sd: 0.0,
             colour: Colour::WHITE,
@@ -35,7 +35,7 @@ pub fn of_instrument(
     let spectrum = |axis: &Sensor| {
         let columns = alike.iter().filter_map(|piece| piece.column(axis.name()));
         let columns: Vec<&[f64]> = columns.collect();
-        Periodogram::of(&columns, dt, from_hz).filter(|_| moves(axis))
+        Periodogram::of(&columns, dt, from_hz).filter(|_| varies(axis))
     };
     let seen: Vec<Option<Periodogram>> = axes.iter().map(spectrum).collect();
     of_axes(&seen, dt, quietest)

@@ -50,15 +50,8 @@ const NAMES: [&str; INSTRUMENTS] = [
     "steering [rad]",
     "roll split [rad]",
 ];
-/// Names of their axes.
-const AXIS_NAMES: [&[&str]; INSTRUMENTS] = [
-    &["x", "y", "z"],
-    &["roll", "pitch", "yaw"],
-    &[""],
-    &[""],
-    &[""],
-    &[""],
-];
+/// Names of the axes.
+const AXIS_NAMES: [&str; SENSORS] = ["x", "y", "z", "roll", "pitch", "yaw", "", "", "", ""];
 
 /// Standard deviations by instrument.
 fn each(noise: &Noise) -> [f64; INSTRUMENTS] {
@@ -143,14 +136,15 @@ impl SensorNoise {
         };
         let of = |noise: &ColumnNoise| {
             let Colour { knee_hz, corner_hz } = noise.colour;
-            match knee_hz.min(corner_hz) {
-                corner if corner.is_finite() => {
-                    format!("{:.2e}, less above {corner:.0} Hz", noise.sd)
-                }
-                _ => format!("{:.2e}", noise.sd),
+            let corner = knee_hz.min(corner_hz);
+            if corner.is_finite() {
+                format!("{:.2e}, less above {corner:.0} Hz", noise.sd)
+            } else {
+                format!("{:.2e}", noise.sd)
             }
         };
-        let sensors = NAMES.into_iter().zip(AXIS_NAMES).zip(self.instruments());
+        let labels = AXES.map(|axes| &AXIS_NAMES[axes]);
+        let sensors = NAMES.into_iter().zip(labels).zip(self.instruments());
         let each: Vec<String> = sensors
             .filter(|(_, axes)| loudest(axes).sd > 0.0)
             .map(|((name, labels), axes)| {
@@ -179,7 +173,7 @@ fn loudest(axes: &[ColumnNoise]) -> ColumnNoise {
 }
 
 /// The stated noise, or the noise of the recordings if it is smaller.
-pub fn quieter(stated: &Noise, seen: &Noise, remarks: &mut Vec<String>) -> Noise {
+pub fn smaller_noise(stated: &Noise, seen: &Noise, remarks: &mut Vec<String>) -> Noise {
     let both = each(stated).into_iter().zip(each(seen));
     let smaller: Vec<String> = NAMES
         .iter()
@@ -193,34 +187,27 @@ pub fn quieter(stated: &Noise, seen: &Noise, remarks: &mut Vec<String>) -> Noise
             smaller.join("; ")
         ));
     }
-    by_sensor(stated, seen, f64::min)
+    by_instrument(stated, seen, f64::min)
 }
 
-/// One of two noises, by sensor.
-fn by_sensor(a: &Noise, b: &Noise, pick: fn(f64, f64) -> f64) -> Noise {
+/// One of two noises, by instrument.
+fn by_instrument(a: &Noise, b: &Noise, pick: fn(f64, f64) -> f64) -> Noise {
     let (a, b) = (each(a), each(b));
     of_each(std::array::from_fn(|k| pick(a[k], b[k])))
 }
 
 /// The larger of two noises, by sensor: noise with small differences may be filtered, and noise
 /// with little power below a corner may be white.
-pub fn louder(a: &Noise, b: &Noise) -> Noise {
-    by_sensor(a, b, f64::max)
+pub fn larger_noise(a: &Noise, b: &Noise) -> Noise {
+    by_instrument(a, b, f64::max)
 }
 
 /// Whether the stated noise disagrees with the differences of the recordings, for a sensor from
-/// which forces are computed. The noise is then coloured, filtered or misstated, and uncertain at
+/// which forces are computed: any but the accelerometer, the first instrument. The noise is then coloured, filtered or misstated, and uncertain at
 /// the frequencies of the motion.
-pub fn doubted(stated: &Noise, seen: &Noise, [low, high]: [f64; 2]) -> bool {
-    [
-        (stated.rate_radps, seen.rate_radps),
-        (stated.speed_mps, seen.speed_mps),
-        (stated.slip_rad, seen.slip_rad),
-        (stated.steer_rad, seen.steer_rad),
-        (stated.roll_split_rad, seen.roll_split_rad),
-    ]
-    .iter()
-    .any(|(stated, seen)| *seen > 0.0 && !(low..=high).contains(&(seen / stated.max(1e-300))))
+pub fn is_contradicted(stated: &Noise, seen: &Noise, [low, high]: [f64; 2]) -> bool {
+    let mut others = each(stated).into_iter().zip(each(seen)).skip(1);
+    others.any(|(stated, seen)| seen > 0.0 && !(low..=high).contains(&(seen / stated.max(1e-300))))
 }
 
 /// White noise from third differences d3, the median over runs: `var = mean(d3^2) / 20`.

@@ -16,7 +16,7 @@ use crate::evidence::runs::model::installation::{Information, Installation};
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::bins::{DriverMean, between_drivers, by_bin, mean};
-use crate::evidence::runs::screen::track::chance::{
+use crate::evidence::runs::screen::track::significance::{
     angle, inflation, minimise, p_value_of_maximum, two_sided, weighted_dot,
 };
 use crate::procedure::candidate::Candidate;
