@@ -322,7 +322,7 @@ impl<'a> Design<'a> {
     /// Adds the change of the noise's Cholesky factor, `inv(L) dL r`, to a column of the whitened
     /// balances.
     fn add_noise_gradient(&self, noise: &Matrix3<f64>, residual: &[f64], column: &mut [f64]) {
-        let used: Vec<usize> = (0..BALANCES).filter(|c| self.whitener.used[*c]).collect();
+        let used: Vec<usize> = self.whitener.channels().collect();
         let n = residual.len() / used.len().max(1);
         for (to, c) in used.iter().enumerate() {
             for (from, other) in used.iter().enumerate().take(to + 1) {

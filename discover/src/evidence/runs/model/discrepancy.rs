@@ -196,8 +196,8 @@ impl Discrepancy {
         let mut columns = DMatrix::zeros(n * used, balances.len() * span.splines);
         for (b, c) in balances.iter().enumerate() {
             let whitening = whitener.column(*c);
-            for block in 0..used {
-                let factor = self.sd[*c] * whitening[whitener.channel(block)];
+            for (block, channel) in whitener.channels().enumerate() {
+                let factor = self.sd[*c] * whitening[channel];
                 for (i, (spline, values)) in splines[*c].iter().enumerate() {
                     for (k, value) in values.iter().enumerate() {
                         columns[(block * n + i, b * span.splines + spline + k)] = factor * value;
@@ -244,7 +244,7 @@ impl Discrepancy {
             .balances()
             .map(|c| (c, whitener.column(c).map(|weight| self.sd[c] * weight)))
             .collect();
-        let blocks: Vec<usize> = (0..whitener.count()).map(|k| whitener.channel(k)).collect();
+        let blocks: Vec<usize> = whitener.channels().collect();
         let of_balance = |b: usize| at + first + b * span.splines;
         for (b, (c, weights)) in balances.iter().enumerate() {
             let splines = &splines[*c];

@@ -31,7 +31,7 @@ pub struct Readings<'a> {
     sled: Sled,
 }
 
-/// ReadingChanges of values, derivatives and constants between two models' corrections of a run.
+/// Changes of values, derivatives and constants between two models' corrections of a run.
 pub struct ReadingChanges {
     sensors: Vec<(Sensor, [Vec<f64>; 2])>,
     /// The constants of the sled in both models.
@@ -56,19 +56,19 @@ impl<'a> Readings<'a> {
         }
     }
 
-    /// ReadingChanges from the readings if one installation error changes by `deviations` standard
+    /// Changes of the readings if one installation error changes by `deviations` standard
     /// deviations.
     pub fn with_error_changed(&self, error: usize, deviations: f64) -> ReadingChanges {
         let installation = self.model.installation.moved(error, deviations);
         self.differences(&installation, &self.delays)
     }
 
-    /// ReadingChanges from the readings with other delays by effects [s].
+    /// Changes of the readings with other delays by effects [s].
     pub fn with_delays(&self, delays: &[f64; SENSORS]) -> ReadingChanges {
         self.differences(&self.model.installation, delays)
     }
 
-    /// ReadingChanges of sensors or of constants.
+    /// Changes of sensors or of constants.
     fn differences(&self, other: &Installation, delays: &[f64; SENSORS]) -> ReadingChanges {
         let Self { model, frame, .. } = self;
         let [sizes, others] = [&model.installation, other].map(|installation| &installation.sizes);

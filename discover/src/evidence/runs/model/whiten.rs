@@ -118,7 +118,7 @@ impl Whitener {
 
     /// Multiplies rows of equal relative standard deviations by L^-1 in place.
     pub fn decorrelate<R: AsMut<[f64]>>(&self, rows: &mut [R; BALANCES]) {
-        let used = (0..BALANCES).filter(|c| self.used[*c]);
+        let used = self.channels();
         let n = used.clone().map(|c| rows[c].as_mut().len()).max();
         for i in 0..n.unwrap_or(0) {
             let mut r = [0.0; BALANCES];
@@ -152,15 +152,12 @@ impl Whitener {
 
     /// Number of balances in [`Whitener::apply`].
     pub fn count(&self) -> usize {
-        self.used[..BALANCES].iter().filter(|used| **used).count()
+        self.channels().count()
     }
 
-    /// The channel of the `k`-th block of [`Whitener::apply`].
-    pub fn channel(&self, k: usize) -> usize {
-        (0..BALANCES)
-            .filter(|c| self.used[*c])
-            .nth(k)
-            .expect("a used channel")
+    /// The balances in use: the channels of the blocks of [`Whitener::apply`].
+    pub fn channels(&self) -> impl Iterator<Item = usize> + Clone + '_ {
+        (0..BALANCES).filter(|c| self.used[*c])
     }
 }
 
@@ -251,7 +248,7 @@ mod tests {
         some[0].clear();
         let [less, white] = [&some, &all].map(|rows| whitened(&whitener, rows));
         assert_eq!(less[1..3], white[1..3]);
-        assert_eq!((whitener.count(), whitener.channel(0)), (2, 1));
+        assert_eq!(whitener.channels().collect::<Vec<_>>(), [1, 2]);
     }
 
     #[test]

@@ -73,8 +73,7 @@ pub fn significant_bins(
                 .collect();
             edges.dedup();
             for pair in edges.windows(2) {
-                for k in 0..whitener.count() {
-                    let channel = whitener.channel(k);
+                for (k, channel) in whitener.channels().enumerate() {
                     let mut u = vec![0.0; frames.len()];
                     let mut sums = vec![(0.0, 0.0); frames.len()];
                     for (i, _) in frames.iter().enumerate().filter(|(_, f)| is_on_track(f)) {

@@ -37,6 +37,17 @@ pub struct Bin {
     variance: f64,
 }
 
+/// A candidate that is tested in the track channel.
+#[derive(Clone)]
+struct TrackCandidate {
+    /// Change of each bin's mean per unit, at the candidate's fitted size.
+    direction: Vec<f64>,
+    /// Angle through which the direction turns over the candidate's sizes [rad].
+    turn_rad: f64,
+    /// Standard deviation due to installation errors, in the candidate's unit.
+    tolerance: f64,
+}
+
 /// Departure of the profile of a track from its survey.
 pub struct ProfileDeparture {
     pub p_value: f64,
@@ -65,12 +76,7 @@ pub struct TrackChannel {
     bins: Vec<Bin>,
     /// Rows of each run.
     rows: Vec<Vec<f64>>,
-    /// Change of each bin by each candidate per unit, at the candidate's fitted size.
-    directions: Vec<Vec<f64>>,
-    /// Angle through which the direction of each candidate turns over its sizes [rad].
-    turns: Vec<f64>,
-    /// Standard deviation of each candidate due to installation errors, in its unit.
-    tolerances: Vec<f64>,
+    candidates: Vec<TrackCandidate>,
     /// Inflation of the variance of means over bins by their correlation.
     inflation: f64,
     /// Root mean square scatter of single runs about the bins' means [m/s2].
@@ -126,9 +132,7 @@ impl TrackChannel {
             inflation: inflation(&bins, &means),
             bins,
             rows,
-            directions: Vec::new(),
-            turns: Vec::new(),
-            tolerances: Vec::new(),
+            candidates: Vec::new(),
             scatter: common.sqrt(),
             width,
         })
@@ -189,9 +193,11 @@ impl TrackChannel {
             per_unit(minimise(|size| misfit(&change(size)), interval, tolerance))
         });
         let steps = changes.windows(2).map(|pair| angle(&pair[0], &pair[1], &w));
-        self.turns.push(steps.sum());
-        self.tolerances.push(tolerance);
-        self.directions.push(exact.unwrap_or(direct));
+        self.candidates.push(TrackCandidate {
+            turn_rad: steps.sum(),
+            tolerance,
+            direction: exact.unwrap_or(direct),
+        });
     }
 
     /// Change of each bin's mean by another model.
@@ -272,7 +278,8 @@ impl TrackChannel {
     /// Scores candidate `c` for a survey deviation [rad].
     pub fn score(&self, c: usize, slope_sd: f64) -> TrackScore {
         let w = self.weights(slope_sd);
-        let d = &self.directions[c];
+        let candidate = &self.candidates[c];
+        let d = &candidate.direction;
         let information = weighted_dot(d, d, &w);
         let weighted = d.iter().zip(&w).zip(&self.bins);
         let score: f64 = weighted.map(|((d, w), bin)| d * w * bin.mean).sum();
@@ -280,13 +287,13 @@ impl TrackChannel {
         let [scatter, null_scatter] = self.excess_scatter(d, size, &w);
         let error = |scatter: f64| {
             let statistical = (scatter / information.max(1e-300)).sqrt();
-            statistical.hypot(self.tolerances[c])
+            statistical.hypot(candidate.tolerance)
         };
-        let p = p_value_of_maximum(size / error(null_scatter), self.turns[c]);
+        let p = p_value_of_maximum(size / error(null_scatter), candidate.turn_rad);
         TrackScore {
             size,
             error: error(scatter),
-            p_value: (p * self.directions.len() as f64).min(1.0),
+            p_value: (p * self.candidates.len() as f64).min(1.0),
         }
     }
 
@@ -311,7 +318,7 @@ impl TrackChannel {
         let w = self.weights(slope_sd);
         let dot = |x: &[f64], y: &[f64]| weighted_dot(x, y, &w);
         let y: Vec<f64> = self.bins.iter().map(|bin| bin.mean).collect();
-        let (x, z) = (&self.directions[a], &self.directions[b]);
+        let [x, z] = [a, b].map(|c| &self.candidates[c].direction);
         let zz = dot(z, z).max(1e-300);
         let information = dot(x, x) - dot(x, z).powi(2) / zz;
         if information < 1e-6 * dot(x, x) {
@@ -326,7 +333,7 @@ impl TrackChannel {
     pub fn correlation(&self, a: usize, b: usize, slope_sd: f64) -> f64 {
         let w = self.weights(slope_sd);
         let dot = |x: &[f64], y: &[f64]| weighted_dot(x, y, &w);
-        let (x, z) = (&self.directions[a], &self.directions[b]);
+        let [x, z] = [a, b].map(|c| &self.candidates[c].direction);
         dot(x, z) / (dot(x, x) * dot(z, z)).sqrt().max(1e-300)
     }
 
