@@ -70,7 +70,7 @@ pub fn noise_gradients(
         if model.installation.errors[k].is_additive() {
             return vec![0.0; BALANCES * BALANCES];
         }
-        let gradient = moved(&|m| m.installation = model.installation.moved(k, STEP));
+        let gradient = moved(&|m| m.installation = model.installation.with_error_changed(k, STEP));
         gradient.as_slice().to_vec()
     };
     let errors: Vec<_> = (0..model.installation.fitted_count()).map(error).collect();

@@ -298,10 +298,10 @@ impl Installation {
     }
 
     /// The installation with one error changed by `deviations` standard deviations.
-    pub fn moved(&self, error: usize, deviations: f64) -> Self {
-        let mut moved = self.clone();
-        moved.sizes[error] += deviations;
-        moved
+    pub fn with_error_changed(&self, error: usize, deviations: f64) -> Self {
+        let mut changed = self.clone();
+        changed.sizes[error] += deviations;
+        changed
     }
 
     /// The column of each whitened coordinate, from the column of each error.
@@ -468,7 +468,7 @@ mod tests {
         let expected =
             ["a", "b"].map(|s| ["alpha_rad", "delta_rad"].map(|of_sensor| of(of_sensor, s)));
         assert_eq!(what, expected.concat());
-        let off = none.moved(2, 0.5);
+        let off = none.with_error_changed(2, 0.5);
         let of_part = |session: &str| off.errors[2].acts_in(session);
         assert_eq!((of_part("a"), of_part("b")), (false, true));
     }

@@ -59,7 +59,10 @@ impl<'a> Readings<'a> {
     /// Changes of the readings if one installation error changes by `deviations` standard
     /// deviations.
     pub fn with_error_changed(&self, error: usize, deviations: f64) -> ReadingChanges {
-        let installation = self.model.installation.moved(error, deviations);
+        let installation = self
+            .model
+            .installation
+            .with_error_changed(error, deviations);
         self.differences(&installation, &self.delays)
     }
 

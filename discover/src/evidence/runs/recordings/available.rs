@@ -10,18 +10,18 @@ use crate::evidence::runs::recordings::training_samples::TrainingSamples;
 /// missing and constant ones are reported in `remarks`.
 pub fn available(
     runs: &[Run],
-    learned: &[TrainingSamples],
+    training: &[TrainingSamples],
     frames: &[&Frame],
     remarks: &mut Vec<String>,
 ) -> Vec<Column> {
     let recorded = |name: &str| runs.iter().all(|run| run.columns.contains_key(name));
     let first = |name: &str| {
-        learned
+        training
             .first()
             .and_then(|piece| piece.column(name)?.iter().find(|x| x.is_finite()))
     };
     let varies = |name: &str| {
-        learned.iter().any(|piece| {
+        training.iter().any(|piece| {
             let column = piece.column(name);
             column.is_some_and(|x| {
                 let mut there = x.iter().filter(|value| value.is_finite());

@@ -55,10 +55,10 @@ impl PlaceScales {
             let places: Vec<_> = places
                 .map(|(at, (runs, n))| (at, median(runs).unwrap_or(0.0), n))
                 .collect();
-            let most = median(places.iter().map(|(_, q, _)| *q)).unwrap_or(0.0);
-            for ((track, bin), q, n) in places.into_iter().filter(|_| most > 0.0) {
+            let reference = median(places.iter().map(|(_, q, _)| *q)).unwrap_or(0.0);
+            for ((track, bin), q, n) in places.into_iter().filter(|_| reference > 0.0) {
                 let bins = tracks.entry(track.to_owned()).or_default();
-                let scale = ((FREEDOM + n * q / most) / (FREEDOM + n)).sqrt();
+                let scale = ((FREEDOM + n * q / reference) / (FREEDOM + n)).sqrt();
                 bins.entry(bin).or_insert([1.0; BALANCES])[c] = scale;
             }
         }

@@ -137,11 +137,11 @@ pub fn prepare(
         remarks.push(gaps_line(&gaps));
     }
     let locked = split(&frames, segmented, &rules.lock);
-    let learned = training_samples(runs, &frames, segmented, &locked);
-    let (noise, noise_from) = sensor_noise(&learned, model, rules, &mut remarks);
+    let samples = training_samples(runs, &frames, segmented, &locked);
+    let (noise, noise_from) = sensor_noise(&samples, model, rules, &mut remarks);
     let uphill = count_slopes_downhill(&mut frames, &locked.training, &mut remarks);
     let training: Vec<&Frame> = locked.training.iter().map(|i| &frames[*i]).collect();
-    let mut available = available(runs, &learned, &training, &mut remarks);
+    let mut available = available(runs, &samples, &training, &mut remarks);
     if frames.iter().all(|f| f.slope.len() == f.len()) {
         available.push(Column::Slope);
     }
@@ -188,15 +188,15 @@ fn remarks_on_runs(runs: &[Run], model: &Model) -> Vec<String> {
 /// The sensors' noise and its source: as stated if the recordings agree, else from spectra, else
 /// white noise from differences.
 fn sensor_noise(
-    learned: &[TrainingSamples],
+    samples: &[TrainingSamples],
     model: &Model,
     rules: &Rules,
     remarks: &mut Vec<String>,
 ) -> (SensorNoise, NoiseFrom) {
     let recordings = &rules.runs.recordings;
-    let seen = estimate(learned);
+    let seen = estimate(samples);
     let white = |stated: &Noise, remarks: &mut Vec<String>| {
-        let below = estimate_below(learned, recordings.signal_cutoff_hz);
+        let below = estimate_below(samples, recordings.signal_cutoff_hz);
         SensorNoise::white(smaller_noise(stated, &larger_noise(&seen, &below), remarks))
     };
     if let Some(stated) = &model.noise
@@ -205,7 +205,7 @@ fn sensor_noise(
         return (white(stated, remarks), NoiseFrom::Model);
     }
     let from_hz = recordings.row_cutoff_hz;
-    let of_spectra = SensorNoise::of_spectra(learned, from_hz, recordings.quietest_axis);
+    let of_spectra = SensorNoise::of_spectra(samples, from_hz, recordings.quietest_axis);
     match (of_spectra, &model.noise) {
         (Some(noise), stated) => {
             remarks.push(noise.remark(stated.is_some()));

@@ -150,12 +150,12 @@ pub fn frame(
 
 /// Whether a recorded distance is the integral of the speed, to within the resolution of a place.
 fn is_integrated(s: &[f64], summed: &[f64]) -> bool {
-    let (Some(first), Some(begun)) = (s.first(), summed.first()) else {
+    let (Some(first), Some(start)) = (s.first(), summed.first()) else {
         return false;
     };
     let both = s.iter().zip(summed);
-    let apart = both.map(|(s, own)| ((s - first) - (own - begun)).abs());
-    apart.fold(0.0, f64::max) < SAME_PLACE_M
+    let differences = both.map(|(s, own)| ((s - first) - (own - start)).abs());
+    differences.fold(0.0, f64::max) < SAME_PLACE_M
 }
 
 /// A run at 30 m/s along a track, for tests.

@@ -57,11 +57,11 @@ impl TrackTables {
 /// agrees with the speeds of these frames. Returns whether it was reversed.
 pub fn count_slopes_downhill(
     frames: &mut [Frame],
-    learned: &[usize],
+    training: &[usize],
     remarks: &mut Vec<String>,
 ) -> bool {
     let mut agreement = 0.0;
-    for frame in learned.iter().map(|i| &frames[*i]) {
+    for frame in training.iter().map(|i| &frames[*i]) {
         if frame.slope.is_empty() {
             continue;
         }

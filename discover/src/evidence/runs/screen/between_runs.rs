@@ -76,15 +76,10 @@ impl Campaign<'_> {
         let channel = self.strongest_channel(at.residual_model, &list[named], seen.size);
         let place = ("a level from session to session", CHANNEL_NAMES[channel]);
         let p_value = Some(seen.p_value);
-        let randomised = match list[named].act.level {
-            Level::Run => Randomised {
-                runs: p_value,
-                sessions: None,
-            },
-            _ => Randomised {
-                runs: None,
-                sessions: p_value,
-            },
+        let is_of_runs = list[named].act.level == Level::Run;
+        let randomised = Randomised {
+            runs: p_value.filter(|_| is_of_runs),
+            sessions: p_value.filter(|_| !is_of_runs),
         };
         let selection = Selection {
             class,

@@ -148,28 +148,16 @@ pub fn screen_runs(
         "candidates outside the catalogue come last"
     );
     // Three families of candidates: the catalogue, columns outside it, places.
-    let families = [0..named, named..regular, regular..count];
-    let of_family = |family: &Range<usize>| {
-        let rows: Vec<usize> = family.clone().collect();
+    let of_family = |rows: Range<usize>| {
+        let rows: Vec<usize> = rows.collect();
         let mut family = scores.only(&rows);
         for (row, _) in rows.iter().enumerate().filter(|(_, c)| !usable[**c]) {
             family.information.row_mut(row).fill(0.0);
         }
         family
     };
-    let [known, columns, places] = families.each_ref().map(of_family);
-    let nulls = [
-        known.by_sign_flips(options.flips, options.seed),
-        columns.by_sign_flips(options.flips, options.seed ^ 0xBE40),
-        MaxT::with_norms(
-            &without_estimated_effect(&places),
-            &norms,
-            &places.common,
-            options.flips,
-            options.seed ^ 0x10CA,
-        ),
-    ];
-    let alphas = [options.alpha, options.alpha_column, options.alpha];
+    let [known, columns, places] = [0..named, named..regular, regular..count].map(of_family);
+    let (flips, seed) = (options.flips, options.seed);
     let of_windows = (regular..).zip(&norms).map(|(c, norm)| {
         if *norm > 0.0 {
             scores.sum(c) / norm
@@ -177,30 +165,46 @@ pub fn screen_runs(
             0.0
         }
     });
-    let of_windows = of_windows.collect();
-    let t_all = [known.t(), columns.t(), of_windows].concat();
+    let null_of_windows = MaxT::with_norms(
+        &without_estimated_effect(&places),
+        &norms,
+        &places.common,
+        flips,
+        seed ^ 0x10CA,
+    );
     let sessions = session_numbers(frames.iter().map(|frame| frame.session.as_str()));
-    let p_sessions: Vec<Option<f64>> = [&known, &columns, &places]
-        .into_iter()
-        .flat_map(|family| {
-            let Some(of_sessions) = family.by_sessions(&sessions) else {
-                return vec![None; family.u.nrows()];
-            };
-            let null = of_sessions.by_wild_bootstrap(options.flips, options.seed);
-            let p_value = |t: f64| Some(null.p_value(t));
-            of_sessions.t().into_iter().map(p_value).collect()
-        })
-        .collect();
-    let criticals = nulls.iter().zip(alphas);
-    let criticals = criticals.map(|(null, alpha)| null.critical(alpha));
-    let criticals: Vec<f64> = criticals.collect();
-    let family = |c: usize| usize::from(c >= named) + usize::from(c >= regular);
-    let candidate_scores = (0..count)
-        .map(|c| {
+    let by_sessions = |family: &Scores| by_sessions(family, &sessions, options);
+    let families = [
+        Family {
+            alpha: options.alpha,
+            null: known.by_sign_flips(flips, seed),
+            t: known.t(),
+            p_sessions: by_sessions(&known),
+        },
+        Family {
+            alpha: options.alpha_column,
+            null: columns.by_sign_flips(flips, seed ^ 0xBE40),
+            t: columns.t(),
+            p_sessions: by_sessions(&columns),
+        },
+        Family {
+            alpha: options.alpha,
+            null: null_of_windows,
+            t: of_windows.collect(),
+            p_sessions: by_sessions(&places),
+        },
+    ];
+    let members = families.iter().flat_map(|family| {
+        let critical = family.null.critical(family.alpha);
+        let members = family.t.iter().zip(&family.p_sessions);
+        members.map(move |(t, p_sessions)| (&family.null, critical, *t, *p_sessions))
+    });
+    let candidate_scores = members
+        .enumerate()
+        .map(|(c, (null, critical, t, p_sessions))| {
             let information = scores.total_information(c).max(1e-300);
             let scale = tested.typical(c);
             let sum = scores.sum(c);
-            let t = t_all[c];
             let size = sum / information;
             let n = runs as f64;
             let squares: f64 = (0..runs)
@@ -208,7 +212,6 @@ pub fn screen_runs(
                 .sum();
             let scatter = squares * n / (n - 1.0).max(1.0);
             let error = (scatter + scores.shared_variance(c)).sqrt() / information;
-            let (null, critical) = (&nulls[family(c)], criticals[family(c)]);
             CandidateScore {
                 remaining_share: scores.remaining_share(c),
                 size: size * scale,
@@ -216,7 +219,7 @@ pub fn screen_runs(
                 t,
                 bias_t: (plain.sum(c) - sum) / (error * information).max(1e-300),
                 p_value: if usable[c] { null.p_value(t) } else { 1.0 },
-                p_sessions: p_sessions[c],
+                p_sessions,
                 gain: sum * sum / information,
                 cross_validated_gain: cross_validated_gain(&scores, c),
                 detectable: (critical + options.nine_in_ten) * error * scale,
@@ -229,6 +232,28 @@ pub fn screen_runs(
         by_run: scores,
         cross: cross_information(&grams, prior),
     }
+}
+
+/// Candidates whose largest statistic is tested.
+struct Family {
+    /// Largest p-value of a selected one.
+    alpha: f64,
+    /// Null distribution of the largest statistic.
+    null: MaxT,
+    /// Statistic of each candidate.
+    t: Vec<f64>,
+    /// p-value of each candidate by a wild bootstrap over sessions; `None` with a single session.
+    p_sessions: Vec<Option<f64>>,
+}
+
+/// p-value of each candidate of a family with only sessions independent.
+fn by_sessions(family: &Scores, sessions: &[usize], options: &ScreenOptions) -> Vec<Option<f64>> {
+    let Some(of_sessions) = family.by_sessions(sessions) else {
+        return vec![None; family.u.nrows()];
+    };
+    let null = of_sessions.by_wild_bootstrap(options.flips, options.seed);
+    let t = of_sessions.t().into_iter();
+    t.map(|t| Some(null.p_value(t))).collect()
 }
 
 /// Whether the data determine each candidate and window well enough to be tested, from the scores

@@ -80,12 +80,12 @@ fn of_each(sd: [f64; INSTRUMENTS]) -> Noise {
 impl SensorNoise {
     /// White noise of these standard deviations.
     pub fn white(sd: Noise) -> Self {
-        let still = ColumnNoise {
+        let silent = ColumnNoise {
             sd: 0.0,
             colour: Colour::WHITE,
         };
         Self {
-            columns: [still; SENSORS],
+            columns: [silent; SENSORS],
         }
         .at_least(&sd)
     }
@@ -96,11 +96,20 @@ impl SensorNoise {
     }
 
     /// Noise from the recordings' spectra above this frequency; `None` if they are insufficient. An
-    /// axis with more than `quietest` times the power of its instrument's quietest axis is
+    /// axis with more than `max_power_ratio` times the power of its instrument's quietest axis is
     /// dominated by motion and gets the noise of the quietest axis.
-    pub fn of_spectra(learned: &[TrainingSamples], from_hz: f64, quietest: f64) -> Option<Self> {
+    pub fn of_spectra(
+        training: &[TrainingSamples],
+        from_hz: f64,
+        max_power_ratio: f64,
+    ) -> Option<Self> {
         let of_axes = |axes: &Range<usize>| {
-            of_instrument(learned, &Sensor::ALL[axes.clone()], from_hz, quietest)
+            of_instrument(
+                training,
+                &Sensor::ALL[axes.clone()],
+                from_hz,
+                max_power_ratio,
+            )
         };
         let each: Vec<Option<Vec<ColumnNoise>>> = AXES.par_iter().map(of_axes).collect();
         let columns = each.into_iter().collect::<Option<Vec<_>>>()?.concat();
@@ -120,7 +129,7 @@ impl SensorNoise {
 
     /// Standard deviation of each instrument's noisiest axis, as white noise.
     pub fn sd(&self) -> Noise {
-        of_each(self.instruments().map(|axes| loudest(axes).sd))
+        of_each(self.instruments().map(|axes| noisiest_axis(axes).sd))
     }
 
     fn instruments(&self) -> [&[ColumnNoise]; INSTRUMENTS] {
@@ -134,7 +143,7 @@ impl SensorNoise {
         } else {
             "no [noise] in the model"
         };
-        let of = |noise: &ColumnNoise| {
+        let text = |noise: &ColumnNoise| {
             let Colour { knee_hz, corner_hz } = noise.colour;
             let corner = knee_hz.min(corner_hz);
             if corner.is_finite() {
@@ -146,9 +155,9 @@ impl SensorNoise {
         let labels = AXES.map(|axes| &AXIS_NAMES[axes]);
         let sensors = NAMES.into_iter().zip(labels).zip(self.instruments());
         let each: Vec<String> = sensors
-            .filter(|(_, axes)| loudest(axes).sd > 0.0)
+            .filter(|(_, axes)| noisiest_axis(axes).sd > 0.0)
             .map(|((name, labels), axes)| {
-                let texts: Vec<String> = axes.iter().map(of).collect();
+                let texts: Vec<String> = axes.iter().map(text).collect();
                 if texts.iter().all(|axis| *axis == texts[0]) {
                     return format!("{name} {}", texts[0]);
                 }
@@ -167,7 +176,7 @@ impl SensorNoise {
 }
 
 /// The axis of the largest standard deviation.
-fn loudest(axes: &[ColumnNoise]) -> ColumnNoise {
+fn noisiest_axis(axes: &[ColumnNoise]) -> ColumnNoise {
     let more = |a: ColumnNoise, b: &ColumnNoise| if b.sd > a.sd { *b } else { a };
     axes.iter().fold(axes[0], more)
 }
@@ -211,23 +220,23 @@ pub fn is_contradicted(stated: &Noise, seen: &Noise, [low, high]: [f64; 2]) -> b
 }
 
 /// White noise from third differences d3, the median over runs: `var = mean(d3^2) / 20`.
-pub fn estimate(learned: &[TrainingSamples]) -> Noise {
-    by_third_differences(learned, |_| 1)
+pub fn estimate(training: &[TrainingSamples]) -> Noise {
+    by_third_differences(training, |_| 1)
 }
 
 /// White noise with the power of the recordings between the motion and this corner \[Hz\], the
 /// median over runs: third differences of means over half the corner's period, `var = m
 /// mean(d3^2)/20` for means over m samples.
-pub fn estimate_below(learned: &[TrainingSamples], corner_hz: f64) -> Noise {
-    by_third_differences(learned, |dt| {
+pub fn estimate_below(training: &[TrainingSamples], corner_hz: f64) -> Noise {
+    by_third_differences(training, |dt| {
         (0.5 / (corner_hz * dt)).round().max(1.0) as usize
     })
 }
 
 /// `samples` is the number m of samples of a mean for a time between samples [s].
-fn by_third_differences(learned: &[TrainingSamples], samples: impl Fn(f64) -> usize) -> Noise {
+fn by_third_differences(training: &[TrainingSamples], samples: impl Fn(f64) -> usize) -> Noise {
     let sd = |name: &str| -> f64 {
-        let mut each: Vec<f64> = learned
+        let mut each: Vec<f64> = training
             .iter()
             .filter_map(|piece| Some((piece.column(name)?, samples(piece.run.dt_s))))
             .map(|(x, m)| {

@@ -241,7 +241,7 @@ impl TrackChannel {
         let mut directions = DMatrix::zeros(self.bins.len(), count);
         for error in (0..count).filter(|error| stated.errors[*error].is_tilt()) {
             let moved = ResidualModel {
-                installation: stated.moved(error, 1.0),
+                installation: stated.with_error_changed(error, 1.0),
                 ..bare.clone()
             };
             let change = DVector::from_vec(self.change_to(&moved, frames));
