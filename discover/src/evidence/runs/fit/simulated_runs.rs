@@ -251,9 +251,7 @@ impl RunSimulator {
 }
 
 /// The run with the accelerations that the model predicts from the measured inputs, so that the
-/// residuals are zero.
-///
-/// Residuals of a delayed sensor are shifted to the time of its reading.
+/// residuals are zero. Residuals of a delayed sensor are shifted to the time of its reading.
 ///
 /// `rows` are the longitudinal, lateral and yaw residuals at every retained sample.
 pub fn truth(frame: &Frame, residual_model: &ResidualModel, rows: &[Vec<f64>]) -> Frame {
@@ -285,9 +283,8 @@ pub fn truth(frame: &Frame, residual_model: &ResidualModel, rows: &[Vec<f64>]) -
         (lateral, delayed(Sensor::Ay, side)),
         (&mut run.rate_slope[2], delayed(Sensor::YawRate, minus_yaw)),
     ] {
-        to.iter_mut()
-            .zip(change)
-            .for_each(|(x, change)| *x += change);
+        let both = to.iter_mut().zip(change);
+        both.for_each(|(x, change)| *x += change);
     }
     if !frame.slope.is_empty() {
         let residual = residual_model.track_residual(&run);

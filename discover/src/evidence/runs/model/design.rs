@@ -119,23 +119,16 @@ impl<'a> Design<'a> {
             discrepancy,
             ..
         } = self.residual_model;
+        let (errors, splines) = (installation.fitted_count(), discrepancy.fitted_count());
         let whitened = installation.whitened();
-        let form = std::iter::repeat_n(0.0, self.form_errors());
-        let random = whitened
-            .iter()
-            .take(installation.fitted_count())
-            .copied()
-            .chain(form);
-        let smooth = discrepancy
-            .sizes
-            .iter()
-            .take(discrepancy.fitted_count())
-            .copied();
+        let form = std::iter::repeat_n(&0.0, self.form_errors());
+        let random = whitened.iter().take(errors).chain(form);
+        let random = random.chain(discrepancy.sizes.iter().take(splines));
         let mut prior = Prior::none(self.fitted_count());
-        prior.smooth = discrepancy.fitted_count();
-        let flat = self.before_discrepancy() - installation.fitted_count() - self.form_errors();
-        for (k, at) in (flat..).zip(random.chain(smooth)) {
-            (prior.precision[k], prior.at[k]) = (1.0, at);
+        prior.smooth = splines;
+        let flat = self.before_discrepancy() - errors - self.form_errors();
+        for (k, at) in (flat..).zip(random) {
+            (prior.precision[k], prior.at[k]) = (1.0, *at);
         }
         prior
     }
@@ -388,16 +381,13 @@ impl<'a> Design<'a> {
                     self.window_products(frame, &all, &locals)
                 };
                 let place = frame.rows(&frame.s);
-                let shares = self
-                    .windows
-                    .iter()
-                    .map(|w| {
-                        let inside = place.iter().filter(|s| (w.from..w.to).contains(*s));
-                        let there = w.track == frame.track;
-                        let count = if there { inside.count() } else { 0 };
-                        (w.local, count as f64 / place.len().max(1) as f64)
-                    })
-                    .collect();
+                let share = |w: &Window| {
+                    let is_inside =
+                        |s: &&f64| w.track == frame.track && (w.from..w.to).contains(*s);
+                    let inside = place.iter().filter(is_inside).count();
+                    (w.local, inside as f64 / place.len().max(1) as f64)
+                };
+                let shares = self.windows.iter().map(share).collect();
                 Products {
                     full,
                     windows,

@@ -138,9 +138,8 @@ impl<'a> ModelOnRun<'a> {
             if frame.slope.is_empty() || !frame.s_of_speed {
                 return as_read;
             }
-            let speed_correction: Vec<f64> = (0..frame.len())
-                .map(|i| self.measured(i)[Sensor::Speed] - frame.v[i])
-                .collect();
+            let correction = |i: usize| self.measured(i)[Sensor::Speed] - frame.v[i];
+            let speed_correction: Vec<f64> = (0..frame.len()).map(correction).collect();
             if speed_correction.iter().all(|dv| *dv == 0.0) {
                 return as_read;
             }

@@ -15,19 +15,12 @@ pub fn available(
     remarks: &mut Vec<String>,
 ) -> Vec<Column> {
     let recorded = |name: &str| runs.iter().all(|run| run.columns.contains_key(name));
-    let first = |name: &str| {
-        training
-            .first()
-            .and_then(|piece| piece.column(name)?.iter().find(|x| x.is_finite()))
-    };
     let varies = |name: &str| {
-        training.iter().any(|piece| {
-            let column = piece.column(name);
-            column.is_some_and(|x| {
-                let mut there = x.iter().filter(|value| value.is_finite());
-                there.any(|value| Some(value) != first(name))
-            })
-        })
+        let columns = training.iter().filter_map(|piece| piece.column(name));
+        let first = training.first().and_then(|piece| piece.column(name));
+        let first = first.and_then(|column| column.iter().find(|x| x.is_finite()));
+        let mut values = columns.flatten().filter(|x| x.is_finite());
+        values.any(|x| Some(x) != first)
     };
     let mut list = vec![Column::Time];
     let by_file = [

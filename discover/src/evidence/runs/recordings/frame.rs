@@ -190,7 +190,7 @@ impl Frame {
     /// The relative standard deviation of each balance at these places; empty if equal.
     pub fn scales_at(&self, places: &[f64]) -> Vec<[f64; 3]> {
         let scales = self.scales.as_ref();
-        scales.map_or_else(Vec::new, |scales| scales.along(&self.track, places))
+        scales.map_or(Vec::new(), |scales| scales.along(&self.track, places))
     }
 
     /// The retained samples that are used.

@@ -21,24 +21,22 @@ impl Campaign<'_> {
         if let (Some(_), Some((from, to))) = (track, candidate.window()) {
             return format!("s {from:.0}-{to:.0} m{on}");
         }
-        let form = match &candidate.act.kind {
-            Kind::Custom(custom) => {
-                format!("; form {} on {}", custom.text, custom.channel.name()).to_lowercase()
-            }
-            Kind::Catalogue(_) => String::new(),
-        };
         if candidate.is_column() {
-            return format!("all runs{form}");
+            let form = match &candidate.act.kind {
+                Kind::Custom(custom) => {
+                    format!("; form {} on {}", custom.text, custom.channel.name())
+                }
+                Kind::Catalogue(_) => String::new(),
+            };
+            return format!("all runs{}", form.to_lowercase());
         }
         // The share of samples with half of the effect indicates where it acts.
         let Some(frame) = self.training.first() else {
             return "all runs".to_owned();
         };
         let rest = at.residual_model.sample_residuals(frame);
-        let moved = at
-            .residual_model
-            .with(candidate.active(candidate.typical))
-            .sample_residuals(frame);
+        let with = (at.residual_model).with(candidate.active(candidate.typical));
+        let moved = with.sample_residuals(frame);
         let change = |c: usize, i: usize| (rest[c][i] - moved[c][i]) / at.whitener.sd[c];
         let square = |i: usize| (0..BALANCES).map(|c| change(c, i).powi(2)).sum::<f64>();
         let mut size: Vec<(f64, usize)> = frame.samples().map(|i| (square(i), i)).collect();

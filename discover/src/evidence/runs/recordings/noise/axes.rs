@@ -19,7 +19,7 @@ pub fn of_instrument(
     training: &[TrainingSamples],
     axes: &[Sensor],
     from_hz: f64,
-    max_power_ratio: f64,
+    max_ratio: f64,
 ) -> Option<Vec<ColumnNoise>> {
     // A column that is always constant, as a roll split of zeros, is not measured: it has no noise.
     let varies = |axis: &Sensor| training.iter().any(|piece| piece.varies(axis.name()));
@@ -40,16 +40,12 @@ pub fn of_instrument(
         Periodogram::of(&columns, dt, from_hz).filter(|_| varies(axis))
     };
     let seen: Vec<Option<Periodogram>> = axes.iter().map(spectrum).collect();
-    of_axes(&seen, dt, max_power_ratio)
+    of_axes(&seen, dt, max_ratio)
 }
 
 /// Noise of each axis; an axis that is constant or dominated by motion gets the noise of the
 /// quietest one.
-fn of_axes(
-    seen: &[Option<Periodogram>],
-    dt: f64,
-    max_power_ratio: f64,
-) -> Option<Vec<ColumnNoise>> {
+fn of_axes(seen: &[Option<Periodogram>], dt: f64, max_ratio: f64) -> Option<Vec<ColumnNoise>> {
     let power = |axis: &Periodogram| axis.lowest();
     let by_power = |a: &&Periodogram, b: &&Periodogram| power(a).total_cmp(&power(b));
     let quiet = seen.iter().flatten().min_by(by_power)?;
@@ -59,7 +55,7 @@ fn of_axes(
     };
     let of_quiet = noise(quiet)?;
     let of_axis = |axis: &Option<Periodogram>| {
-        let is_noise = |axis: &&Periodogram| power(axis) <= max_power_ratio * power(quiet);
+        let is_noise = |axis: &&Periodogram| power(axis) <= max_ratio * power(quiet);
         let noise = axis.as_ref().filter(is_noise).and_then(noise);
         noise.unwrap_or(of_quiet)
     };

@@ -96,20 +96,11 @@ impl SensorNoise {
     }
 
     /// Noise from the recordings' spectra above this frequency; `None` if they are insufficient. An
-    /// axis with more than `max_power_ratio` times the power of its instrument's quietest axis is
+    /// axis with more than `max_ratio` times the power of its instrument's quietest axis is
     /// dominated by motion and gets the noise of the quietest axis.
-    pub fn of_spectra(
-        training: &[TrainingSamples],
-        from_hz: f64,
-        max_power_ratio: f64,
-    ) -> Option<Self> {
+    pub fn of_spectra(training: &[TrainingSamples], from_hz: f64, max_ratio: f64) -> Option<Self> {
         let of_axes = |axes: &Range<usize>| {
-            of_instrument(
-                training,
-                &Sensor::ALL[axes.clone()],
-                from_hz,
-                max_power_ratio,
-            )
+            of_instrument(training, &Sensor::ALL[axes.clone()], from_hz, max_ratio)
         };
         let each: Vec<Option<Vec<ColumnNoise>>> = AXES.par_iter().map(of_axes).collect();
         let columns = each.into_iter().collect::<Option<Vec<_>>>()?.concat();
@@ -244,10 +235,7 @@ fn by_third_differences(training: &[TrainingSamples], samples: impl Fn(f64) -> u
                 let means: Vec<f64> = x.chunks_exact(m).map(mean).collect();
                 let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).powi(2);
                 // Differences across a gap are omitted.
-                let squares = means
-                    .windows(4)
-                    .map(third)
-                    .filter(|square| square.is_finite());
+                let squares = means.windows(4).map(third).filter(|x| x.is_finite());
                 let (sum, count) = squares.fold((0.0, 0_usize), |(s, n), x| (s + x, n + 1));
                 (m as f64 * sum / (20.0 * count.max(1) as f64)).sqrt()
             })
