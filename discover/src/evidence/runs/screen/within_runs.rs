@@ -144,83 +144,13 @@ impl Campaign<'_> {
         places: &[(&Window, usize)],
         account: &Account,
     ) -> Option<Selection<Amplitude>> {
-        let options = self.screen_options(at, account);
-        let rules = self.rules();
-        let gain = |c: usize| screen.scores[c].gain;
-        let local = |window: &Window| &self.candidates.local[window.local];
-        let in_windows = places.iter().map(|(window, c)| {
-            let candidate = local(window).within(&window.track, window.from, window.to);
-            (candidate, *c)
-        });
-        let everywhere = regular.iter().cloned().zip(0..);
-        let largest_gain = everywhere
-            .chain(in_windows)
-            .filter(|(candidate, c)| {
-                screen.is_selectable(*c, candidate, options.alpha_of(candidate))
-            })
-            .map(|(_, c)| gain(c))
-            .fold(0.0, f64::max);
-        // Competing windows, with refined edges, are compared as regular candidates.
-        let competing: Vec<(Candidate<Amplitude>, usize)> = places
-            .iter()
-            .filter(|(_, c)| largest_gain > 0.0 && gain(*c) > rules.window_competes * largest_gain)
-            .map(|(window, c)| (self.refined(at, local(window), window), *c))
-            .collect();
-        // Candidates that may be selected or be a rival.
-        let is_rival = |s: &CandidateScore| s.usable && s.t.abs() >= rules.rivals.least_t;
-        let selected = (0..regular.len()).filter(|c| is_rival(&screen.scores[*c]));
-        let selected: Vec<usize> = selected.collect();
-        let of_selected = selected.iter().map(|c| &regular[*c]);
-        let list: Vec<Candidate<Amplitude>> = of_selected
-            .chain(competing.iter().map(|(candidate, _)| candidate))
-            .cloned()
-            .collect();
-        let mut together = screen.only(&selected);
-        if !competing.is_empty() {
-            let design = at.design(&list);
-            let noise = noise_products(&design, &self.training, at.simulator, 0);
-            let products = design.products(&self.training);
-            let grams = products.iter().zip(&noise).map(|(p, d)| p.corrected(d));
-            let grams: Vec<_> = grams.collect();
-            let scores = Scores::new(&grams, &design.prior());
-            together.cross = cross_information(&grams, &design.prior());
-            for (k, (candidate, c)) in (selected.len()..).zip(&competing) {
-                together.by_run.push(&scores, k);
-                let information = scores.total_information(k).max(1e-300);
-                let sum = scores.sum(k);
-                let mut seen = screen.scores[*c].clone();
-                seen.size = sum / information * candidate.typical;
-                seen.gain = sum * sum / information;
-                // Its edges may now be those of an effect of the model.
-                seen.usable &= scores.remaining_share(k) > options.min_shares[0];
-                together.scores.push(seen);
-            }
-        }
-        let gain_of = |c: usize| together.scores[c].gain;
-        let best = |is_column: bool| {
-            (0..list.len())
-                .filter(|c| list[*c].is_column() == is_column)
-                .filter(|c| together.is_selectable(*c, &list[*c], options.alpha_of(&list[*c])))
-                .max_by(|a, b| gain_of(*a).total_cmp(&gain_of(*b)))
-        };
-        // An effect of the catalogue has precedence over a column outside it, unless the column
-        // explains all that the effect does, and more.
-        let mut named = match (best(false), best(true)) {
-            (Some(known), Some(other)) => {
-                let more = gain_of(other) > gain_of(known);
-                let t = |a: usize, b: usize| together.t_given(a, b) * together.scores[a].t.signum();
-                let [max_known, min_other] = rules.column_wins;
-                if more && t(known, other) < max_known && t(other, known) > min_other {
-                    other
-                } else {
-                    known
-                }
-            }
-            (known, other) => known.or(other)?,
-        };
+        let options = &self.screen_options(at, account);
+        let (list, windows_from, together) =
+            self.with_windows(at, screen, regular, places, options);
+        let mut named = self.preferred(&together, &list, options)?;
         let (mut class, mut rivals) = self.rivals(&together, &list, named);
         // In a class of places, an effect that already acts elsewhere is the simpler explanation.
-        let known = (selected.len()..list.len()).find(|c| {
+        let known = (windows_from..list.len()).find(|c| {
             list[named].act.track.is_some()
                 && *c != named
                 && class.contains(&list[*c].effect)
@@ -251,6 +181,91 @@ impl Campaign<'_> {
             }),
             ..Selection::new(list[named].clone(), seen.size, seen.error, place)
         })
+    }
+
+    /// Candidates that may be selected or be a rival, and competing windows with refined edges
+    /// behind them; the index of the first window; and the screen of them all.
+    fn with_windows(
+        &self,
+        at: &Current,
+        screen: &RunScreen,
+        regular: &[Candidate<Amplitude>],
+        places: &[(&Window, usize)],
+        options: &ScreenOptions,
+    ) -> (Vec<Candidate<Amplitude>>, usize, RunScreen) {
+        let rules = self.rules();
+        let gain = |c: usize| screen.scores[c].gain;
+        let selectable_gain = |candidate: &Candidate<Amplitude>, c: usize| {
+            let alpha = options.alpha_of(candidate);
+            screen.is_selectable(c, candidate, alpha).then(|| gain(c))
+        };
+        let local = |window: &Window| &self.candidates.local[window.local];
+        let in_windows = places.iter().filter_map(|(window, c)| {
+            let candidate = local(window).within(&window.track, window.from, window.to);
+            selectable_gain(&candidate, *c)
+        });
+        let everywhere = regular.iter().zip(0..);
+        let everywhere = everywhere.filter_map(|(candidate, c)| selectable_gain(candidate, c));
+        let largest_gain = everywhere.chain(in_windows).fold(0.0, f64::max);
+        let least_gain = rules.window_competes * largest_gain;
+        let competing: Vec<(Candidate<Amplitude>, usize)> = places
+            .iter()
+            .filter(|(_, c)| largest_gain > 0.0 && gain(*c) > least_gain)
+            .map(|(window, c)| (self.refined(at, local(window), window), *c))
+            .collect();
+        let is_rival = |s: &CandidateScore| s.usable && s.t.abs() >= rules.rivals.least_t;
+        let selected = (0..regular.len()).filter(|c| is_rival(&screen.scores[*c]));
+        let selected: Vec<usize> = selected.collect();
+        let of_selected = selected.iter().map(|c| &regular[*c]);
+        let list = of_selected.chain(competing.iter().map(|(candidate, _)| candidate));
+        let list: Vec<Candidate<Amplitude>> = list.cloned().collect();
+        let mut together = screen.only(&selected);
+        if !competing.is_empty() {
+            let design = at.design(&list);
+            let noise = noise_products(&design, &self.training, at.simulator, 0);
+            let products = design.products(&self.training);
+            let grams = products.iter().zip(&noise).map(|(p, d)| p.corrected(d));
+            let grams: Vec<_> = grams.collect();
+            let scores = Scores::new(&grams, &design.prior());
+            together.cross = cross_information(&grams, &design.prior());
+            for (k, (candidate, c)) in (selected.len()..).zip(&competing) {
+                together.by_run.push(&scores, k);
+                let information = scores.total_information(k).max(1e-300);
+                let sum = scores.sum(k);
+                let mut seen = screen.scores[*c].clone();
+                seen.size = sum / information * candidate.typical;
+                seen.gain = sum * sum / information;
+                // Its edges may now be those of an effect of the model.
+                seen.usable &= scores.remaining_share(k) > options.min_shares[0];
+                together.scores.push(seen);
+            }
+        }
+        (list, selected.len(), together)
+    }
+
+    /// The selectable candidate of largest gain. An effect of the catalogue has precedence over a
+    /// column outside it, unless the column explains all that the effect does, and more.
+    fn preferred(
+        &self,
+        screen: &RunScreen,
+        list: &[Candidate<Amplitude>],
+        options: &ScreenOptions,
+    ) -> Option<usize> {
+        let gain = |c: usize| screen.scores[c].gain;
+        let best = |is_column: bool| {
+            (0..list.len())
+                .filter(|c| list[*c].is_column() == is_column)
+                .filter(|c| screen.is_selectable(*c, &list[*c], options.alpha_of(&list[*c])))
+                .max_by(|a, b| gain(*a).total_cmp(&gain(*b)))
+        };
+        let (Some(known), Some(other)) = (best(false), best(true)) else {
+            return best(false).or(best(true));
+        };
+        let t = |a: usize, b: usize| screen.t_given(a, b) * screen.scores[a].t.signum();
+        let [max_known, min_other] = self.rules().column_wins;
+        let explains_all = t(known, other) < max_known && t(other, known) > min_other;
+        let wins = gain(other) > gain(known) && explains_all;
+        Some(if wins { other } else { known })
     }
 
     /// A window of a `local` candidate with the edges of largest gain.
@@ -284,11 +299,8 @@ impl Campaign<'_> {
             windows: &windows,
             ..at.design(&[])
         };
-        let grams: Vec<_> = design
-            .products(&on_track)
-            .iter()
-            .map(Products::plain)
-            .collect();
+        let products = design.products(&on_track);
+        let grams: Vec<_> = products.iter().map(Products::plain).collect();
         let scores = Scores::new(&grams, &design.prior());
         let gain = |w: usize| scores.sum(w).powi(2) / scores.total_information(w).max(1e-300);
         let most = (0..windows.len()).max_by(|a, b| gain(*a).total_cmp(&gain(*b)));
@@ -308,8 +320,8 @@ impl Campaign<'_> {
         let name = &list[named].effect;
         let others = list.iter().enumerate().filter(|(j, candidate)| {
             let s = &screen.scores[*j];
-            let stranger = candidate.is_column() && !list[named].is_column();
-            candidate.effect != *name && !stranger && s.usable && s.t.abs() >= rule.least_t
+            let is_outside = candidate.is_column() && !list[named].is_column();
+            candidate.effect != *name && !is_outside && s.usable && s.t.abs() >= rule.least_t
         });
         let others = others.map(|(j, candidate)| {
             let s = &screen.scores[j];
