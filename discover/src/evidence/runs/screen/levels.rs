@@ -55,27 +55,11 @@ pub fn screen_levels(
     seed: u64,
 ) -> LevelScreen {
     let q = candidates.len();
-    let first = OWN_LEVELS + design.fitted_count();
-    let mut levels: Vec<[f64; OWN_LEVELS]> = Vec::new();
-    let mut weights: Vec<[f64; OWN_LEVELS]> = Vec::new();
-    // Change of both levels of each run by each candidate.
-    let mut changes: Vec<Vec<[f64; OWN_LEVELS]>> = vec![Vec::new(); q];
-    let products = design.products(frames);
-    let noise = noise_products(design, frames, simulator, 6_000_029);
-    for (products, noise) in products.iter().zip(&noise) {
-        let matrix = &products.full - noise;
-        let square = matrix.view((0, 0), (OWN_LEVELS, OWN_LEVELS)).into_owned();
-        let inverse = ridge_inverse(square.clone());
-        let level_of_column = |k: usize| -> [f64; OWN_LEVELS] {
-            let level = &inverse * matrix.view((0, k), (OWN_LEVELS, 1)).column(0);
-            [level[0], level[1]]
-        };
-        levels.push(level_of_column(matrix.ncols() - 1));
-        weights.push([square[(0, 0)], square[(1, 1)]]);
-        for (c, changes) in changes.iter_mut().enumerate() {
-            changes.push(level_of_column(first + c));
-        }
-    }
+    let RunLevels {
+        levels,
+        weights,
+        changes,
+    } = run_levels(design, frames, simulator, q);
     let explained = |c: usize, k: usize| -> f64 {
         let runs = changes[c].iter().zip(&weights);
         runs.map(|(z, weight)| z[k] * z[k] * weight[k]).sum()
@@ -88,10 +72,8 @@ pub fn screen_levels(
     let covariates: Vec<Vec<f64>> = covariates.map(|(k, runs)| of_level(runs, *k)).collect();
     let sessions = group(frames);
     let means = levels.each_ref().map(|x| session_means(x, &sessions));
-    let of_sessions: Vec<Vec<f64>> = covariates
-        .iter()
-        .map(|x| session_means(x, &sessions))
-        .collect();
+    let of_sessions = covariates.iter().map(|x| session_means(x, &sessions));
+    let of_sessions: Vec<Vec<f64>> = of_sessions.collect();
     let untested = LevelScore {
         correlation: 0.0,
         p_value: 1.0,
@@ -137,6 +119,48 @@ pub fn screen_levels(
         level_of,
         means,
     }
+}
+
+/// Levels of friction and grip of each run.
+struct RunLevels {
+    levels: Vec<[f64; OWN_LEVELS]>,
+    /// Information about each level.
+    weights: Vec<[f64; OWN_LEVELS]>,
+    /// Change of the levels of each run by each candidate.
+    changes: Vec<Vec<[f64; OWN_LEVELS]>>,
+}
+
+/// Levels of each run by least squares, corrected for noisy inputs, and their changes by `count`
+/// candidates.
+fn run_levels(
+    design: &Design,
+    frames: &[Frame],
+    simulator: &RunSimulator,
+    count: usize,
+) -> RunLevels {
+    let first = OWN_LEVELS + design.fitted_count();
+    let mut runs = RunLevels {
+        levels: Vec::new(),
+        weights: Vec::new(),
+        changes: vec![Vec::new(); count],
+    };
+    let products = design.products(frames);
+    let noise = noise_products(design, frames, simulator, 6_000_029);
+    for (products, noise) in products.iter().zip(&noise) {
+        let matrix = &products.full - noise;
+        let square = matrix.view((0, 0), (OWN_LEVELS, OWN_LEVELS)).into_owned();
+        let inverse = ridge_inverse(square.clone());
+        let level_of_column = |k: usize| -> [f64; OWN_LEVELS] {
+            let level = &inverse * matrix.view((0, k), (OWN_LEVELS, 1)).column(0);
+            [level[0], level[1]]
+        };
+        runs.levels.push(level_of_column(matrix.ncols() - 1));
+        runs.weights.push([square[(0, 0)], square[(1, 1)]]);
+        for (c, changes) in runs.changes.iter_mut().enumerate() {
+            changes.push(level_of_column(first + c));
+        }
+    }
+    runs
 }
 
 /// p-values of the correlation of values with each covariate, by permutation of the runs within
