@@ -33,13 +33,13 @@ impl Campaign<'_> {
             at.simulator,
             self.options.seed,
         );
-        let screen_estimates = between(&list, &levels.seen);
+        let screen_estimates = between(&list, &levels.scores);
         let best = (0..list.len())
             .filter(|c| {
-                let s = &levels.seen[*c];
+                let s = &levels.scores[*c];
                 s.p_value <= share * rules.alpha_levels && list[*c].admits(s.size)
             })
-            .max_by(|a, b| levels.seen[*a].gain.total_cmp(&levels.seen[*b].gain));
+            .max_by(|a, b| levels.scores[*a].gain.total_cmp(&levels.scores[*b].gain));
         let Some(named) = best else {
             let differ = levels.sessions_differ.iter().copied().fold(1.0, f64::min);
             let enough = |count: &usize| min_p_value(*count) <= rules.alpha_levels;
@@ -54,7 +54,7 @@ impl Campaign<'_> {
             return (None, screen_estimates);
         };
         let others = (0..list.len()).filter(|j| *j != named).map(|j| {
-            let s = &levels.seen[j];
+            let s = &levels.scores[j];
             Rival {
                 gain: s.gain,
                 correlation: s.correlation,
@@ -63,7 +63,7 @@ impl Campaign<'_> {
                 ..list[j].rival(s.size, s.size / s.error.max(1e-300))
             }
         });
-        let seen = &levels.seen[named];
+        let seen = &levels.scores[named];
         let (class, rivals) = rules.level_rivals.class(
             &NamedEffect {
                 effect: &list[named].effect,

@@ -34,7 +34,7 @@ pub struct LevelScore {
 /// Levels by run, their sessions and the candidates' covariates.
 pub struct LevelScreen {
     /// Scores in the order of the candidates.
-    pub seen: Vec<LevelScore>,
+    pub scores: Vec<LevelScore>,
     pub sessions: usize,
     /// p-values of an F test of differences between sessions, for friction and for grip.
     pub sessions_differ: [f64; OWN_LEVELS],
@@ -81,7 +81,7 @@ pub fn screen_levels(
         error: f64::INFINITY,
         gain: 0.0,
     };
-    let mut seen = vec![untested; q];
+    let mut scores = vec![untested; q];
     for k in 0..OWN_LEVELS {
         let acting = |level: Level| -> Vec<usize> {
             let acts = |c: &usize| level_of[*c] == k && candidates[*c].act.level == level;
@@ -92,7 +92,7 @@ pub fn screen_levels(
             let weight = weight / y.len() as f64;
             for ((c, x), p_value) in tested.iter().zip(xs).zip(p_values) {
                 let slope = slope(y, x, candidates[*c].typical, weight);
-                seen[*c] = LevelScore { p_value, ..slope };
+                scores[*c] = LevelScore { p_value, ..slope };
             }
         };
         let tested = acting(Level::Session);
@@ -112,7 +112,7 @@ pub fn screen_levels(
         }
     }
     LevelScreen {
-        seen,
+        scores,
         sessions: sessions.len(),
         sessions_differ: levels.each_ref().map(|x| f_test(x, &sessions)),
         covariates: of_sessions,
@@ -199,7 +199,7 @@ impl LevelScreen {
     /// t of session-level candidate `a` given `b`; unchanged if they act on different levels.
     pub fn t_given(&self, a: usize, b: usize) -> f64 {
         if self.level_of[a] != self.level_of[b] {
-            return self.seen[a].size / self.seen[a].error.max(1e-300);
+            return self.scores[a].size / self.scores[a].error.max(1e-300);
         }
         let y = centred(&self.means[self.level_of[a]]);
         let (x, z) = (centred(&self.covariates[a]), centred(&self.covariates[b]));

@@ -80,7 +80,7 @@ pub struct TrackChannel {
     /// Inflation of the variance of means over bins by their correlation.
     inflation: f64,
     /// Root mean square scatter of single runs about the bins' means [m/s2].
-    scatter: f64,
+    pub scatter: f64,
     /// Width of a bin [m].
     width: f64,
 }
@@ -216,11 +216,6 @@ impl TrackChannel {
         let excess = self.bins.iter().map(|b| b.mean * b.mean - b.variance);
         let square = excess.sum::<f64>() / self.bins.len() as f64;
         square.max(0.0).sqrt() / GRAVITY
-    }
-
-    /// Root mean square scatter of single runs about the bins' means [m/s2].
-    pub fn scatter(&self) -> f64 {
-        self.scatter
     }
 
     /// Information on tilt-like installation errors, for a model with none of them.

@@ -133,8 +133,8 @@ impl Campaign<'_> {
         }
         let quiet = simulator.sensors_only();
         let simulated = quiet.simulated(&self.training, residual_model, 5_000_003);
-        let expected = TrackChannel::new(residual_model, &simulated, self.rules())?.scatter();
-        let scatter = channel.scatter();
+        let expected = TrackChannel::new(residual_model, &simulated, self.rules())?.scatter;
+        let scatter = channel.scatter;
         if scatter > self.rules().track_agrees * expected {
             if account.steps.is_empty() {
                 account.remarks.push(format!(
