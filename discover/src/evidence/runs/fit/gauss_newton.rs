@@ -80,8 +80,8 @@ pub struct FitProducts {
 }
 
 impl Fitting<'_> {
-    /// Fits all parameters of a model together by Gauss-Newton, until a step decreases the criterion
-    /// by less than `tolerance`.
+    /// Fits all parameters of a model together by Gauss-Newton, until a step decreases the
+    /// criterion by less than `tolerance`.
     ///
     /// With S the covariance of the residuals given the discrepancy u, E the covariance expected of
     /// noise ([`row_noise`](crate::evidence::runs::fit::row_noise)), a the installation errors and

@@ -195,8 +195,7 @@ impl RunSimulator {
         let n = samples.len();
         let shift = below(rng, n);
         let flip = sign(rng);
-        let sled = &residual_model.vehicle.sled;
-        let mass_kg = plus.mass_kg.unwrap_or(sled.mass_kg);
+        let sled = plus.sled(residual_model.vehicle.sled);
         // A residual is moved to another place: it is scaled by the deviations at both.
         let scales = plus.scales_at(&plus.s);
         let unexplained = |c: usize, k: usize| -> f64 {
@@ -209,8 +208,8 @@ impl RunSimulator {
         };
         for (k, i) in samples.iter().copied().enumerate() {
             let yaw = unexplained(2, k) / sled.j_zz_kgm2;
-            let longitudinal = unexplained(0, k) / mass_kg - sled.accel_y_m * yaw;
-            let lateral = unexplained(1, k) / mass_kg + sled.accel_x_m * yaw;
+            let longitudinal = unexplained(0, k) / sled.mass_kg - sled.accel_y_m * yaw;
+            let lateral = unexplained(1, k) / sled.mass_kg + sled.accel_x_m * yaw;
             for (run, sign) in [(&mut *plus, 1.0), (&mut *minus, -1.0)] {
                 run.rate_slope[2][i] += sign * yaw;
                 run.acceleration[0][i] += sign * longitudinal;
@@ -231,6 +230,9 @@ impl RunSimulator {
         let kernel = signal_kernel(plus.recorded_dt, &self.signals);
         let length = (plus.len() - 1) * kernel.stride + 2 * kernel.margin() + 1;
         let dt = plus.recorded_dt;
+        let add = |to: &mut [f64], noise: &[f64], sign: f64| {
+            to.iter_mut().zip(noise).for_each(|(x, e)| *x += sign * e);
+        };
         for sensor in NOISE_ORDER {
             let column = noise.of(sensor);
             let noise = column.colour.noise(length, dt, rng);
@@ -240,10 +242,9 @@ impl RunSimulator {
             let slope = derivative.map_or_else(Vec::new, |_| kernel.slope(&noise));
             for (run, sign) in [(&mut *plus, 1.0), (&mut *minus, -1.0)] {
                 let (signal, derivative) = run.series_mut(sensor);
-                let changed = [(Some(signal), &smooth), (derivative, &slope)];
-                for (to, noise) in changed {
-                    let both = to.into_iter().flatten().zip(noise);
-                    both.for_each(|(x, e)| *x += sign * e);
+                add(signal, &smooth, sign);
+                if let Some(derivative) = derivative {
+                    add(derivative, &slope, sign);
                 }
             }
         }
@@ -256,8 +257,7 @@ impl RunSimulator {
 /// `rows` are the longitudinal, lateral and yaw residuals at every retained sample.
 pub fn truth(frame: &Frame, residual_model: &ResidualModel, rows: &[Vec<f64>]) -> Frame {
     let mut run = frame.clone();
-    let sled = &residual_model.vehicle.sled;
-    let mass_kg = frame.mass_kg.unwrap_or(sled.mass_kg);
+    let sled = frame.sled(residual_model.vehicle.sled);
     let delayed = |sensor: Sensor, residual: Vec<f64>| {
         let delay = residual_model.delay(sensor, &frame.track);
         if delay == 0.0 {
@@ -272,7 +272,8 @@ pub fn truth(frame: &Frame, residual_model: &ResidualModel, rows: &[Vec<f64>]) -
     // The accelerometer at a lever from the centre of gravity measures the yaw acceleration, too.
     let at_sensor = |lever: f64, rows: &[f64]| -> Vec<f64> {
         let both = rows.iter().zip(&yaw);
-        both.map(|(r, yaw)| lever * yaw - r / mass_kg).collect()
+        both.map(|(r, yaw)| lever * yaw - r / sled.mass_kg)
+            .collect()
     };
     let along = at_sensor(sled.accel_y_m, along);
     let side = at_sensor(-sled.accel_x_m, side);

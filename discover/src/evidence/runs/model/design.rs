@@ -191,8 +191,8 @@ impl<'a> Design<'a> {
         )
     }
 
-    /// Raw columns of each balance at every sample: derivatives by the parameters, and the residual.
-    /// A column is empty if the balance is not used.
+    /// Raw columns of each balance at every sample: derivatives by the parameters, and the
+    /// residual. A column is empty if the balance is not used.
     fn raw_columns(&self, frame: &Frame) -> RawColumns {
         /// Step of a base multiplier.
         const BASE_STEP: f64 = 1e-3;

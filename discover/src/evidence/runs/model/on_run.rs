@@ -96,7 +96,7 @@ impl<'a> ModelOnRun<'a> {
             vehicle.effects.active.extend(contacts.of_run(frame));
         }
         let installation = &residual_model.installation;
-        vehicle.sled.mass_kg = frame.mass_kg.unwrap_or(vehicle.sled.mass_kg);
+        vehicle.sled = frame.sled(vehicle.sled);
         let sled = installation.corrected_constants(vehicle.sled);
         let mut channels = installation.corrected_channels(frame, &Sensor::ALL, &delays);
         installation.correct_coupling(&mut channels);

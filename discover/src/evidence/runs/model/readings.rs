@@ -52,7 +52,7 @@ impl<'a> Readings<'a> {
             delays,
             channels,
             unmixed,
-            sled: installation.corrected_constants(stated_sled(model, frame)),
+            sled: installation.corrected_constants(frame.sled(model.vehicle.sled)),
         }
     }
 
@@ -114,18 +114,9 @@ impl<'a> Readings<'a> {
             sensors: sensors.into_iter().map(between).collect(),
             sleds: [
                 self.sled,
-                other.corrected_constants(stated_sled(model, frame)),
+                other.corrected_constants(frame.sled(model.vehicle.sled)),
             ],
         }
-    }
-}
-
-/// The stated constants of a run's sled.
-fn stated_sled(model: &ResidualModel, frame: &Frame) -> Sled {
-    let sled = model.vehicle.sled;
-    Sled {
-        mass_kg: frame.mass_kg.unwrap_or(sled.mass_kg),
-        ..sled
     }
 }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use kufe_sled::Sled;
 use kufe_sled::effects::Sensor;
 
 use crate::evidence::runs::contacts::of_run::OwnContact;
@@ -111,6 +112,14 @@ pub type ReadingVariances = [[f64; 2]; Sensor::ALL.len()];
 impl Frame {
     pub fn len(&self) -> usize {
         self.t.len()
+    }
+
+    /// The constants of a sled in this run: with the run's mass, if it is stated.
+    pub fn sled(&self, stated: Sled) -> Sled {
+        Sled {
+            mass_kg: self.mass_kg.unwrap_or(stated.mass_kg),
+            ..stated
+        }
     }
 
     /// Time between retained samples [s].

@@ -203,8 +203,8 @@ pub fn larger_noise(a: &Noise, b: &Noise) -> Noise {
 }
 
 /// Whether the stated noise disagrees with the differences of the recordings, for a sensor from
-/// which forces are computed: any but the accelerometer, the first instrument. The noise is then coloured, filtered or misstated, and uncertain at
-/// the frequencies of the motion.
+/// which forces are computed: any but the accelerometer, the first instrument. The noise is then
+/// coloured, filtered or misstated, and uncertain at the frequencies of the motion.
 pub fn is_contradicted(stated: &Noise, seen: &Noise, [low, high]: [f64; 2]) -> bool {
     let mut others = each(stated).into_iter().zip(each(seen)).skip(1);
     others.any(|(stated, seen)| seen > 0.0 && !(low..=high).contains(&(seen / stated.max(1e-300))))
