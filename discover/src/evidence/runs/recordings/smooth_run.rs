@@ -103,8 +103,11 @@ pub fn frame(
         extra.insert("ice_c".to_owned(), ice);
     }
     let survey = surveys.get(&run.entry.track).cloned().unwrap_or_default();
-    let surveyed = s.iter().filter(|_| !survey.is_empty());
-    let slope = surveyed.map(|s| interpolate(&survey, *s)).collect();
+    let slope = if survey.is_empty() {
+        Vec::new()
+    } else {
+        s.iter().map(|s| interpolate(&survey, *s)).collect()
+    };
     let is_used = used_samples(kernel, &recorded);
     let centres = row_kernel.clear_centres(&is_used);
     if centres.len() < MIN_ROWS {

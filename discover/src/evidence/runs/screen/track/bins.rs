@@ -7,6 +7,18 @@ use crate::evidence::runs::recordings::frame::{Frame, bin_of};
 /// A driver and the mean of one of his runs in a bin.
 pub type DriverMean<'a> = (&'a str, f64);
 
+/// The residual of all runs in a bin of distance.
+#[derive(Clone)]
+pub struct Bin {
+    pub track: String,
+    /// Start [m].
+    pub from_m: f64,
+    /// Mean over the runs [m/s2].
+    pub mean: f64,
+    /// Variance of the mean.
+    pub variance: f64,
+}
+
 /// Smallest number of runs of a bin.
 const MIN_RUNS: usize = 3;
 

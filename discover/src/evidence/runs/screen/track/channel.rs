@@ -15,7 +15,7 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::model::installation::{Information, Installation};
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::screen::track::bins::{DriverMean, between_drivers, by_bin, mean};
+use crate::evidence::runs::screen::track::bins::{Bin, DriverMean, between_drivers, by_bin, mean};
 use crate::evidence::runs::screen::track::significance::{
     angle, inflation, minimise, p_value_of_maximum, two_sided, weighted_dot,
 };
@@ -24,18 +24,6 @@ use crate::procedure::rules::RunRules;
 
 /// Number of bins on either side over which the scatter between drivers is averaged.
 const NEIGHBOURS: usize = 3;
-
-/// A bin of distance.
-#[derive(Clone)]
-pub struct Bin {
-    pub track: String,
-    /// Start [m].
-    from_m: f64,
-    /// Mean residual over the runs [m/s2].
-    mean: f64,
-    /// Variance of the mean.
-    variance: f64,
-}
 
 /// A candidate that is tested in the track channel.
 #[derive(Clone)]

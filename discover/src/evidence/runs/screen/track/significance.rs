@@ -2,7 +2,7 @@
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use crate::evidence::runs::screen::track::channel::Bin;
+use crate::evidence::runs::screen::track::bins::Bin;
 
 /// Angle between two changes of the bins, up to sign \[rad\].
 pub fn angle(a: &[f64], b: &[f64], w: &[f64]) -> f64 {
