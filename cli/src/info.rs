@@ -5,7 +5,7 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use exr::meta::attribute::AttributeValue;
-use kufe::jobs::{Failure, table::read_table};
+use kufe::jobs::{Failure, Located, table::read_table};
 use kufe::report::{MAX_TREE_BYTES, read_json};
 use kufe::results::{Data, Datum, DocumentKind, TableInfo};
 use kufe_files::open_regular;
@@ -13,7 +13,6 @@ use kufe_lut::{Table, read_fmu};
 use kufe_mesh::{HullOptions, load_hull};
 use serde::Serialize;
 
-use crate::output::of_file;
 use crate::terminal::Global;
 use crate::text::document_text;
 
@@ -71,7 +70,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let path = &args.file;
     let unreadable = |error: std::io::Error| Failure::unreadable(path, error);
     let table = |table: &Table, platforms| {
-        let info = TableInfo::new(table, platforms).map_err(of_file(path))?;
+        let info = TableInfo::new(table, platforms).in_file(path)?;
         Ok::<_, Failure>(Datum::of(&info))
     };
     let metadata = path.metadata().map_err(unreadable)?;
@@ -86,11 +85,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         | "off" => Datum::of(&hull(path)?),
         "lut" => table(&read_table(path)?, None)?,
         "fmu" => {
-            let file = open_regular(path).map_err(of_file(path))?;
-            let unit = read_fmu(BufReader::new(file)).map_err(of_file(path))?;
+            let file = open_regular(path).in_file(path)?;
+            let unit = read_fmu(BufReader::new(file)).in_file(path)?;
             table(&unit.table, Some(unit.platforms.join(", ")))?
         }
-        "exr" => Datum::of(&map(path).map_err(of_file(path))?),
+        "exr" => Datum::of(&map(path).in_file(path)?),
         "json" => Datum::of(&result(path)?),
         other => {
             let reason = format!(

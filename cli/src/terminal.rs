@@ -48,9 +48,8 @@ impl Global {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let most = (MAX_THREADS_PER_CORE * cores).max(16);
         if let Some(threads) = self.threads.filter(|threads| !(1..=most).contains(threads)) {
-            return Err(Failure::Usage(format!(
-                "--threads {threads}: expected 1 to {most} on this machine"
-            )));
+            let expected = format_args!("1 to {most} on this machine");
+            return Err(Failure::option("threads", threads, expected));
         }
         let stated = std::env::var("RAYON_NUM_THREADS").ok();
         let stated = stated.and_then(|text| text.parse().ok());

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::evidence::{experiments, maps, runs};
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::input::table::Table;
 use crate::joint::search as joint;
 use crate::options::Options;
@@ -27,18 +27,19 @@ pub fn discover(
     model: Option<&Path>,
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
-) -> Result<Found, Error> {
+) -> Result<Found> {
     let refused = |reason: String| Err(Error::file(data, reason));
     if data.is_dir() {
         let files = FILES.iter().map(|name| data.join(name));
         let present = files.filter(|file| file.is_file());
         let present: Vec<String> = present.map(|file| file.display().to_string()).collect();
-        return refused(match present.is_empty() {
-            true => format!("a folder; expected a file like {}", FILES.join(", ")),
-            false => format!(
+        return refused(if present.is_empty() {
+            format!("a folder; expected a file like {}", FILES.join(", "))
+        } else {
+            format!(
                 "a folder; expected a file, such as {}",
                 present.join(" or ")
-            ),
+            )
         });
     }
     if data.extension().is_some_and(|ending| ending == "toml") {

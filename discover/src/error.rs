@@ -4,6 +4,9 @@ use kufe::jobs::Failure;
 use std::fmt::Display;
 use std::path::Path;
 
+/// Result of a part of a search.
+pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;
+
 /// Why a search fails.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {

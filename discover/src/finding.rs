@@ -20,19 +20,37 @@ pub(crate) fn fitted(name: &str, unit: &str, value: f64, half: f64) -> Fitted {
     }
 }
 
+/// An interval of this half width.
+pub(crate) fn symmetric(value: f64, half: f64) -> Interval {
+    Interval {
+        value,
+        low: value - half,
+        high: value + half,
+    }
+}
+
+/// A closed share, from -1 to 1, whose interval excludes no value.
+pub(crate) fn undetermined_share(value: f64) -> Interval {
+    Interval {
+        value,
+        low: -1.0,
+        high: 1.0,
+    }
+}
+
 /// The misfit of one channel on held-out data with these names.
 pub(crate) fn held_out<'a>(
     what: &str,
     names: impl Iterator<Item = &'a String>,
-    gap: ChannelGap,
+    misfit: ChannelGap,
 ) -> HeldOut {
     let runs: Vec<String> = names.cloned().collect();
     HeldOut {
         what: what.to_owned(),
-        gap_before: gap.before,
-        gap_after: gap.after,
-        unit: gap.unit.clone(),
-        channels: Vec::from_iter((!runs.is_empty()).then_some(gap)),
+        gap_before: misfit.before,
+        gap_after: misfit.after,
+        unit: misfit.unit.clone(),
+        channels: Vec::from_iter((!runs.is_empty()).then_some(misfit)),
         runs,
     }
 }

@@ -3,7 +3,7 @@
 use kufe_sled::Model;
 use kufe_sled::effects::{CATALOGUE, Effects};
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::procedure::rules::Rules;
 
 /// Name in [`Options::only`] of all dependences outside the catalogue.
@@ -50,7 +50,7 @@ impl Default for Options {
 
 impl Options {
     /// Whether an effect is searched for.
-    pub fn looks_for(&self, effect: &str) -> bool {
+    pub fn includes(&self, effect: &str) -> bool {
         self.only.is_empty() || self.only.iter().any(|name| name == effect)
     }
 
@@ -62,7 +62,7 @@ impl Options {
     }
 
     /// Checks the requested names against the catalogues and the model's own effects.
-    pub(crate) fn check_names(&self, model: Option<&Model>) -> Result<(), Error> {
+    pub(crate) fn check_names(&self, model: Option<&Model>) -> Result<()> {
         let own = match model {
             Some(model) => Effects::from_tables(&model.effects)?.active,
             None => Vec::new(),

@@ -91,18 +91,21 @@ mod tests {
         std::fs::create_dir(at("inner")).unwrap();
         std::fs::write(at("case.toml"), "").unwrap();
         let inputs = [at("case.toml")];
-        let said = |output: &Path| outputs_apart(&inputs, &[output]).map_err(|e| e.to_string());
-        assert_eq!(said(&at("other.toml")), Ok(()));
-        assert_eq!(said(&at("none/other.toml")), Ok(()));
+        let printed = |output: &Path| outputs_apart(&inputs, &[output]).map_err(|e| e.to_string());
+        assert_eq!(printed(&at("other.toml")), Ok(()));
+        assert_eq!(printed(&at("none/other.toml")), Ok(()));
         for name in ["case.toml", "./case.toml", "inner/../case.toml"] {
-            assert!(said(&at(name)).unwrap_err().contains("reads it"), "{name}");
+            assert!(
+                printed(&at(name)).unwrap_err().contains("reads it"),
+                "{name}"
+            );
         }
         #[cfg(unix)]
         {
             std::os::unix::fs::symlink(at("case.toml"), at("link")).unwrap();
-            assert!(said(&at("link")).unwrap_err().contains("reads it"));
+            assert!(printed(&at("link")).unwrap_err().contains("reads it"));
         }
-        assert!(said(&at("inner")).unwrap_err().contains("a folder"));
+        assert!(printed(&at("inner")).unwrap_err().contains("a folder"));
     }
 
     #[cfg(unix)]

@@ -34,13 +34,13 @@ impl TemporaryFolder {
             .tempdir_in(folder)?;
         let lock = File::open(made.path()).ok();
         let lock = lock.filter(|file| file.lock().is_ok());
-        match made.path().exists() {
-            true => Ok(TemporaryFolder {
-                folder: made,
-                _lock: lock,
-            }),
-            false => Err(ErrorKind::NotFound.into()),
+        if !made.path().exists() {
+            return Err(ErrorKind::NotFound.into());
         }
+        Ok(TemporaryFolder {
+            folder: made,
+            _lock: lock,
+        })
     }
 
     /// Its path.
@@ -81,7 +81,7 @@ fn clear_older_than(folder: &Path, age: Duration) {
         let is_of_boot = prefix
             .as_ref()
             .is_some_and(|prefix| name.starts_with(prefix));
-        // The lock is kept until the folder is removed, so that the process that made it notices.
+        // The lock lasts until the folder is removed, so that the process that made it notices.
         let unowned = Some(entry.path()).filter(|_| found.is_dir() && is_of_boot);
         let unowned = unowned.and_then(|path| File::open(path).ok());
         let unowned = unowned.filter(|file| file.try_lock().is_ok());
@@ -116,7 +116,7 @@ mod tests {
 
     #[cfg(target_os = "linux")]
     #[test]
-    fn a_folder_goes_once_its_process_has_ended() {
+    fn a_folder_is_removed_once_its_process_has_ended() {
         let folder = tempfile::tempdir().unwrap();
         let living = TemporaryFolder::new_in(folder.path()).unwrap();
         let killed = TemporaryFolder::new_in(folder.path()).unwrap();

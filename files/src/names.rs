@@ -52,9 +52,10 @@ pub fn shown_name(name: &str) -> String {
     };
     let mut shown = String::new();
     for c in name.trim().chars() {
-        match steers(c) {
-            true => shown.extend(c.escape_default()),
-            false => shown.push(c),
+        if steers(c) {
+            shown.extend(c.escape_default());
+        } else {
+            shown.push(c);
         }
     }
     shown

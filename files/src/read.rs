@@ -162,9 +162,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let socket = folder.path().join("socket");
         let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
-        for (path, said) in [(Path::new("/dev/zero"), "a device"), (&socket, "a socket")] {
+        for (path, printed) in [(Path::new("/dev/zero"), "a device"), (&socket, "a socket")] {
             let error = read_regular(path, 100).unwrap_err().to_string();
-            assert!(error.contains(said), "{error}");
+            assert!(error.contains(printed), "{error}");
         }
     }
 }

@@ -116,13 +116,13 @@ mod tests {
         let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
         let inner = folder.path().join("folder");
         std::fs::create_dir(&inner).unwrap();
-        for (path, said) in [
+        for (path, printed) in [
             (socket.as_path(), "a socket"),
             (&inner, "a folder"),
             (Path::new("/dev/null"), "a device"),
         ] {
             let error = write_whole(path, |writer| writer.write_all(b"x")).unwrap_err();
-            assert!(error.to_string().starts_with(said), "{error}");
+            assert!(error.to_string().starts_with(printed), "{error}");
         }
         let null = Path::new("/dev/null").symlink_metadata().unwrap();
         assert!(std::os::unix::fs::FileTypeExt::is_char_device(

@@ -81,8 +81,8 @@ impl Default for Origin {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     axes: Axes,
-    /// Figures in the order of the nodes. If a node or check has no error of a quantity, all
-    /// nodes lack it.
+    /// Figures in the order of the nodes. If one node or check has no error of a quantity, no
+    /// node has one.
     nodes: Vec<Figures>,
     checks: Vec<Solve>,
     /// Requested relative interpolation error of the [judged](Self::judged) quantity; `None`

@@ -47,7 +47,7 @@ cut.grid(alpha=0.3)
 figure.savefig("contact.png", dpi=120)
 
 # %% [markdown]
-# A lookup table over force and curvature is what a simulator reads. A table file says which; solved points are kept
+# A lookup table over force and curvature is what a simulator reads. A table file defines it; solved points are stored
 # next to the table, so that an interrupted call resumes.
 
 # %%

@@ -521,7 +521,7 @@ impl Contact {
         to_python(py, &self.solved().result)
     }
 
-    /// The contact that a pickle holds.
+    /// The contact of a pickle.
     #[staticmethod]
     fn _of_pickle(
         py: Python<'_>,

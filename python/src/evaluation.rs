@@ -10,8 +10,11 @@ use pyo3::types::PyDict;
 
 use crate::array::{self, Names, names};
 use crate::error::named_run;
-use crate::json::{Column, arrays, to_python};
+use crate::json::{arrays, to_python};
 use crate::work::work_with_warnings;
+
+/// The value of a column at an instant.
+type Column = fn(&DrivingForce) -> f64;
 
 /// Losses of drivers compared with a straight glide.
 #[pyclass(frozen, module = "kufe")]
@@ -105,7 +108,7 @@ impl Evaluation {
     /// glide, angles.
     fn series<'py>(&self, py: Python<'py>, run: &str) -> PyResult<Bound<'py, PyDict>> {
         let found = named_run(&self.document.runs, run, |run| &run.run)?;
-        let columns: [Column<DrivingForce>; 8] = [
+        let columns: [(&str, Column); 8] = [
             ("t_s", |sample| sample.t_s),
             ("s_m", |sample| sample.s_m),
             ("actual_n", |sample| sample.actual_n),
@@ -115,7 +118,8 @@ impl Evaluation {
             ("delta_rad", |sample| sample.delta_rad),
             ("beta_rad", |sample| sample.beta_rad),
         ];
-        arrays(py, &found.series, &columns)
+        let values = |of: Column| found.series.iter().map(of).collect();
+        arrays(py, columns.map(|(name, of)| (name, values(of))).into())
     }
 
     fn __repr__(&self) -> String {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use kufe::jobs::field::NewFiles;
-use kufe::jobs::{Failure, Watch};
+use kufe::jobs::{Failure, Located, Watch};
 
 /// Calls `write` with a hidden folder next to `folder`, and moves it to `folder`, which must be new
 /// or empty. After an interrupt `folder` is unchanged.
@@ -13,33 +13,30 @@ use kufe::jobs::{Failure, Watch};
 pub fn write_folder<T>(
     folder: &Path,
     watch: &Watch,
-    write: impl FnOnce(NewFiles) -> Result<T, Failure>,
+    write: impl FnOnce(&NewFiles) -> Result<T, Failure>,
 ) -> Result<T, Failure> {
-    let failed = |reason: &dyn std::fmt::Display| Failure::unwritable(folder, reason);
-    let whole = std::path::absolute(folder).map_err(|error| failed(&error))?;
+    let whole = std::path::absolute(folder).writable(folder)?;
     // A folder that is not empty is refused here, and by the final rename.
     let mut entries = std::fs::read_dir(&whole).into_iter().flatten();
     if entries.next().is_some() {
-        return Err(failed(
-            &"it is not empty; expected a new or an empty folder",
-        ));
+        return Err("it is not empty; expected a new or an empty folder").writable(folder);
     }
     let above = whole.parent().unwrap_or(&whole);
-    std::fs::create_dir_all(above).map_err(|error| failed(&error))?;
+    std::fs::create_dir_all(above).writable(folder)?;
     let hidden = tempfile::Builder::new().prefix(".kufe-").tempdir_in(above);
-    let hidden = hidden.map_err(|error| failed(&error))?;
-    let written = write(NewFiles {
-        hidden: hidden.path(),
-        named: folder,
+    let hidden = hidden.writable(folder)?;
+    let written = write(&NewFiles {
+        hidden: hidden.path().to_path_buf(),
+        named: folder.to_path_buf(),
     })?;
     if watch.stopped() {
         return Err(Failure::Partial(format!("{}: stopped", folder.display())));
     }
-    std::fs::create_dir_all(&whole).map_err(|error| failed(&error))?;
-    let kept = hidden.keep();
-    std::fs::rename(&kept, &whole).map_err(|error| {
-        let _ = std::fs::remove_dir_all(&kept);
-        failed(&error)
-    })?;
-    Ok(written)
+    std::fs::create_dir_all(&whole).writable(folder)?;
+    let complete = hidden.keep();
+    let moved = std::fs::rename(&complete, &whole);
+    if moved.is_err() {
+        let _ = std::fs::remove_dir_all(&complete);
+    }
+    moved.writable(folder).map(|()| written)
 }

@@ -1,5 +1,6 @@
 //! Conversion of Rust values to Python's dictionaries and lists, through JSON, and to NumPy arrays.
 
+use kufe::jobs::Columns;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -13,18 +14,11 @@ pub fn to_python<'py>(py: Python<'py>, value: &impl Serialize) -> PyResult<Bound
     py.import("json")?.call_method1("loads", (text,))
 }
 
-/// A column: its name, and its value in a row.
-pub type Column<T> = (&'static str, fn(&T) -> f64);
-
-/// Columns of rows as arrays by name.
-pub fn arrays<'py, T>(
-    py: Python<'py>,
-    rows: &[T],
-    columns: &[Column<T>],
-) -> PyResult<Bound<'py, PyDict>> {
+/// Columns as arrays by name.
+pub fn arrays<'py>(py: Python<'py>, columns: Columns) -> PyResult<Bound<'py, PyDict>> {
     let arrays = PyDict::new(py);
-    for (name, value) in columns {
-        arrays.set_item(name, PyArray1::from_iter(py, rows.iter().map(value)))?;
+    for (name, values) in columns {
+        arrays.set_item(name, PyArray1::from_vec(py, values))?;
     }
     Ok(arrays)
 }

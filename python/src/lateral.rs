@@ -2,16 +2,16 @@
 
 use std::path::PathBuf;
 
+use kufe::jobs::force_columns;
 use kufe::jobs::lateral::{FittedLaws, fit_lateral, validate_runs};
 use kufe::jobs::runs::RunSelection;
 use kufe::results::{LateralFitDocument, Validation as ValidationDocument};
-use kufe_sled::LateralForce;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::array::{Names, names};
 use crate::error::{named_run, raised};
-use crate::json::{Column, arrays, to_python};
+use crate::json::{arrays, to_python};
 use crate::work::work_with_warnings;
 
 /// Lateral friction of both runners, fitted to recorded runs.
@@ -193,14 +193,7 @@ impl Validation {
     /// gravity [N] as measured, of the model, and of Braghin's law.
     fn series<'py>(&self, py: Python<'py>, run: &str) -> PyResult<Bound<'py, PyDict>> {
         let found = named_run(&self.document.runs, run, |run| &run.run)?;
-        let columns: [Column<LateralForce>; 5] = [
-            ("t_s", |sample| sample.t_s),
-            ("s_m", |sample| sample.s_m),
-            ("measured_n", |sample| sample.measured_n),
-            ("model_n", |sample| sample.model_n),
-            ("braghin_n", |sample| sample.braghin_n),
-        ];
-        arrays(py, &found.series, &columns)
+        arrays(py, force_columns(found))
     }
 
     fn __repr__(&self) -> String {

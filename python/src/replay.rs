@@ -3,15 +3,15 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use kufe::jobs::Failure;
 use kufe::jobs::replay::{ReplayedDrive, entry_on_track};
+use kufe::jobs::{Failure, run_columns};
 use kufe_sled::{Run, SimulateOptions, Track};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::Value;
 
-use crate::json::to_python;
-use crate::simulation::{channels, write};
+use crate::json::{arrays, to_python};
+use crate::simulation::write;
 use crate::work::work_with_warnings;
 
 /// Replay of a measured run by the model, compared with the measurement.
@@ -110,7 +110,7 @@ impl Replay {
     /// The model's channels as arrays, `t_s` among them, and what was measured at the same places:
     /// `v_measured_mps` and the like, NaN where nothing was.
     fn series<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        channels(py, &self.driven)
+        arrays(py, run_columns(&self.driven))
     }
 
     /// Writes `runs.csv`, the run and the table of the track into `folder`, which must be new or

@@ -3,18 +3,18 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use kufe::jobs::runs::{write_runs, write_track};
+use kufe::jobs::run_columns;
+use kufe::jobs::runs::{run_format, write_runs, write_track};
 use kufe::jobs::simulate::{NamedDriver, SimulatedDrives, stated_conditions};
 use kufe::results::Simulation as SimulationDocument;
-use kufe_sled::{Run, RunFormat, SimulateOptions, Track};
-use numpy::PyArray1;
+use kufe_sled::{Run, SimulateOptions, Track};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::array;
 use crate::error::{InputError, named_run, raised};
 use crate::folder::write_folder;
-use crate::json::to_python;
+use crate::json::{arrays, to_python};
 use crate::work::{work, work_with_warnings};
 
 /// Simulated runs of one driver on one track.
@@ -128,7 +128,8 @@ impl Simulation {
 
     /// One run's channels as arrays, `t_s` among them; each name ends in its unit.
     fn series<'py>(&self, py: Python<'py>, run: &str) -> PyResult<Bound<'py, PyDict>> {
-        channels(py, named_run(&self.runs, run, |run| &run.entry.run)?)
+        let run = named_run(&self.runs, run, |run| &run.entry.run)?;
+        arrays(py, run_columns(run))
     }
 
     /// Writes `runs.csv`, one file a run and the table of the track into `folder`, which must be
@@ -145,17 +146,6 @@ impl Simulation {
     }
 }
 
-/// A run's channels as arrays by name, `t_s` among them.
-pub fn channels<'py>(py: Python<'py>, run: &Run) -> PyResult<Bound<'py, PyDict>> {
-    let arrays = PyDict::new(py);
-    let times = (0..run.len()).map(|i| run.t0_s + i as f64 * run.dt_s);
-    arrays.set_item("t_s", PyArray1::from_iter(py, times))?;
-    for (name, values) in &run.columns {
-        arrays.set_item(name, PyArray1::from_slice(py, values))?;
-    }
-    Ok(arrays)
-}
-
 /// Writes runs, their index and the table of their track into a folder that is new or empty.
 pub fn write(
     py: Python<'_>,
@@ -164,14 +154,9 @@ pub fn write(
     track: Arc<Track>,
     parquet: bool,
 ) -> PyResult<()> {
-    let format = if parquet {
-        RunFormat::Parquet
-    } else {
-        RunFormat::Csv
-    };
     work(py, None, move |watch, _| {
         write_folder(&folder, watch, |files| {
-            write_runs(files, &mut runs, format)?;
+            write_runs(files, &mut runs, run_format(parquet))?;
             write_track(files, &track)
         })
     })

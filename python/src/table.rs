@@ -218,7 +218,7 @@ impl Table {
         quantities.map(|quantity| quantity.name()).collect()
     }
 
-    /// The table that a pickle holds: a `.lut` file's content.
+    /// The table of a pickle: a `.lut` file's content.
     #[staticmethod]
     fn _of_bytes(mut bytes: &[u8], shortfall: Option<String>) -> PyResult<Table> {
         let table = kufe_lut::Table::read(&mut bytes).map_err(bad_input)?;

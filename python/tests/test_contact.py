@@ -33,7 +33,7 @@ p_max = 0.005
 HERTZ_PA = 138.52e6
 
 
-def test_the_peak_is_hertz_within_the_accuracy_asked():
+def test_the_peak_is_hertz_within_the_requested_accuracy():
     contact = kufe.press(kufe.Case(PARABOLOID))
     assert contact.p_max_pa == pytest.approx(HERTZ_PA, rel=0.005)
     assert 0 < contact.p_max_error_pa < 0.005 * contact.p_max_pa
@@ -147,7 +147,7 @@ def test_an_accuracy_out_of_reach_is_another_exception(monkeypatch):
     assert not issubclass(kufe.NotConvergedError, kufe.InputError)
 
 
-def test_progress_is_told_and_may_stop_the_work():
+def test_progress_is_reported_and_may_stop_the_work():
     lines = []
     kufe.press(kufe.Case(PARABOLOID), progress=lines.append)
     assert all(line.startswith("mesh ") for line in lines)

@@ -12,7 +12,7 @@ def small(**changes):
     return kufe.Hull.bob(**{"length_m": 0.2, "edge_length_m": 0.004, **changes})
 
 
-def test_a_runner_has_the_size_that_was_asked():
+def test_a_runner_has_the_requested_size():
     hull = small(height_m=0.02)
     assert hull.vertices_m.shape[1] == 3 and hull.vertices_m.dtype == np.float64
     assert hull.triangles.shape[1] == 3 and hull.triangles.dtype == np.uint32
@@ -51,7 +51,7 @@ def test_a_luge_steel_is_a_hull():
     assert len(edge) > 20 and np.abs(np.diff(edge)).max() < 0.011
 
 
-def test_bad_hulls_are_told(tmp_path):
+def test_bad_hulls_are_refused(tmp_path):
     with pytest.raises(kufe.InputError, match="section"):
         small(section_radius_m=-1.0)
     with pytest.raises(kufe.InputError, match="none.obj"):
@@ -105,7 +105,7 @@ def test_arrays_of_another_hull_press_as_its_file_does(tmp_path):
     assert kufe.press(of_array).p_max_pa == pytest.approx(of_file.p_max_pa, rel=1e-9)
 
 
-def test_arrays_that_are_no_hull_are_told():
+def test_arrays_that_are_no_hull_are_refused():
     hull = small()
     with pytest.raises(kufe.InputError, match="vertices_m: .*rows of three"):
         kufe.Hull(hull.vertices_m[:, :2], hull.triangles)

@@ -317,7 +317,7 @@ def test_a_page_is_that_of_the_folder(tmp_path):
         kufe.report(tmp_path / "nothing")
 
 
-def test_wrong_data_is_told(tmp_path, model):
+def test_wrong_data_is_refused(tmp_path, model):
     with pytest.raises(kufe.InputError, match="twins 3"):
         kufe.discover("data.csv", model, twins=3)
     with pytest.raises(kufe.InputError, match="all, lateral or longitudinal"):

@@ -75,7 +75,7 @@ def test_a_written_table_is_read_again(table, table_file, tmp_path):
     assert not table_file.with_suffix(".lut.points").exists()
 
 
-def test_bad_tables_and_names_are_told(table, tmp_path):
+def test_bad_tables_and_names_are_refused(table, tmp_path):
     broken = tmp_path / "broken.lut"
     broken.write_text("{}")
     with pytest.raises(kufe.InputError, match="broken.lut"):

@@ -103,7 +103,7 @@ pub fn write_with_schema(
     let path = file.parent().unwrap_or(Path::new("")).join(&name);
     let content = schema(kind);
     let mut outputs = vec![file.to_path_buf()];
-    // An unchanged schema of another command is kept.
+    // An unchanged schema of another command stays.
     let found = kufe_files::read_regular(&path, content.len() as u64);
     let is_missing = found.ok().as_deref() != Some(content.as_bytes());
     outputs.extend(is_missing.then(|| path.clone()));

@@ -99,11 +99,11 @@ fn a_name_has_one_letter_and_one_meaning() {
     let mut known: BTreeMap<String, (String, Option<char>, String)> = BTreeMap::new();
     for (command, option) in options() {
         let name = name(&option);
-        let said = help(&option);
+        let printed = help(&option);
         let meaning = if OWN.contains(&name) {
             ""
         } else {
-            let first = said.split([',', ';', ':', '.', '[', '(']).next();
+            let first = printed.split([',', ';', ':', '.', '[', '(']).next();
             first.unwrap_or_default().trim()
         };
         let meaning = meaning.to_owned();

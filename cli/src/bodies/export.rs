@@ -33,7 +33,7 @@ pub struct Args {
 /// Those of `kufe press`, and [`Failure::BadInput`] for a problem that cannot be exported.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if let Some(cells) = args.cells.filter(|cells| !(2..=64).contains(cells)) {
-        return Err(Failure::Usage(format!("--cells {cells}: expected 2 to 64")));
+        return Err(Failure::option("cells", cells, "2 to 64"));
     }
     let Some(out) = args.calculix.as_ref().or(args.stiffness.as_ref()) else {
         return Err(Failure::Usage(

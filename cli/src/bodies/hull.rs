@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Subcommand;
-use kufe::jobs::{ExaminedHull, Failure, check_hull};
+use kufe::jobs::{ExaminedHull, Failure, Located, check_hull};
 use kufe::plot::{measured, percent, quantity};
 use kufe::results::{ResolvedLoad, Sampling};
 use kufe_mesh::{
@@ -12,7 +12,7 @@ use kufe_mesh::{
 };
 use serde::Serialize;
 
-use crate::output::{OutputFiles, of_file};
+use crate::output::OutputFiles;
 use crate::terminal::Global;
 use crate::text::print_document;
 
@@ -116,7 +116,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         edge_length_m,
     } = out;
     let refuse = |error: MeshError| Failure::BadInput(format!("kufe hull {name}: {error}"));
-    let format = HullFormat::of(file).map_err(of_file(file))?;
+    let format = HullFormat::of(file).in_file(file)?;
     let swept = swept.map_err(refuse)?;
     let outputs = std::slice::from_ref(file);
     let files = OutputFiles::begin("hull", points.as_slice(), outputs, global.force)?;
@@ -178,12 +178,11 @@ struct Check {
 /// [`Failure::Usage`] for a force that is not positive.
 fn examine(check: &Check, global: &Global) -> Result<(), Failure> {
     if let Some(fz) = check.fz_n.iter().find(|fz| !(**fz > 0.0 && fz.is_finite())) {
-        let text = format!("--fz-n {fz}: expected positive forces [N]");
-        return Err(Failure::Usage(text));
+        return Err(Failure::option("fz-n", fz, "positive forces [N]"));
     }
     if let Some(share) = check.p_max.filter(|share| !(1e-4..=0.5).contains(share)) {
-        let text = format!("--p-max {share}: expected a relative error from 1e-4 to 0.5");
-        return Err(Failure::Usage(text));
+        let expected = "a relative error from 1e-4 to 0.5";
+        return Err(Failure::option("p-max", share, expected));
     }
     let inputs = std::slice::from_ref(&check.file);
     let files = OutputFiles::begin("hull check", inputs, check.out.as_slice(), global.force)?;

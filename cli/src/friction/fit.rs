@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use kufe::charts::mu_picture;
-use kufe::jobs::Failure;
+use kufe::jobs::{Failure, Located};
 use kufe::plot::measured;
 use kufe::results::PressureFit;
 use kufe_sled::friction::{
@@ -37,11 +37,8 @@ pub struct Args {
 /// [`Failure::NotConverged`], also where the fit is not a valid law of a model.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     if !(args.confidence > 0.0 && args.confidence < 1.0) {
-        let text = format!(
-            "--confidence {}: expected above 0, below 1",
-            args.confidence
-        );
-        return Err(Failure::Usage(text));
+        let expected = "above 0, below 1";
+        return Err(Failure::option("confidence", args.confidence, expected));
     }
     let name = args.experiments.display().to_string();
     let experiments = read_experiments(&name, open(&args.experiments)?)?;
@@ -59,8 +56,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let output = OutputDir::begin("friction fit", inputs, &args.out, global.force)?;
     let checked = law.check();
     if checked.is_ok() {
-        let toml = model_form(&law).map_err(Failure::bad_input)?;
-        output.text("friction.toml", &toml)?;
+        let toml = model_form(&law).bad_input()?;
+        output.bytes("friction.toml", &toml)?;
     }
     output.picture("mu.png", &mu_picture(&experiments, &fit, &law))?;
     output.finish("fit.json", &result, global, || summary(&fit))?;

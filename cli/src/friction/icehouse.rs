@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe::jobs::Failure;
+use kufe::jobs::{Failure, Located};
 use kufe::results::IceHouseResult;
 use kufe_sled::friction::{
     GlideEntry, GlideRun, IceHouse, SHARE_LEFT_OUT, evaluate_glide, evaluate_ice_house, read_glide,
@@ -10,7 +10,7 @@ use kufe_sled::friction::{
 };
 
 use crate::friction::open;
-use crate::output::{OutputDir, of_file};
+use crate::output::OutputDir;
 use crate::terminal::{Global, warn_if_cut};
 use crate::text::table_text;
 
@@ -37,7 +37,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         .iter()
         .map(|entry| read_run(&index, folder, entry))
         .collect::<Result<Vec<GlideRun>, Failure>>()?;
-    let house = evaluate_ice_house(runs).map_err(of_file(&args.glides))?;
+    let house = evaluate_ice_house(runs).in_file(&args.glides)?;
     let result = IceHouseResult::new(&house, picture);
     let mut inputs: Vec<PathBuf> = entries.iter().map(|e| folder.join(&e.file)).collect();
     inputs.push(args.glides.clone());
@@ -63,7 +63,7 @@ fn read_run(index: &str, folder: &Path, entry: &GlideEntry) -> Result<GlideRun, 
     let name = path.display().to_string();
     let trace = read_glide(&name, reader)?;
     warn_if_cut(&path);
-    evaluate_glide(entry, &trace).map_err(of_file(&path))
+    evaluate_glide(entry, &trace).in_file(&path)
 }
 
 /// File name of a picture. The number of the run distinguishes names that differ only in characters

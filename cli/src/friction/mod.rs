@@ -10,7 +10,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-use kufe::jobs::Failure;
+use kufe::jobs::{Failure, Located};
 
 use crate::terminal::{Global, misspelt};
 
@@ -52,7 +52,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 
 /// Opens a table.
 fn open(path: &Path) -> Result<BufReader<File>, Failure> {
-    let file = kufe_files::open_regular(path);
-    let file = file.map_err(|error| Failure::in_file(path, error))?;
+    let file = kufe_files::open_regular(path).in_file(path)?;
     Ok(BufReader::new(file))
 }

@@ -20,21 +20,13 @@ pub struct Args {
     #[arg(required = true, value_name = "CASE")]
     pub cases: Vec<PathBuf>,
     /// Speed [m/s], always needed; with --groove one or several, as 5,20,35
-    #[arg(
-        long,
-        value_name = "LIST",
-        value_delimiter = ',',
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "LIST")]
+    #[arg(value_delimiter = ',', allow_negative_numbers = true)]
     pub v_mps: Vec<f64>,
     /// Ice temperature [degrees Celsius], for effects that need it; with --groove one or several,
     /// as -10,-5,-1
-    #[arg(
-        long,
-        value_name = "LIST",
-        value_delimiter = ',',
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "LIST")]
+    #[arg(value_delimiter = ',', allow_hyphen_values = true)]
     pub ice_c: Vec<f64>,
     /// Friction of the groove that the runner ploughs and of the melt film in it, for all speeds
     /// and temperatures of the ice, instead of the pressure-dependent law
@@ -48,12 +40,8 @@ pub struct Args {
     #[arg(long, short, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
     /// Slip angle [rad]
-    #[arg(
-        long,
-        value_name = "RAD",
-        default_value_t = 0.0,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "RAD")]
+    #[arg(default_value_t = 0.0, allow_negative_numbers = true)]
     pub alpha_rad: f64,
     /// Model of the sled and its friction, whose [friction.longitudinal] and [effects] apply; the
     /// published law where absent

@@ -1,12 +1,13 @@
 //! `kufe lut export`: writes a table in other formats.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use kufe::jobs::{Failure, table::read_table};
+use kufe::jobs::{Failure, Located, table::read_table};
 use kufe_lut::{Fmi, OCTAVE_FUNCTION, Table, binding_files, simulink_files};
 use serde::Serialize;
 
-use crate::output::{OutputFiles, of_file};
+use crate::output::OutputFiles;
 use crate::terminal::Global;
 use crate::text::print_document;
 
@@ -55,9 +56,43 @@ pub struct Forms {
     pub rocker_radius_m: Option<f64>,
 }
 
-/// Writes a table in one format. The arguments are the table, its name, the rocker radius [m] if
-/// the format needs one, and the output.
-type WriteForm = fn(&Table, &str, Option<f64>, &mut Vec<u8>) -> Result<(), kufe_lut::Error>;
+/// A format of a table.
+#[derive(Clone, Copy, PartialEq)]
+enum Format {
+    Csv,
+    Mat,
+    Header,
+    Fmu(Fmi),
+    SFunction,
+    SimulinkScript,
+    Ctypes,
+    CSharp,
+    Octave,
+}
+
+impl Format {
+    /// Writes the table of this name; `radius` is that of the rocker [m], for the formats that need
+    /// one.
+    fn write(
+        self,
+        table: &Table,
+        name: &str,
+        radius: Option<f64>,
+        out: &mut dyn Write,
+    ) -> Result<(), kufe_lut::Error> {
+        match self {
+            Format::Csv => table.write_csv(out),
+            Format::Mat => table.write_mat(out),
+            Format::Header => table.write_header(name, radius, out),
+            Format::Fmu(version) => table.write_fmu(name, radius, version, out),
+            Format::SFunction => table.write_s_function(name, radius, out),
+            Format::SimulinkScript => table.write_simulink_script(name, out),
+            Format::Ctypes => table.write_ctypes(name, out),
+            Format::CSharp => table.write_csharp(name, out),
+            Format::Octave => Ok(out.write_all(OCTAVE_FUNCTION.as_bytes())?),
+        }
+    }
+}
 
 /// Arguments of `kufe lut export`.
 #[derive(clap::Args, Debug)]
@@ -90,63 +125,34 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 impl Forms {
     /// The requested formats and their files. A file that is not named is in the folder of the
     /// table.
-    fn requested(&self, table: &Path) -> Vec<(PathBuf, WriteForm)> {
+    fn requested(&self, table: &Path) -> Vec<(PathBuf, Format)> {
         let stem = stem(table);
         let named = |file: &Option<Option<PathBuf>>, ending: &str| {
             let default = || table.with_file_name(format!("{stem}{ending}"));
             file.clone().map(|file| file.unwrap_or_else(default))
         };
-        let fixed = |requested: bool, name: String| requested.then(|| table.with_file_name(name));
+        let fixed = |requested: bool, name: &str| requested.then(|| table.with_file_name(name));
         let [header, source, script] = simulink_files(&stem);
         let [_, ctypes, csharp] = binding_files(&stem);
         let needs_header = self.simulink || self.ctypes || self.csharp;
-        let write_header: WriteForm =
-            |table, name, radius, out| table.write_header(name, radius, out);
-        let named: [(Option<PathBuf>, WriteForm); 5] = [
-            (named(&self.csv, ".csv"), |table, _, _, out| {
-                table.write_csv(out)
-            }),
-            (named(&self.mat, ".mat"), |table, _, _, out| {
-                table.write_mat(out)
-            }),
-            (named(&self.header, ".h"), write_header),
-            (named(&self.fmu, ".fmu"), |table, name, radius, out| {
-                table.write_fmu(name, radius, Fmi::V3, out)
-            }),
-            (
-                named(&self.fmu2, "_fmi2.fmu"),
-                |table, name, radius, out| table.write_fmu(name, radius, Fmi::V2, out),
-            ),
+        let formats = [
+            (named(&self.csv, ".csv"), Format::Csv),
+            (named(&self.mat, ".mat"), Format::Mat),
+            (named(&self.header, ".h"), Format::Header),
+            (named(&self.fmu, ".fmu"), Format::Fmu(Fmi::V3)),
+            (named(&self.fmu2, "_fmi2.fmu"), Format::Fmu(Fmi::V2)),
+            (fixed(needs_header, &header), Format::Header),
+            (fixed(self.simulink, &source), Format::SFunction),
+            (fixed(self.simulink, &script), Format::SimulinkScript),
+            (fixed(self.ctypes, &ctypes), Format::Ctypes),
+            (fixed(self.csharp, &csharp), Format::CSharp),
+            (fixed(self.octave, "kufe_lut_at.m"), Format::Octave),
         ];
-        let fixed: [(Option<PathBuf>, WriteForm); 6] = [
-            (fixed(needs_header, header), write_header),
-            (fixed(self.simulink, source), |table, name, radius, out| {
-                table.write_s_function(name, radius, out)
-            }),
-            (fixed(self.simulink, script), |table, name, _, out| {
-                table.write_simulink_script(name, out)
-            }),
-            (fixed(self.ctypes, ctypes), |table, name, _, out| {
-                table.write_ctypes(name, out)
-            }),
-            (fixed(self.csharp, csharp), |table, name, _, out| {
-                table.write_csharp(name, out)
-            }),
-            (
-                fixed(self.octave, "kufe_lut_at.m".into()),
-                |_, _, _, out| {
-                    out.extend(OCTAVE_FUNCTION.as_bytes());
-                    Ok(())
-                },
-            ),
-        ];
-        let named = named.into_iter();
-        let named = named.filter_map(|(path, write)| Some((path?, write)));
-        let mut requested: Vec<(PathBuf, WriteForm)> = named.collect();
-        for (path, write) in fixed {
+        let mut requested = Vec::new();
+        for (path, format) in formats {
             // The header may be requested by its name too; it is written once.
-            let new = path.filter(|path| requested.iter().all(|(known, _)| known != path));
-            requested.extend(new.map(|path| (path, write)));
+            let new = path.map(|path| (path, format));
+            requested.extend(new.filter(|new| !requested.contains(new)));
         }
         requested
     }
@@ -178,10 +184,10 @@ impl Forms {
     /// # Errors
     /// [`Failure::BadInput`] if a format does not support this table or a file cannot be written.
     fn write(&self, table: &Table, out: &Path, files: &OutputFiles) -> Result<(), Failure> {
-        for (path, write) in self.requested(out) {
+        for (path, format) in self.requested(out) {
             let mut bytes = Vec::new();
-            let written = write(table, &stem(out), self.rocker_radius_m, &mut bytes);
-            written.map_err(of_file(&path))?;
+            let written = format.write(table, &stem(out), self.rocker_radius_m, &mut bytes);
+            written.in_file(&path)?;
             files.bytes(&path, &bytes)?;
         }
         Ok(())

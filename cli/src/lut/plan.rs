@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use kufe::jobs::{
-    Failure, Watch,
+    Failure, Located, Watch,
     table::{PlanFile, PointStore, Solver, TableSpec},
 };
 use kufe_lut::{Origin, Progress, replay};
@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::lut::export::Forms;
 use crate::lut::fill::finish;
-use crate::output::{OutputFiles, of_file};
+use crate::output::OutputFiles;
 use crate::terminal::{Global, say, warn};
 
 /// Arguments of `kufe lut plan`.
@@ -95,7 +95,7 @@ pub fn plan(args: &PlanArgs, global: &Global) -> Result<(), Failure> {
     }
     let inputs = solver.inputs(&spec)?;
     let files = OutputFiles::begin("lut plan", &inputs, &outputs, global.force)?;
-    let table = args.table.canonicalize().map_err(of_file(&args.table))?;
+    let table = args.table.canonicalize().in_file(&args.table)?;
     let store = open_store(&args.out, "none", origin.clone())?;
     let progress = replay(&spec.plan, |point| store.get(point));
     let Progress::Batch { points, round, .. } = progress? else {

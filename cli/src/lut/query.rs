@@ -2,12 +2,11 @@
 
 use std::path::PathBuf;
 
-use kufe::jobs::{Failure, table::read_table};
+use kufe::jobs::{Failure, Located, table::read_table};
 use kufe::plot::{measured, short, shown_unit};
 use kufe::results::{Description, TableLookup};
 use kufe_lut::{Axes, AxisKind, MIN_SPEED, Mode, Outside, Point, curvature_from_pitch};
 
-use crate::output::of_file;
 use crate::terminal::{Global, warn};
 
 /// Arguments of `kufe lut query`.
@@ -22,20 +21,12 @@ pub struct Args {
     #[arg(long, value_name = "PER_METRE", allow_hyphen_values = true, conflicts_with_all = ["radius_m", "pitch_rate_radps"])]
     pub curvature_1pm: Option<f64>,
     /// Track radius in the vertical plane [m], positive in a valley, inf on a straight
-    #[arg(
-        long,
-        value_name = "METRES",
-        allow_hyphen_values = true,
-        conflicts_with = "pitch_rate_radps"
-    )]
+    #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
+    #[arg(conflicts_with = "pitch_rate_radps")]
     pub radius_m: Option<f64>,
     /// Pitch rate [rad/s], positive nose down, with --v-mps
-    #[arg(
-        long,
-        value_name = "RAD_PER_S",
-        allow_hyphen_values = true,
-        requires = "v_mps"
-    )]
+    #[arg(long, value_name = "RAD_PER_S", allow_hyphen_values = true)]
+    #[arg(requires = "v_mps")]
     pub pitch_rate_radps: Option<f64>,
     /// Speed [m/s], with --pitch-rate-radps and where the table has that axis
     #[arg(long, value_name = "M_PER_S", allow_hyphen_values = true)]
@@ -86,9 +77,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         ));
     }
     if !(fz > 0.0 && fz.is_finite()) {
-        return usage(&format!(
-            "--fz-n {fz}: expected a finite number above 0 N: without a force there is no contact"
-        ));
+        let expected = "a finite number above 0 N: without a force there is no contact";
+        return Err(Failure::option("fz-n", fz, expected));
     }
     let table = read_table(&args.table)?;
     let at = Point {
@@ -129,7 +119,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     }
     let mode = Mode::ALL.into_iter().find(|mode| mode.name() == args.mode);
     let mode = mode.expect("the parser admits modes alone");
-    let found = TableLookup::new(&table, at, mode).map_err(of_file(&args.table))?;
+    let found = TableLookup::new(&table, at, mode).in_file(&args.table)?;
     global.answer(&found, || text(&found, axes, &outside))
 }
 

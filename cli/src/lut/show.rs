@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use kufe::charts::table_picture;
 use kufe::jobs::runs::{RunSelection, run_inputs};
-use kufe::jobs::{Failure, table::read_table};
+use kufe::jobs::{Failure, Located, table::read_table};
 use kufe_lut::{Point, Quantity};
 use kufe_sled::table_samples;
 use serde::Serialize;
 
-use crate::output::{OutputFiles, of_file};
+use crate::output::OutputFiles;
 use crate::terminal::Global;
 use crate::text::print_document;
 
@@ -97,7 +97,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         ..Point::default()
     };
     let picture = table_picture(&table, quantity, slice, &samples);
-    let mut picture = picture.map_err(of_file(&args.table))?;
+    let mut picture = picture.in_file(&args.table)?;
     if let Some(runner) = &args.runner {
         picture.figure.title = format!("{runner} runner: {}", picture.figure.title);
     }

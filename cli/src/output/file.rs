@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use kufe::jobs::Failure;
+use kufe::jobs::{Failure, Located};
 use kufe_files::{outputs_apart, resolved};
 
 use crate::output::record::{FolderRecord, lock};
@@ -55,7 +55,7 @@ impl OutputFiles {
             let folder = folder_of(place);
             if files.staged.iter().all(|(known, _)| known != folder) {
                 let staging = Staging::in_folder(folder);
-                let staging = staging.map_err(|error| Failure::unwritable(named, error))?;
+                let staging = staging.writable(named)?;
                 files.staged.insert(0, (folder.to_path_buf(), staging));
             }
         }
@@ -83,13 +83,12 @@ impl OutputFiles {
         let mut outputs = self.outputs.iter();
         let output = outputs.find(|(named, _)| named == path);
         let (_, place) = output.expect("an output that was stated at the beginning");
-        let failure = |error: &dyn Display| Failure::unwritable(path, error);
-        let file = File::create(self.new_file(place)).map_err(|error| failure(&error))?;
+        let file = File::create(self.new_file(place)).writable(path)?;
         let mut writer = std::io::BufWriter::new(&file);
-        write(&mut writer).map_err(|error| failure(&error))?;
-        writer.flush().map_err(|error| failure(&error))?;
+        write(&mut writer).writable(path)?;
+        writer.flush().writable(path)?;
         drop(writer);
-        file.sync_all().map_err(|error| failure(&error))
+        file.sync_all().writable(path)
     }
 
     /// Writes one of the outputs.
@@ -111,7 +110,7 @@ impl OutputFiles {
         self.check(|place| self.new_file(place).exists())?;
         for (folder, staging) in &self.staged {
             let hidden = staging.hidden.path();
-            let names = names_in(hidden).map_err(|error| Failure::unwritable(folder, error))?;
+            let names = names_in(hidden).writable(folder)?;
             let record = FolderRecord::read(folder).unwrap_or_else(|| FolderRecord::new(None));
             record.replace(folder, hidden, &names, &[], self.command)?;
         }
@@ -123,7 +122,7 @@ impl OutputFiles {
         let outputs = self.outputs.iter();
         let outputs: Vec<_> = outputs.filter(|(_, place)| is_written(place)).collect();
         let named: Vec<&PathBuf> = outputs.iter().map(|(named, _)| named).collect();
-        outputs_apart(&self.inputs, &named).map_err(Failure::bad_input)?;
+        outputs_apart(&self.inputs, &named).bad_input()?;
         for (named, place) in outputs {
             if resolved(named) != *place {
                 return Err(Failure::unwritable(named, "it has become a link"));

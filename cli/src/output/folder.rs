@@ -1,13 +1,11 @@
 //! Output folders: all files of a command are written or none.
 
 use std::collections::BTreeSet;
-use std::fmt::Display;
-use std::fs::File;
+use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
-use kufe::jobs::Failure;
 use kufe::jobs::field::NewFiles;
-use kufe::plot::Figure;
+use kufe::jobs::{Failure, Located};
 use kufe_files::{outputs_apart, resolved};
 use serde::Serialize;
 
@@ -24,13 +22,21 @@ use crate::terminal::Global;
 /// any other folder. An input of the command is never replaced.
 pub struct OutputDir {
     command: &'static str,
-    /// The output folder as the user names it.
-    named: PathBuf,
     /// The output folder with links resolved.
     target: PathBuf,
     inputs: Vec<PathBuf>,
     force: bool,
     staging: Staging,
+    /// The files in the temporary folder, and the output folder as the user names it.
+    files: NewFiles,
+}
+
+impl Deref for OutputDir {
+    type Target = NewFiles;
+
+    fn deref(&self) -> &NewFiles {
+        &self.files
+    }
 }
 
 impl OutputDir {
@@ -66,14 +72,18 @@ impl OutputDir {
         if place.is_file() {
             return Err(Failure::in_file(target, "is a file, expected a folder"));
         }
+        let staging = Staging::in_folder(&place).writable(target)?;
+        let files = NewFiles {
+            hidden: staging.hidden.path().to_path_buf(),
+            named: target.to_path_buf(),
+        };
         let output = OutputDir {
             command,
-            named: target.to_path_buf(),
+            target: place,
             inputs: inputs.to_vec(),
             force,
-            staging: Staging::in_folder(&place)
-                .map_err(|error| Failure::unwritable(target, error))?,
-            target: place,
+            staging,
+            files,
         };
         output.check(&[])?;
         Ok(output)
@@ -87,9 +97,7 @@ impl OutputDir {
     pub fn record(&self) -> Result<(), Failure> {
         let _lock = lock(&self.target);
         let record = self.check(&[])?;
-        record
-            .write(&self.target)
-            .map_err(|error| Failure::unwritable(&self.named, error))
+        record.write(&self.target).writable(&self.named)
     }
 
     /// The commands whose files this one replaces: itself, and `kufe report`, which makes pages of
@@ -107,7 +115,7 @@ impl OutputDir {
         let owner = found.as_ref().and_then(|record| record.command.clone());
         let record = found.filter(|_| owner.as_deref() == Some(self.command));
         if record.is_none() && !self.force {
-            let present = present.map_err(|error| Failure::unwritable(&self.named, error))?;
+            let present = present.writable(&self.named)?;
             self.check_free(owner, &present)?;
         }
         let record = record.unwrap_or_else(|| FolderRecord::new(Some(self.command)));
@@ -124,7 +132,7 @@ impl OutputDir {
                 return Err(Failure::unwritable(path, reason));
             }
         }
-        outputs_apart(&self.inputs, &paths).map_err(Failure::bad_input)?;
+        outputs_apart(&self.inputs, &paths).bad_input()?;
         Ok(record)
     }
 
@@ -144,43 +152,6 @@ impl OutputDir {
         Err(Failure::in_file(&self.named, reason))
     }
 
-    /// Writes the file `name` with a function that takes the file.
-    ///
-    /// # Errors
-    /// [`Failure::BadInput`] with the path of the output where the file cannot be written, its name
-    /// is not plain, or it was written before.
-    pub fn write<E: Display>(
-        &self,
-        name: &str,
-        write: impl FnOnce(&File) -> Result<(), E>,
-    ) -> Result<(), Failure> {
-        self.files().write(name, write)
-    }
-
-    /// Writes a picture.
-    ///
-    /// # Errors
-    /// As [`OutputDir::write`].
-    pub fn picture(&self, name: &str, figure: &Figure) -> Result<(), Failure> {
-        self.files().picture(name, figure)
-    }
-
-    /// The files before they are moved, for a library to write.
-    pub fn files(&self) -> NewFiles<'_> {
-        NewFiles {
-            hidden: self.staging.hidden.path(),
-            named: &self.named,
-        }
-    }
-
-    /// Writes one file of text.
-    ///
-    /// # Errors
-    /// As [`OutputDir::write`].
-    pub fn text(&self, name: &str, text: &str) -> Result<(), Failure> {
-        self.files().bytes(name, text.as_bytes())
-    }
-
     /// Writes the result of the command as the file `name`, moves all files into the output folder,
     /// and prints the result: as JSON, or as `text` and the names of the files.
     ///
@@ -193,7 +164,7 @@ impl OutputDir {
         global: &Global,
         text: impl FnOnce() -> String,
     ) -> Result<(), Failure> {
-        self.files().json(name, result)?;
+        self.json(name, result)?;
         let folder = self.named.clone();
         let written = self.commit()?;
         global.print(result, || text() + &listed(&folder, &written))
@@ -205,14 +176,13 @@ impl OutputDir {
     /// # Errors
     /// [`Failure::BadInput`] with the path that could not be replaced.
     pub fn commit(self) -> Result<Vec<String>, Failure> {
-        let hidden = self.staging.hidden.path();
         let _lock = lock(&self.target);
-        let names = names_in(hidden).map_err(|error| Failure::unwritable(&self.named, error))?;
+        let names = names_in(&self.hidden).writable(&self.named)?;
         let record = self.check(&names)?;
         let commands = self.replaced();
         let own = record.files_of(&commands);
         let stale: Vec<String> = own.filter(|name| !names.contains(name)).cloned().collect();
-        record.replace(&self.target, hidden, &names, &stale, self.command)?;
+        record.replace(&self.target, &self.hidden, &names, &stale, self.command)?;
         Ok(names)
     }
 }
@@ -240,7 +210,7 @@ mod tests {
     fn write_all(folder: &Path, force: bool, names: &[&str]) -> Result<(), Failure> {
         let output = OutputDir::prepare("press", &[], folder, force)?;
         for name in names {
-            output.text(name, name)?;
+            output.bytes(name, name)?;
         }
         output.commit().map(|_| ())
     }
@@ -273,7 +243,7 @@ mod tests {
         for force in [false, true] {
             let inputs = [case.clone()];
             let output = OutputDir::prepare("press", &inputs, &out, force)?;
-            output.text("x", "x")?;
+            output.bytes("x", "x")?;
             output.commit()?;
             assert_eq!(names(&out), ["case.toml", "x"]);
             assert_eq!(std::fs::read_to_string(&case)?, "a case of the user's own");
@@ -286,7 +256,7 @@ mod tests {
         let root = tempfile::tempdir()?;
         let out = root.path().join("a/b");
         let output = OutputDir::prepare("press", &[], &out, false)?;
-        output.text("half", "half")?;
+        output.bytes("half", "half")?;
         assert!(!out.join("half").exists());
         drop(output);
         assert!(!root.path().join("a").exists());

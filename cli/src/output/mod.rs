@@ -17,11 +17,6 @@ pub use record::{FolderRecord, remove_outputs};
 /// Largest number of attempts to create a folder that other processes remove.
 const MAX_ATTEMPTS: usize = 20;
 
-/// Converts an error of a file.
-pub fn of_file<E: std::fmt::Display>(path: &Path) -> impl Fn(E) -> Failure {
-    move |error| Failure::in_file(path, error)
-}
-
 /// Sorted names of the entries of a folder.
 fn names_in(folder: &Path) -> std::io::Result<Vec<String>> {
     let entries = std::fs::read_dir(folder)?;

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::Path;
 
-use kufe::jobs::Failure;
 use kufe::jobs::field::is_plain;
+use kufe::jobs::{Failure, Located};
 use kufe_files::sha256_of_file;
 use serde::{Deserialize, Serialize};
 
@@ -164,13 +164,13 @@ impl FolderRecord {
         let documents = documents.filter(|name| are_several && is_document(name));
         for path in documents.chain(stale).map(|name| folder.join(name)) {
             if path.symlink_metadata().is_ok() {
-                std::fs::remove_file(&path).map_err(|error| Failure::unwritable(&path, error))?;
+                std::fs::remove_file(&path).writable(&path)?;
             }
         }
         for name in &names {
             let to = folder.join(name);
             let moved = std::fs::rename(hidden.join(name), &to);
-            moved.map_err(|error| Failure::unwritable(&to, error))?;
+            moved.writable(&to)?;
             let written = self.files.get_mut(name);
             written.into_iter().for_each(|file| file.sha256.truncate(1));
         }

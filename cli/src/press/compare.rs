@@ -68,9 +68,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let data = Datum::of(&document)?;
     let documents = [("second less first".to_owned(), data)];
     let title = title(&document);
-    output.text(
+    output.bytes(
         "comparison.html",
-        &results_page([&title, ""], &[picture], &[], &documents),
+        results_page([&title, ""], &[picture], &[], &documents),
     )?;
     output.picture("comparison.png", &figure)?;
     output.finish("comparison.json", &document, global, || text(&document))
@@ -84,8 +84,8 @@ fn distance_apart(maps: [&PressureMap; 2]) -> Option<[f64; 2]> {
         let middles = b - a + 0.5 * (b_length - a_length);
         (middles, middles.abs() > 0.5 * (a_length + b_length))
     };
-    let ((x, beside_x), (y, beside_y)) = (distance(along), distance(across));
-    (beside_x || beside_y).then_some([x, y])
+    let ((x, apart_x), (y, apart_y)) = (distance(along), distance(across));
+    (apart_x || apart_y).then_some([x, y])
 }
 
 /// Names of both contacts, and the difference of their peaks.

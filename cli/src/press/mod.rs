@@ -70,7 +70,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     bar.finish_and_clear();
     let pressed = pressed?;
     let started = Instant::now();
-    let result = write_contact(output.files(), &pressed, args.mat)?;
+    let result = write_contact(&output, &pressed, args.mat)?;
     output.commit()?;
     let writing = started.elapsed().as_secs_f64();
     let summary = summary::text(&pressed, &result, &args.out, writing)?;

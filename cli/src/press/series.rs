@@ -49,7 +49,7 @@ struct Series<'a> {
     options: &'a Options,
 }
 
-/// Solves every combination into its own folder; valid results in the output folder are kept.
+/// Solves every combination into its own folder; valid results in the output folder are reused.
 ///
 /// A step that does not reach its accuracy is reported in the table, and the others are solved.
 ///
@@ -208,7 +208,7 @@ impl Series<'_> {
             let (result, short) = match step.solve(&quieter, self.options) {
                 Ok(pressed) => {
                     let output = self.output_of(step)?;
-                    let result = write_contact(output.files(), &pressed, self.args.mat)?;
+                    let result = write_contact(&output, &pressed, self.args.mat)?;
                     output.commit()?;
                     (Some(result), pressed.short.map(|why| why.to_string()))
                 }
@@ -241,7 +241,7 @@ fn write_overview(
     lists: &Lists,
     count: usize,
 ) -> Result<(), Failure> {
-    output.files().json("table.json", &rows)?;
+    output.json("table.json", &rows)?;
     output.write("table.csv", |mut file| write_csv(&mut file, rows))?;
     let times = lists.times(count);
     for (name, file) in [("series.pvd", "field.vtu"), ("runner.pvd", "runner.vtu")] {
@@ -269,31 +269,19 @@ pub struct Lists {
     pub fz_n: Vec<f64>,
     /// Track radius in the vertical plane [m], positive in a valley, inf on a straight; one or
     /// several
-    #[arg(
-        long,
-        value_name = "LIST",
-        value_delimiter = ',',
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "LIST")]
+    #[arg(value_delimiter = ',', allow_hyphen_values = true)]
     pub radius_m: Vec<f64>,
     /// Radius of the rocker [m], of a shape; one or several
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub rocker_radius_m: Vec<f64>,
     /// Fixed pitch angle [rad], positive lowers the nose; one or several
-    #[arg(
-        long,
-        value_name = "LIST",
-        value_delimiter = ',',
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "LIST")]
+    #[arg(value_delimiter = ',', allow_hyphen_values = true)]
     pub pitch_rad: Vec<f64>,
     /// Fixed roll angle [rad], positive lifts the left side; one or several
-    #[arg(
-        long,
-        value_name = "LIST",
-        value_delimiter = ',',
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "LIST")]
+    #[arg(value_delimiter = ',', allow_hyphen_values = true)]
     pub roll_rad: Vec<f64>,
     /// Solve steps again that have results in the output folder
     #[arg(long)]
@@ -376,7 +364,7 @@ mod tests {
     }
 
     #[test]
-    fn a_long_series_says_about_when_it_ends() {
+    fn a_long_series_shows_its_remaining_time() {
         assert_eq!(progress(2, 9, 8, &[5.0]), "step 2 of 9");
         assert_eq!(
             progress(3, 9, 7, &[5.0, 6.0]),

@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_peak_that_the_maps_miss_is_said_to_be_missed() {
+    fn a_peak_that_the_maps_miss_is_marked() {
         assert_eq!(on_mesh(139.39e6, 139.38e6).note, "as in the maps");
         let narrow = on_mesh(915.43e6, 678.83e6);
         assert!(narrow.text == "915.4 MPa" && narrow.note.contains("678.8 MPa at most"));

@@ -5,11 +5,10 @@ use std::path::PathBuf;
 
 use kufe::jobs::Failure;
 use kufe::jobs::align::AlignOptions;
-use kufe::jobs::runs::write_runs;
+use kufe::jobs::runs::{run_format, write_runs};
 use kufe_sled::{gaps_line, track_file};
 
 use crate::output::OutputDir;
-use crate::runs::run_format;
 use crate::terminal::{Global, warn};
 use crate::text::document_text;
 
@@ -57,7 +56,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         }
     }
     let format = run_format(args.parquet);
-    write_runs(output.files(), &mut aligned.runs, format)?;
+    write_runs(&output, &mut aligned.runs, format)?;
     let document = &aligned.document;
     for remark in aligned.runs.iter().flat_map(|run| &run.remarks) {
         warn(remark);

@@ -47,7 +47,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let viewed = args.view.then(|| all_runs(args.runs.clone()));
     let viewer = write_view(&output, viewed, global)?;
     let page = record_page(&check, &curves, viewer);
-    output.text("check.html", &page)?;
+    output.bytes("check.html", &page)?;
     output.finish("check.json", &check, global, || summary(&check.runs))?;
     if check.wrong == 0 {
         return Ok(());

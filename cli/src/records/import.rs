@@ -30,7 +30,7 @@ pub struct Args {
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let import = RunImport::read(&args.mapping, args.strict)?;
     let output = OutputDir::begin("runs import", &import.inputs(), &args.out, global.force)?;
-    let imported = global.watched(|watch| import.write(output.files(), watch))?;
+    let imported = global.watched(|watch| import.write(&output, watch))?;
     let written = output.commit()?;
     for text in notices(&imported, global) {
         note(&text);

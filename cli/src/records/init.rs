@@ -2,13 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe::jobs::Failure;
+use kufe::jobs::{Failure, Located};
 use kufe_sled::MOST_NUMBERS;
 use kufe_telemetry::{TextOptions, guess_mapping, read_log};
 use serde::Serialize;
 
 use crate::about::schema::write_with_schema;
-use crate::output::of_file;
 use crate::terminal::Global;
 
 /// Arguments of `kufe runs init`.
@@ -41,7 +40,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let max_numbers = MOST_NUMBERS / args.samples.len() as u64;
     for sample in &args.samples {
         let log = read_log(sample, TextOptions::default(), None, max_numbers);
-        let log = log.map_err(Failure::bad_input)?;
+        let log = log.bad_input()?;
         logs.push((from_mapping(sample, &args.out)?, log));
     }
     let text = guess_mapping(&logs);
@@ -70,5 +69,5 @@ fn from_mapping(sample: &Path, mapping: &Path) -> Result<PathBuf, Failure> {
     if let Ok(below) = sample.strip_prefix(folder) {
         return Ok(below.to_path_buf());
     }
-    std::path::absolute(sample).map_err(of_file(sample))
+    std::path::absolute(sample).in_file(sample)
 }

@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe::jobs::Failure;
 use kufe::jobs::runs::run_inputs;
 use kufe::jobs::view_runs::ViewOptions;
+use kufe::jobs::{Failure, Located};
 use kufe::report::discovery_page;
 use kufe_discover::{CampaignFile, Options, Rules};
 use kufe_sled::read_index;
 
-use crate::output::{OutputDir, of_file};
+use crate::output::OutputDir;
 use crate::runs::{all_runs, write_view};
 use crate::terminal::{Global, warn, warn_if_cut};
 
@@ -60,9 +60,7 @@ pub struct Args {
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let twins = args.twins;
     if !(10..=1000).contains(&twins) {
-        return Err(Failure::Usage(format!(
-            "--twins {twins}: expected 10 to 1000"
-        )));
+        return Err(Failure::option("twins", twins, "10 to 1000"));
     }
     let rules = args.rules.as_deref().map(rules).transpose()?;
     let options = Options {
@@ -116,12 +114,12 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         ..all_runs(runs)
     });
     let viewer = write_view(&output, viewed, global)?;
-    output.text("report.html", &discovery_page(report, viewer))?;
+    output.bytes("report.html", discovery_page(report, viewer))?;
     if let Some(model) = &found.next_model {
-        output.text("model.next.toml", model)?;
+        output.bytes("model.next.toml", model)?;
     }
     if let Some(case) = &found.next_case {
-        output.text("case.next.toml", case)?;
+        output.bytes("case.next.toml", case)?;
     }
     output.finish("report.json", report, global, || {
         let texts = [&report.sentence, &report.explained].into_iter();
@@ -131,6 +129,6 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
 }
 
 fn rules(path: &Path) -> Result<Rules, Failure> {
-    let text = kufe_files::text_of_regular(path, 1 << 20).map_err(of_file(path))?;
-    Rules::from_toml(&text).map_err(of_file(path))
+    let text = kufe_files::text_of_regular(path, 1 << 20).in_file(path)?;
+    Rules::from_toml(&text).in_file(path)
 }

@@ -52,7 +52,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         prepared,
         ..
     } = &fitted.loaded;
-    output.text("model.fit.toml", written)?;
+    output.bytes("model.fit.toml", written)?;
     let [front_law, rear_law] = [&fit.front, &fit.rear].map(LateralFit::law);
     let fitted = vehicle.with_lateral(front_law, rear_law);
     let marked = if leave_out_contacts {

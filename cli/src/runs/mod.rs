@@ -12,13 +12,13 @@ use std::path::PathBuf;
 use kufe::charts::table_picture;
 use kufe::jobs::runs::{RunSelection, run_inputs};
 use kufe::jobs::view_runs::{ViewOptions, ViewedRuns, view_runs};
-use kufe::jobs::{Failure, table::read_table, write_document_mat};
+use kufe::jobs::{Failure, Located, table::read_table, write_document_mat};
 use kufe::report::{Kind, RunsPage, TABLE_PICTURES, VIEWER, page};
 use kufe_lut::{MatValue, Point};
-use kufe_sled::{RunFormat, Vehicle};
+use kufe_sled::Vehicle;
 use serde::Serialize;
 
-use crate::output::{OutputDir, of_file};
+use crate::output::OutputDir;
 use crate::terminal::{Global, warn};
 
 /// Arguments that every command on runs takes.
@@ -73,15 +73,6 @@ impl RunArgs {
     }
 }
 
-/// The format that `--parquet` selects.
-pub fn run_format(parquet: bool) -> RunFormat {
-    if parquet {
-        RunFormat::Parquet
-    } else {
-        RunFormat::Csv
-    }
-}
-
 /// Writes every key of `document`, and `series`, for MATLAB.
 pub fn write_mat(
     output: &OutputDir,
@@ -92,7 +83,7 @@ pub fn write_mat(
     output.write(name, |file| {
         let mut writer = BufWriter::new(file);
         write_document_mat(&mut writer, document, vec![series])?;
-        writer.flush().map_err(Failure::bad_input)
+        writer.flush().bad_input()
     })
 }
 
@@ -112,7 +103,7 @@ pub fn draw_tables(
         };
         let table = read_table(&file)?;
         let picture = table_picture(&table, table.judged(), Point::default(), requested);
-        let mut figure = picture.map_err(of_file(&file))?.figure;
+        let mut figure = picture.in_file(&file)?.figure;
         figure.title = format!("{runner} runner: {}", figure.title);
         output.picture(name, &figure)?;
     }
@@ -155,7 +146,7 @@ pub fn write_view(
     };
     match global.watched(|watch| view_runs(&options, watch)) {
         Ok(viewed) => {
-            output.text(VIEWER, &viewer_page(viewed))?;
+            output.bytes(VIEWER, viewer_page(viewed))?;
             Ok(Some(VIEWER))
         }
         Err(failure) => {

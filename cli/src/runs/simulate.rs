@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use kufe::charts::{replay_picture, run_picture};
 use kufe::jobs::replay::{ReplayedDrive, entry_on_track};
-use kufe::jobs::runs::{run_inputs, write_runs, write_track};
+use kufe::jobs::runs::{run_format, run_inputs, write_runs, write_track};
 use kufe::jobs::simulate::{DrivenRuns, NamedDriver, SimulatedDrives, stated_conditions};
 use kufe::jobs::view_runs::ViewOptions;
 use kufe::jobs::{Failure, channel_series};
@@ -17,7 +17,7 @@ use kufe_sled::{
 };
 
 use crate::output::OutputDir;
-use crate::runs::{all_runs, draw_tables, run_format, write_mat, write_view};
+use crate::runs::{all_runs, draw_tables, write_mat, write_view};
 use crate::terminal::{Global, warn, warn_if_cut};
 use crate::text::{document_text, table_text};
 
@@ -91,12 +91,8 @@ pub struct Args {
     #[arg(long, value_name = "CELSIUS", default_value_t = -8.0, allow_negative_numbers = true)]
     pub ice_c: f64,
     /// Air temperature [degrees Celsius]
-    #[arg(
-        long,
-        value_name = "CELSIUS",
-        default_value_t = 0.0,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "CELSIUS")]
+    #[arg(default_value_t = 0.0, allow_negative_numbers = true)]
     pub air_c: f64,
     /// Air pressure [Pa]
     #[arg(long, value_name = "PA", default_value_t = 95_000.0)]
@@ -128,10 +124,10 @@ impl Args {
         };
         match options.out_of_range() {
             None => Ok(options),
-            Some((key, value, [low, high])) => Err(Failure::Usage(format!(
-                "--{} {value}: expected {low} to {high}",
-                key.replace('_', "-")
-            ))),
+            Some((key, value, [low, high])) => {
+                let expected = format_args!("{low} to {high}");
+                Err(Failure::option(&key.replace('_', "-"), value, expected))
+            }
         }
     }
 
@@ -188,8 +184,8 @@ fn drive(args: &Args, model: &Path, track: &Path, global: &Global) -> Result<(),
         document,
         samples,
     } = global.watched(|watch| drives.drive(watch))?;
-    write_runs(output.files(), &mut runs, run_format(args.parquet))?;
-    write_track(output.files(), &track)?;
+    write_runs(&output, &mut runs, run_format(args.parquet))?;
+    write_track(&output, &track)?;
     if args.mat {
         write_mat(&output, "simulation.mat", &document, channel_series(&runs))?;
     }
@@ -234,8 +230,8 @@ fn replay(
     let output = OutputDir::begin("simulate --replay", &inputs, &args.out, global.force)?;
     let mut replayed = global.watched(|watch| drive.drive(watch))?;
     let run = std::slice::from_mut(&mut replayed.driven);
-    write_runs(output.files(), run, run_format(args.parquet))?;
-    write_track(output.files(), &drive.track)?;
+    write_runs(&output, run, run_format(args.parquet))?;
+    write_track(&output, &drive.track)?;
     let document = replayed.document();
     let done = &replayed.replay;
     if args.mat {
@@ -270,11 +266,11 @@ fn sample(
     let output = OutputDir::begin(command, &inputs, folder, global.force)?;
     let plan = sample_plan(args.seed);
     let mut runs = global.during("driving 44 runs", || drive_sample(&plan, &model))?;
-    write_runs(output.files(), &mut runs, run_format(args.parquet))?;
+    write_runs(&output, &mut runs, run_format(args.parquet))?;
     for name in ["east", "west"] {
-        write_track(output.files(), &sample_track(name))?;
+        write_track(&output, &sample_track(name))?;
     }
-    output.text("model.toml", &model.to_toml())?;
+    output.bytes("model.toml", model.to_toml())?;
     let truth = SampleTruth::new(args.seed, &plan);
     output.finish("truth.json", &truth, global, || {
         let count = runs.len();

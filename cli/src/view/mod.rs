@@ -12,7 +12,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use kufe::jobs::field::placed_hull;
-use kufe::jobs::{Contact, Failure, case_file::LoadedCase};
+use kufe::jobs::{Contact, Failure, Located, case_file::LoadedCase};
 use kufe::report::{ContactPage, Kind, page};
 use kufe_contact::{Options, pressure_maps};
 use serde::Serialize;
@@ -63,7 +63,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             args.port
         ))
     })?;
-    let port = listener.local_addr().map_err(Failure::bad_input)?.port();
+    let port = listener.local_addr().bad_input()?.port();
     let solved = global.during("solving the first contact", || {
         solved(base.clone(), &Arc::new(AtomicBool::new(false)))
     })?;
@@ -304,7 +304,7 @@ fn solved(loaded: LoadedCase, stop: &Arc<AtomicBool>) -> Result<Solved, Failure>
     let maps = pressure_maps(&pressed.solution);
     let hull = placed_hull(&pressed.problem, &pressed.solution);
     let page = ContactPage::new(pressed.result(), &maps, hull.as_ref(), POINTS, name)?;
-    let case_text = pressed.loaded.case.to_toml().map_err(Failure::bad_input)?;
+    let case_text = pressed.loaded.case.to_toml().bad_input()?;
     Ok(Solved { page, case_text })
 }
 

@@ -61,7 +61,7 @@ impl Bench {
         String::from_utf8_lossy(&output.stdout).into_owned()
     }
 
-    /// Names of what the folder holds, sorted.
+    /// Names in the folder, sorted.
     pub fn names(&self) -> Vec<String> {
         names(self.folder.path())
     }
@@ -84,7 +84,7 @@ pub fn succeeds(folder: &Path, words: &[&str]) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// Runs `kufe` in a folder and expects it to leave with `code` and to name these parts.
+/// Runs `kufe` in a folder and expects it to exit with `code` and to name these parts.
 pub fn refused(folder: &Path, words: &[&str], code: i32, parts: &[&str]) {
     let output = kufe(folder, words);
     let reported = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -103,7 +103,7 @@ pub fn json(path: &Path) -> Value {
     serde_json::from_str(&text).expect("JSON")
 }
 
-/// Runs lines in Octave in a folder, where there is one, and expects every `assert` of them to hold.
+/// Runs lines in Octave in a folder, if Octave is installed, and expects every `assert` of them to pass.
 pub fn octave(folder: &Path, lines: &str) {
     if let Some(mut octave) = kufe_outside::program("octave-cli") {
         let ran = octave
@@ -114,12 +114,12 @@ pub fn octave(folder: &Path, lines: &str) {
     }
 }
 
-/// What a run said on standard error.
+/// Standard error of a run.
 pub fn errors(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// Names of what a folder holds, hidden ones too, without the record of an output folder; sorted.
+/// Names in a folder, hidden ones too, without the record of an output folder; sorted.
 pub fn names(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> = std::fs::read_dir(folder)
         .expect("a readable folder")

@@ -1,7 +1,7 @@
-//! The command as a user meets it, one program: each test runs `kufe` in a folder of its own.
+//! The command as a user runs it, one program: each test runs `kufe` in a folder of its own.
 
 mod about;
-mod held;
+mod guarantees;
 mod input;
 mod kufe;
 mod lut;

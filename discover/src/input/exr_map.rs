@@ -5,14 +5,14 @@ use std::path::Path;
 use kufe::case::effects::Map;
 use kufe_mesh::{ExrImage, MeshError};
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 
 /// Reads channel `p` of a map.
 ///
 /// # Errors
 /// [`Error::File`] if the file is not an EXR image with a place in metres, is too large, does not
 /// have the channel, or contains values that are not pressures.
-pub fn read_map(path: &Path) -> Result<Map, Error> {
+pub fn read_map(path: &Path) -> Result<Map> {
     let image = ExrImage::load(path).map_err(|error| match error {
         MeshError::Io { source, .. } => Error::file(path, source),
         MeshError::File { source, .. } => Error::file(path, source),
@@ -25,13 +25,13 @@ pub fn read_map(path: &Path) -> Result<Map, Error> {
 ///
 /// # Errors
 /// As [`read_map`].
-pub fn read_map_bytes(bytes: &[u8], file: &str) -> Result<Map, Error> {
+pub fn read_map_bytes(bytes: &[u8], file: &str) -> Result<Map> {
     let file = Path::new(file);
     let image = ExrImage::read(bytes).map_err(|error| Error::file(file, error))?;
     map(&image, file)
 }
 
-fn map(image: &ExrImage, file: &Path) -> Result<Map, Error> {
+fn map(image: &ExrImage, file: &Path) -> Result<Map> {
     let pressure = image
         .channel("p")
         .map_err(|error| Error::file(file, error))?;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use kufe_files::{TABLE_TEXT, column_names, line_of_row};
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 
 /// Largest table [bytes]: some 500,000 rows.
 const MAX_BYTES: u64 = 1 << 25;
@@ -24,7 +24,7 @@ impl Table {
     ///
     /// # Errors
     /// [`Error::File`] if it cannot be read or is ragged.
-    pub fn read(path: &Path) -> Result<Self, Error> {
+    pub fn read(path: &Path) -> Result<Self> {
         let refused = |reason: &dyn std::fmt::Display| Error::file(path, reason);
         let text = kufe_files::read_regular(path, MAX_BYTES).map_err(|e| refused(&e))?;
         let mut reader = csv::ReaderBuilder::new()
@@ -59,11 +59,17 @@ impl Table {
         self.header.iter().position(|name| name == column)
     }
 
+    /// Whether a column is present and not constant.
+    pub fn varies(&self, column: &str) -> bool {
+        let differs = |at: usize| self.rows.iter().any(|row| row[at] != self.rows[0][at]);
+        self.place(column).is_some_and(differs)
+    }
+
     /// Cells of a column.
     ///
     /// # Errors
     /// [`Error::MissingColumn`].
-    pub fn texts(&self, column: &str) -> Result<Vec<String>, Error> {
+    pub fn texts(&self, column: &str) -> Result<Vec<String>> {
         let at = self.place(column);
         let at = at.ok_or_else(|| self.missing(column, ""))?;
         Ok(self.rows.iter().map(|row| row[at].clone()).collect())
@@ -73,7 +79,7 @@ impl Table {
     ///
     /// # Errors
     /// [`Error::MissingColumn`], [`Error::Cell`] with row, column, value and bounds.
-    pub fn numbers(&self, column: &str, low: f64, high: f64) -> Result<Vec<f64>, Error> {
+    pub fn numbers(&self, column: &str, low: f64, high: f64) -> Result<Vec<f64>> {
         self.texts(column)?
             .into_iter()
             .enumerate()
@@ -94,13 +100,7 @@ impl Table {
     ///
     /// # Errors
     /// [`Error::Cell`].
-    pub fn numbers_or(
-        &self,
-        column: &str,
-        low: f64,
-        high: f64,
-        absent: f64,
-    ) -> Result<Vec<f64>, Error> {
+    pub fn numbers_or(&self, column: &str, low: f64, high: f64, absent: f64) -> Result<Vec<f64>> {
         match self.place(column) {
             None => Ok(vec![absent; self.rows.len()]),
             Some(_) => self.numbers(column, low, high),

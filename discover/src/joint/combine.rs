@@ -8,10 +8,8 @@ use crate::procedure::shared_effects::Amount;
 
 /// The inverse-variance weighted mean of the sizes; `None` without any.
 pub fn together(amounts: &[Amount]) -> Option<Amount> {
-    let weights: Vec<f64> = amounts
-        .iter()
-        .map(|a| a.error.max(1e-300).powi(-2))
-        .collect();
+    let weights = amounts.iter().map(|a| a.error.max(1e-300).powi(-2));
+    let weights: Vec<f64> = weights.collect();
     let total: f64 = weights.iter().sum();
     let sum: f64 = amounts.iter().zip(&weights).map(|(a, w)| a.value * w).sum();
     let first = amounts.first()?;
@@ -33,10 +31,7 @@ pub fn disagreement(amounts: &[Amount]) -> f64 {
 
 /// Twice the log-likelihood ratio of one common size to a size of 0: the square of the common t.
 pub fn gain(amounts: &[Amount]) -> f64 {
-    let Some(common) = together(amounts) else {
-        return 0.0;
-    };
-    common.t().powi(2)
+    together(amounts).map_or(0.0, |common| common.t().powi(2))
 }
 
 #[cfg(test)]

@@ -32,8 +32,9 @@ pub fn described(
     let several = parts.len() > 1;
     let (mut names, mut next) = (Vec::new(), Vec::new());
     for (k, (one, fit)) in parts.into_iter().enumerate() {
-        let mut report = one.report;
         let name = joint.kinds[k].name;
+        names.push(one.report.data.clone());
+        add_report(&mut all.report, one.report, name, several);
         for (step, law) in fit.steps.iter().zip(one.laws) {
             all.laws[*step] = all.laws[*step].take().or(law);
         }
@@ -42,35 +43,13 @@ pub fn described(
                 all.parameters[*step] = own;
             }
         }
-        // Bases of two kinds may have parameters of the same name.
-        let base = report.base.iter_mut().map(|parameter| &mut parameter.name);
-        let pictures = report.pictures.iter_mut().map(|picture| &mut picture.title);
-        for shown in base.chain(pictures).filter(|_| several) {
-            *shown = format!("{shown} ({name})");
-        }
-        let untestable = report.untestable.into_iter();
-        let untestable = untestable.map(|(effect, why)| (effect, format!("{name}: {why}")));
         for meaning in one.effects {
             if !all.effects.iter().any(|known| known.name == meaning.name) {
                 all.effects.push(meaning);
             }
         }
-        names.push(report.data);
         let words = one.next_after_nothing;
         next.extend((!words.is_empty()).then_some(words));
-        let together = &mut all.report;
-        together.untestable.extend(untestable);
-        together.training.extend(report.training);
-        together.within_tolerance.extend(report.within_tolerance);
-        together.base.extend(report.base);
-        together.remaining.extend(report.remaining);
-        together.implausible.extend(report.implausible);
-        together.bins.extend(report.bins);
-        together.bins_after.extend(report.bins_after);
-        together.by_run.extend(report.by_run);
-        together.pictures.extend(report.pictures);
-        together.next_runs.extend(report.next_runs);
-        together.clean &= report.clean;
         all.located |= one.located && steps == 0;
         if k == 0 {
             all.next_model = one.next_model;
@@ -89,6 +68,30 @@ pub fn described(
         }
     }
     all
+}
+
+/// Adds the report of one kind of data; names of parameters and pictures state the kind if there
+/// are several.
+fn add_report(all: &mut Report, mut report: Report, name: &str, several: bool) {
+    let base = report.base.iter_mut().map(|parameter| &mut parameter.name);
+    let pictures = report.pictures.iter_mut().map(|picture| &mut picture.title);
+    for shown in base.chain(pictures).filter(|_| several) {
+        *shown = format!("{shown} ({name})");
+    }
+    let untestable = report.untestable.into_iter();
+    let untestable = untestable.map(|(effect, why)| (effect, format!("{name}: {why}")));
+    all.untestable.extend(untestable);
+    all.training.extend(report.training);
+    all.within_tolerance.extend(report.within_tolerance);
+    all.base.extend(report.base);
+    all.remaining.extend(report.remaining);
+    all.implausible.extend(report.implausible);
+    all.bins.extend(report.bins);
+    all.bins_after.extend(report.bins_after);
+    all.by_run.extend(report.by_run);
+    all.pictures.extend(report.pictures);
+    all.next_runs.extend(report.next_runs);
+    all.clean &= report.clean;
 }
 
 fn is_written(all: &Description, effect: &str) -> bool {

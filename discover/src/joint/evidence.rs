@@ -4,7 +4,8 @@
 //! every kind that knows it. Sizes that agree are combined and fixed in all kinds before any
 //! comparison on held-out data.
 
-use crate::error::Error;
+use crate::error::Result;
+use crate::finding::Step;
 use crate::joint::description::described;
 use crate::joint::indexed::KindEvidence;
 use crate::joint::kinds::{Joint, JointFit, Origin, PartFit};
@@ -18,7 +19,7 @@ impl Evidence for Joint<'_> {
     type Act = Origin;
     type Fit = JointFit;
 
-    fn fit_base(&mut self, account: &mut Account) -> Result<JointFit, Error> {
+    fn fit_base(&mut self, account: &mut Account) -> Result<JointFit> {
         let mut parts = Vec::new();
         for k in 0..self.kinds.len() {
             let (free, _) = self.of_kind(k, &[], account, |part, own| part.fit_base(own))?;
@@ -34,7 +35,7 @@ impl Evidence for Joint<'_> {
         })
     }
 
-    fn screen(&mut self, fit: &JointFit, account: &mut Account) -> Result<Screen<Origin>, Error> {
+    fn screen(&mut self, fit: &JointFit, account: &mut Account) -> Result<Screen<Origin>> {
         let mut selections = Vec::new();
         let mut detectable = Vec::new();
         for (k, PartFit { free, steps, .. }) in fit.parts.iter().enumerate() {
@@ -68,7 +69,7 @@ impl Evidence for Joint<'_> {
         fit: &JointFit,
         selection: &Selection<Origin>,
         step: usize,
-    ) -> Result<ExtendedFit<JointFit>, Error> {
+    ) -> Result<ExtendedFit<JointFit>> {
         let Origin {
             kind: first,
             selection: place,
@@ -80,7 +81,7 @@ impl Evidence for Joint<'_> {
         let own = part.own_step(step);
         let own_step = own.unwrap_or(part.steps.len());
         let kind = &mut self.kinds[first].part;
-        let added = kind.add(&part.free, &selection.acting(place), own_step)?;
+        let added = kind.add(&part.free, &selection.with_act(place), own_step)?;
         part.free = added.fit;
         part.steps.extend(own.is_none().then_some(step));
         for (k, part) in next.parts.iter_mut().enumerate() {
@@ -95,19 +96,20 @@ impl Evidence for Joint<'_> {
         }
         Ok(ExtendedFit {
             fit: next,
-            written: added.written,
-            gap: added.gap,
+            is_writable: added.is_writable,
+            rms: added.rms,
             place: added.place,
         })
     }
 
-    fn settle(&mut self, mut fit: JointFit, account: &mut Account) -> Result<JointFit, Error> {
+    fn remove_superfluous(&mut self, mut fit: JointFit, account: &mut Account) -> Result<JointFit> {
         for k in 0..self.kinds.len() {
             let part = &mut fit.parts[k];
             let free = part.free;
-            let settle = |kind: &mut KindEvidence, own: &mut Account| kind.settle(free, own);
-            let (settled, own) = self.of_kind(k, &part.steps, account, settle)?;
-            (part.free, part.written) = (settled, settled);
+            let reduce =
+                |kind: &mut KindEvidence, own: &mut Account| kind.remove_superfluous(free, own);
+            let (reduced, own) = self.of_kind(k, &part.steps, account, reduce)?;
+            (part.free, part.written) = (reduced, reduced);
             part.steps.retain(|step| {
                 let known = &mut account.steps[*step];
                 let own = own.iter().find(|s| s.effect == known.effect);
@@ -138,7 +140,7 @@ impl Evidence for Joint<'_> {
         Ok(fit)
     }
 
-    fn without(&mut self, fit: &JointFit, step: usize) -> Result<JointFit, Error> {
+    fn without(&mut self, fit: &JointFit, step: usize) -> Result<JointFit> {
         let mut next = fit.clone();
         for (kind, part) in self.kinds.iter_mut().zip(&mut next.parts) {
             if let Some(own) = part.own_step(step) {
@@ -151,11 +153,11 @@ impl Evidence for Joint<'_> {
         Ok(next)
     }
 
-    fn misfit_decrease(&self, from: &JointFit, to: &JointFit) -> Result<Option<Decrease>, Error> {
-        let settled = |fit: &JointFit| {
+    fn misfit_decrease(&self, from: &JointFit, to: &JointFit) -> Result<Option<Decrease>> {
+        let is_combined = |fit: &JointFit| {
             !fit.estimates.is_empty() || fit.parts.iter().all(|p| p.steps.is_empty())
         };
-        let both = settled(from) && settled(to);
+        let both = is_combined(from) && is_combined(to);
         let of = |part: &PartFit| if both { part.written } else { part.free };
         let mut sum: Option<Decrease> = None;
         for (kind, (from, to)) in self.kinds.iter().zip(from.parts.iter().zip(&to.parts)) {
@@ -169,22 +171,21 @@ impl Evidence for Joint<'_> {
         Ok(sum)
     }
 
-    fn open(
+    fn compare(
         &mut self,
         base: &JointFit,
         last: &JointFit,
-        account: &mut Account,
-    ) -> Result<HeldOutResults, Error> {
-        let mut closed = vec![None; account.steps.len()];
-        for (k, (base, last)) in base.parts.iter().zip(&last.parts).enumerate() {
-            let open = |part: &mut KindEvidence, own: &mut Account| {
-                part.open(&base.written, &last.written, own)
-            };
-            let (opened, _) = self.of_kind(k, &last.steps, account, open)?;
-            for (step, of_step) in last.steps.iter().zip(opened.closed) {
+        steps: &[Step],
+    ) -> Result<HeldOutResults> {
+        let mut closed = vec![None; steps.len()];
+        let parts = base.parts.iter().zip(&last.parts);
+        for (kind, (base, last)) in self.kinds.iter_mut().zip(parts) {
+            let own: Vec<Step> = last.steps.iter().map(|k| steps[*k].clone()).collect();
+            let compared = kind.part.compare(&base.written, &last.written, &own)?;
+            for (step, of_step) in last.steps.iter().zip(compared.closed) {
                 closed[*step].get_or_insert(of_step);
             }
-            self.kinds[k].held_out = opened.held_out;
+            kind.held_out = compared.held_out;
         }
         // The kind that the first step belongs to comes first; every kind's channels follow.
         let mut parts = last.parts.iter();
@@ -204,7 +205,7 @@ impl Evidence for Joint<'_> {
         base: &JointFit,
         last: &JointFit,
         account: &mut Account,
-    ) -> Result<Description, Error> {
+    ) -> Result<Description> {
         let mut parts = Vec::new();
         for (k, (base, last)) in base.parts.iter().zip(&last.parts).enumerate() {
             let describe = |part: &mut KindEvidence, own: &mut Account| {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::input::table::Table;
 
 /// Largest campaign file [bytes].
@@ -30,7 +30,7 @@ impl CampaignFile {
     /// # Errors
     /// [`Error::File`] for an invalid file, without data, without a model, or naming a file twice
     /// or one that does not exist.
-    pub fn read(path: &Path) -> Result<Self, Error> {
+    pub fn read(path: &Path) -> Result<Self> {
         let refused = |reason: &str| Error::file(path, reason.trim());
         let text = kufe_files::text_of_regular(path, MAX_BYTES);
         let text = text.map_err(|error| refused(&error.to_string()))?;
@@ -88,7 +88,7 @@ impl CampaignFile {
 ///
 /// # Errors
 /// [`Error::File`] if they name several; those of the table.
-pub fn case_of(pressures: &Path) -> Result<PathBuf, Error> {
+pub fn case_of(pressures: &Path) -> Result<PathBuf> {
     let table = Table::read(pressures)?;
     let mut cases = table.texts("case")?;
     cases.sort_unstable();

@@ -1,6 +1,7 @@
 //! Evidence of any kind with stored fits and selections, referred to by index.
 
-use crate::error::Error;
+use crate::error::Result;
+use crate::finding::Step;
 use crate::procedure::evidence::{
     Account, Description, Evidence, ExtendedFit, HeldOutResults, Screen, Selection,
 };
@@ -27,14 +28,14 @@ impl<E: Evidence> Indexed<E> {
     }
 
     /// Stores a fit and returns its index.
-    fn stored(&mut self, fit: Result<E::Fit, Error>) -> Result<usize, Error> {
+    fn stored(&mut self, fit: Result<E::Fit>) -> Result<usize> {
         self.fits.push(fit?);
         Ok(self.fits.len() - 1)
     }
 
     /// Stores a selection and returns it with its index as action.
     fn selected(&mut self, selection: Selection<E::Act>) -> Selection<usize> {
-        let indexed = selection.acting(self.selections.len());
+        let indexed = selection.with_act(self.selections.len());
         self.selections.push(selection);
         indexed
     }
@@ -44,12 +45,12 @@ impl<E: Evidence> Evidence for Indexed<E> {
     type Act = usize;
     type Fit = usize;
 
-    fn fit_base(&mut self, account: &mut Account) -> Result<usize, Error> {
+    fn fit_base(&mut self, account: &mut Account) -> Result<usize> {
         let fit = self.evidence.fit_base(account);
         self.stored(fit)
     }
 
-    fn screen(&mut self, fit: &usize, account: &mut Account) -> Result<Screen<usize>, Error> {
+    fn screen(&mut self, fit: &usize, account: &mut Account) -> Result<Screen<usize>> {
         let screen = self.evidence.screen(&self.fits[*fit], account)?;
         Ok(Screen {
             selection: screen.selection.map(|selection| self.selected(selection)),
@@ -62,40 +63,37 @@ impl<E: Evidence> Evidence for Indexed<E> {
         fit: &usize,
         selection: &Selection<usize>,
         step: usize,
-    ) -> Result<ExtendedFit<usize>, Error> {
+    ) -> Result<ExtendedFit<usize>> {
         let selection = &self.selections[selection.candidate.act];
         let added = self.evidence.add(&self.fits[*fit], selection, step)?;
         Ok(ExtendedFit {
             fit: self.stored(Ok(added.fit))?,
-            written: added.written,
-            gap: added.gap,
+            is_writable: added.is_writable,
+            rms: added.rms,
             place: added.place,
         })
     }
 
-    fn settle(&mut self, fit: usize, account: &mut Account) -> Result<usize, Error> {
-        let settled = self.evidence.settle(self.fits[fit].clone(), account);
-        self.stored(settled)
+    fn remove_superfluous(&mut self, fit: usize, account: &mut Account) -> Result<usize> {
+        let reduced = self
+            .evidence
+            .remove_superfluous(self.fits[fit].clone(), account);
+        self.stored(reduced)
     }
 
-    fn without(&mut self, fit: &usize, step: usize) -> Result<usize, Error> {
+    fn without(&mut self, fit: &usize, step: usize) -> Result<usize> {
         let without = self.evidence.without(&self.fits[*fit], step);
         self.stored(without)
     }
 
-    fn misfit_decrease(&self, from: &usize, to: &usize) -> Result<Option<Decrease>, Error> {
+    fn misfit_decrease(&self, from: &usize, to: &usize) -> Result<Option<Decrease>> {
         let [from, to] = [from, to].map(|fit| &self.fits[*fit]);
         self.evidence.misfit_decrease(from, to)
     }
 
-    fn open(
-        &mut self,
-        base: &usize,
-        last: &usize,
-        account: &mut Account,
-    ) -> Result<HeldOutResults, Error> {
+    fn compare(&mut self, base: &usize, last: &usize, steps: &[Step]) -> Result<HeldOutResults> {
         let [base, last] = [base, last].map(|fit| &self.fits[*fit]);
-        self.evidence.open(base, last, account)
+        self.evidence.compare(base, last, steps)
     }
 
     fn describe(
@@ -103,7 +101,7 @@ impl<E: Evidence> Evidence for Indexed<E> {
         base: &usize,
         last: &usize,
         account: &mut Account,
-    ) -> Result<Description, Error> {
+    ) -> Result<Description> {
         let [base, last] = [base, last].map(|fit| &self.fits[*fit]);
         self.evidence.describe(base, last, account)
     }
@@ -131,12 +129,7 @@ impl<E: SharesEffects> SharesEffects for Indexed<E> {
         self.evidence.amounts(&self.fits[*fit], step)
     }
 
-    fn with_fixed_sizes(
-        &mut self,
-        fit: &usize,
-        step: usize,
-        sizes: &[Amount],
-    ) -> Result<usize, Error> {
+    fn with_fixed_sizes(&mut self, fit: &usize, step: usize, sizes: &[Amount]) -> Result<usize> {
         let fit = &self.fits[*fit];
         let fixed = self.evidence.with_fixed_sizes(fit, step, sizes);
         self.stored(fixed)

@@ -1,6 +1,6 @@
 //! The kinds of data of a campaign, their fits, and their estimates of one effect.
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::finding::{HeldOut, Step};
 use crate::joint::combine::{disagreement, together};
 use crate::joint::indexed::KindEvidence;
@@ -32,7 +32,7 @@ pub struct Joint<'a> {
 #[derive(Clone)]
 pub struct JointFit {
     pub parts: Vec<PartFit>,
-    /// Estimates by step, once settled.
+    /// Estimates by step; empty until sizes are combined.
     pub estimates: Vec<StepEstimates>,
 }
 
@@ -89,8 +89,8 @@ impl<'a> Joint<'a> {
         kind: usize,
         steps: &[usize],
         account: &mut Account,
-        result: impl FnOnce(&mut KindEvidence<'a>, &mut Account) -> Result<T, Error>,
-    ) -> Result<(T, Vec<Step>), Error> {
+        result: impl FnOnce(&mut KindEvidence<'a>, &mut Account) -> Result<T>,
+    ) -> Result<(T, Vec<Step>)> {
         let mut own = Account {
             steps: steps.iter().map(|s| account.steps[*s].clone()).collect(),
             ..Account::default()

@@ -8,7 +8,7 @@
 //! of the same effect are combined. Each is corrected for all candidates of its kind of data, so
 //! that the combination is corrected for all, too.
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::finding::Rival;
 use crate::joint::combine::{disagreement, gain};
 use crate::joint::kinds::{Joint, JointFit, Origin};
@@ -28,6 +28,15 @@ impl WeakEffect {
     fn effect(&self) -> &String {
         &self.amounts[0].effect
     }
+}
+
+/// Evidence of several kinds of data for a member of a class that another kind has determined.
+struct OtherEvidence {
+    /// Twice the log-likelihood ratio; `None` if one of the kinds cannot test the effect, which can
+    /// then not be excluded.
+    gain: Option<f64>,
+    /// Whether one of the kinds has an estimate of it.
+    is_estimated: bool,
 }
 
 impl Joint<'_> {
@@ -52,51 +61,37 @@ impl Joint<'_> {
         fit: &JointFit,
         kind: usize,
         selection: &Selection<usize>,
-    ) -> Result<Selection<Origin>, Error> {
+    ) -> Result<Selection<Origin>> {
         let origin = |selection| Origin { kind, selection };
         let own = Amount::of(&selection.candidate, selection.size, selection.error);
         let rivals = selection.class[1..].iter().filter_map(|name| {
             let rival = selection.rivals.iter().find(|r| r.effect == *name)?;
             let error = (rival.size / rival.t).abs();
-            Some(Amount {
-                effect: rival.effect.clone(),
-                key: rival.parameter.clone(),
-                unit: rival.unit.clone(),
-                value: rival.size,
-                error: if error.is_finite() { error } else { own.error },
-            })
+            let error = if error.is_finite() { error } else { own.error };
+            Some(Amount::of_rival(rival, error))
         });
         let members: Vec<Amount> = [own.clone()].into_iter().chain(rivals).collect();
-        // Evidence of the other kinds; kinds that cannot measure an effect cannot exclude it.
-        let mut added = Vec::new();
-        let mut is_evaluated = false;
+        let mut others = Vec::new();
         for member in &members {
-            let mut sum = 0.0;
-            let mut is_untestable = false;
-            for other in (0..self.kinds.len()).filter(|k| *k != kind) {
-                is_untestable |= self.kinds[other].part.is_untestable(&member.effect);
-                for there in self.estimates_of(other, fit.parts[other].free, member)? {
-                    sum += there.t().powi(2) - there.t_difference(member).powi(2);
-                    is_evaluated = true;
-                }
-            }
-            added.push((!is_untestable).then_some(sum));
+            others.push(self.other_evidence(fit, kind, member)?);
         }
         let needed = self.needed_t().powi(2);
-        let evidence = |k: usize| added[k].unwrap_or(0.0);
+        let evidence = |k: usize| others[k].gain.unwrap_or(0.0);
         let better = |best, k| {
             let gain = evidence(k) - evidence(best);
             if gain > needed { k } else { best }
         };
         let best = (1..members.len()).fold(0, better);
         let named = &members[best];
-        let unchanged = selection.acting(origin(selection.candidate.act));
-        if !is_evaluated || members.len() < 2 {
+        let unchanged = selection.with_act(origin(selection.candidate.act));
+        if members.len() < 2 || !others.iter().any(|other| other.is_estimated) {
             return Ok(unchanged);
         }
         let mut class = vec![named.effect.clone()];
-        for (member, added) in members.iter().zip(&added) {
-            let stays = added.is_none_or(|added| added >= evidence(best) - needed);
+        for (member, other) in members.iter().zip(&others) {
+            let stays = other
+                .gain
+                .is_none_or(|gain| gain >= evidence(best) - needed);
             if stays && !class.contains(&member.effect) {
                 class.push(member.effect.clone());
             }
@@ -109,7 +104,7 @@ impl Joint<'_> {
         let mut joint = other.map_or(unchanged, |other| Selection {
             p_value: selection.p_value,
             rivals: rivals_of_member(selection, &named.effect),
-            ..other.acting(origin(other.candidate.act))
+            ..other.with_act(origin(other.candidate.act))
         });
         let names = members.iter().map(|member| member.effect.as_str());
         let excluded: Vec<&str> = names
@@ -134,13 +129,29 @@ impl Joint<'_> {
         Ok(joint)
     }
 
-    /// A kind's estimates of an amplitude with its fit; none of an unknown effect.
-    fn estimates_of(
+    /// Evidence of the kinds other than `kind` for a member of a class.
+    fn other_evidence(
         &mut self,
+        fit: &JointFit,
         kind: usize,
-        fit: usize,
-        amount: &Amount,
-    ) -> Result<Vec<Amount>, Error> {
+        member: &Amount,
+    ) -> Result<OtherEvidence> {
+        let (mut gain, mut is_untestable, mut is_estimated) = (0.0, false, false);
+        for other in (0..self.kinds.len()).filter(|k| *k != kind) {
+            is_untestable |= self.kinds[other].part.is_untestable(&member.effect);
+            for there in self.estimates_of(other, fit.parts[other].free, member)? {
+                gain += there.t().powi(2) - there.t_difference(member).powi(2);
+                is_estimated = true;
+            }
+        }
+        Ok(OtherEvidence {
+            gain: (!is_untestable).then_some(gain),
+            is_estimated,
+        })
+    }
+
+    /// A kind's estimates of an amplitude with its fit; none of an unknown effect.
+    fn estimates_of(&mut self, kind: usize, fit: usize, amount: &Amount) -> Result<Vec<Amount>> {
         const EXTRA_STEP: usize = usize::MAX;
         if !self.is_common(&amount.effect) {
             return Ok(Vec::new());
@@ -174,7 +185,7 @@ impl Joint<'_> {
             .max_by(|a, b| a.1.t().abs().total_cmp(&b.1.t().abs()))?;
         let part = &mut self.kinds[*kind].part;
         let selection = part.select(&fit.parts[*kind].free, surest)?;
-        let mut joint = selection.acting(Origin {
+        let mut joint = selection.with_act(Origin {
             kind: *kind,
             selection: selection.candidate.act,
         });

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use kufe_sled::Model;
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::evidence::experiments::evidence::Experiments;
 use crate::evidence::maps::evidence::Maps;
-use crate::evidence::maps::measured::rows::Measured;
+use crate::evidence::maps::rows::Measured;
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::{experiments, maps, runs};
 use crate::joint::file::{CampaignFile, case_of};
@@ -20,11 +20,7 @@ use crate::procedure::search::{Found, search_evidence};
 ///
 /// # Errors
 /// Errors of the campaign's file and of the readers and searches of its data.
-pub fn search(
-    path: &Path,
-    options: &Options,
-    progress: &(dyn Fn(&str) + Sync),
-) -> Result<Found, Error> {
+pub fn search(path: &Path, options: &Options, progress: &(dyn Fn(&str) + Sync)) -> Result<Found> {
     let files = CampaignFile::read(path)?;
     let model = files.model.as_deref().map(Model::load).transpose()?;
     match (&files.runs, &files.experiments, &files.pressures, &model) {

@@ -1,7 +1,7 @@
 //! Splitting of classes and combination of p-values, by data with stated results.
 
-use crate::error::Error;
-use crate::finding::Rival;
+use crate::error::Result;
+use crate::finding::{Rival, Step};
 use crate::joint::indexed::{Indexed, KindEvidence};
 use crate::joint::kinds::{Joint, JointFit, PartFit};
 use crate::options::Options;
@@ -25,10 +25,10 @@ struct StatedData {
 impl Evidence for StatedData {
     type Act = ();
     type Fit = String;
-    fn fit_base(&mut self, _: &mut Account) -> Result<String, Error> {
+    fn fit_base(&mut self, _: &mut Account) -> Result<String> {
         Ok(String::new())
     }
-    fn screen(&mut self, _: &String, _: &mut Account) -> Result<Screen<()>, Error> {
+    fn screen(&mut self, _: &String, _: &mut Account) -> Result<Screen<()>> {
         unreachable!("not used here")
     }
     fn add(
@@ -36,27 +36,27 @@ impl Evidence for StatedData {
         _: &String,
         selection: &Selection<()>,
         _: usize,
-    ) -> Result<ExtendedFit<String>, Error> {
+    ) -> Result<ExtendedFit<String>> {
         Ok(ExtendedFit {
             fit: selection.candidate.effect.clone(),
-            written: true,
-            gap: [0.0, 0.0],
+            is_writable: true,
+            rms: [0.0, 0.0],
             place: None,
         })
     }
-    fn settle(&mut self, fit: String, _: &mut Account) -> Result<String, Error> {
+    fn remove_superfluous(&mut self, fit: String, _: &mut Account) -> Result<String> {
         Ok(fit)
     }
-    fn without(&mut self, fit: &String, _: usize) -> Result<String, Error> {
+    fn without(&mut self, fit: &String, _: usize) -> Result<String> {
         Ok(fit.clone())
     }
-    fn misfit_decrease(&self, _: &String, _: &String) -> Result<Option<Decrease>, Error> {
+    fn misfit_decrease(&self, _: &String, _: &String) -> Result<Option<Decrease>> {
         Ok(self.decrease.clone())
     }
-    fn open(&mut self, _: &String, _: &String, _: &mut Account) -> Result<HeldOutResults, Error> {
+    fn compare(&mut self, _: &String, _: &String, _: &[Step]) -> Result<HeldOutResults> {
         unreachable!("not used here")
     }
-    fn describe(&mut self, _: &String, _: &String, _: &mut Account) -> Result<Description, Error> {
+    fn describe(&mut self, _: &String, _: &String, _: &mut Account) -> Result<Description> {
         unreachable!("not used here")
     }
 }
@@ -73,7 +73,7 @@ impl SharesEffects for StatedData {
     }
     fn select(&mut self, _: &String, amount: &Amount) -> Option<Selection<()>> {
         let known = self.sizes.iter().any(|own| own.is_same(amount));
-        known.then(|| selection_of(&amount.effect, amount.value, &[]).acting(()))
+        known.then(|| selection_of(&amount.effect, amount.value, &[]).with_act(()))
     }
     fn amounts(&self, fit: &String, _: usize) -> Vec<Amount> {
         let own = self.sizes.iter().filter(|own| own.effect == *fit);

@@ -90,7 +90,7 @@ impl<A> Candidate<A> {
     }
 
     /// This candidate with another action.
-    pub fn acting<B>(&self, act: B) -> Candidate<B> {
+    pub fn with_act<B>(&self, act: B) -> Candidate<B> {
         Candidate {
             effect: self.effect.clone(),
             key: self.key.clone(),

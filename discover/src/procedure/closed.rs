@@ -1,9 +1,9 @@
 //! Closed share of the explainable misfit, by projection on the explained direction.
 
-use crate::finding::Interval;
+use crate::finding::{Interval, undetermined_share};
 
 /// Residuals and directions, in units of their standard deviations.
-pub struct ClosedGap<'a> {
+pub struct ClosedMisfit<'a> {
     /// Direction f: change of the residuals by everything that was fitted to the training rows.
     pub direction: &'a [f64],
     pub before: &'a [f64],
@@ -14,7 +14,7 @@ pub struct ClosedGap<'a> {
     pub spread: f64,
 }
 
-impl ClosedGap<'_> {
+impl ClosedMisfit<'_> {
     /// Closed share `1 - |f . r_after| / (f . r_before)` with its 95 % interval. The magnitude
     /// counts a change that is too large like one that is too small.
     ///
@@ -27,21 +27,13 @@ impl ClosedGap<'_> {
         let (before, after) = (along(self.before), along(self.after));
         let noise = self.spread * norm(self.direction);
         if before.is_nan() || before <= 0.0 {
-            return Interval {
-                value: 0.0,
-                low: -1.0,
-                high: 1.0,
-            };
+            return undetermined_share(0.0);
         }
         let remaining = after.abs() / before;
         let beyond_noise = (after * after - noise * noise).max(0.0).sqrt() / before;
         let value = (1.0 - beyond_noise).max(-1.0);
         if before <= 1.96 * noise {
-            return Interval {
-                value,
-                low: -1.0,
-                high: 1.0,
-            };
+            return undetermined_share(value);
         }
         let error = 1.96 * (noise / before).hypot(self.spread / norm(self.fitted));
         Interval {
@@ -84,7 +76,7 @@ mod tests {
             let by_size = |part: &[f64]| -> Vec<f64> { part.iter().map(|c| size * c).collect() };
             let scaled = by_size(locked);
             let after: Vec<f64> = before.iter().zip(&scaled).map(|(r, s)| r - s).collect();
-            let seen = ClosedGap {
+            let seen = ClosedMisfit {
                 direction: &scaled,
                 before: &before,
                 after: &after,
@@ -102,7 +94,7 @@ mod tests {
 
     #[test]
     fn without_an_explainable_misfit_the_interval_is_unbounded() {
-        let seen = ClosedGap {
+        let seen = ClosedMisfit {
             direction: &[0.1, -0.1],
             before: &[0.5, 0.4],
             after: &[0.4, 0.5],
@@ -119,7 +111,7 @@ mod tests {
         // A change of 50 standard deviations: noise subtracts 2e-4 of a half.
         for (remaining, closed) in [(0.5, 0.5), (-1.0, 0.0), (0.0, 1.0)] {
             let after = f.map(|f| remaining * f);
-            let seen = ClosedGap {
+            let seen = ClosedMisfit {
                 direction: &f,
                 before: &f,
                 after: &after,

@@ -2,7 +2,7 @@
 
 use kufe_sled::effects::Info;
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::finding::{
     Baseline, Detectable, Fitted, HeldOut, Interval, ModelKind, Report, Rival, Step, Tolerated,
     Withheld,
@@ -18,14 +18,10 @@ pub trait Evidence {
     type Fit: Clone;
 
     /// Fits the base model.
-    fn fit_base(&mut self, account: &mut Account) -> Result<Self::Fit, Error>;
+    fn fit_base(&mut self, account: &mut Account) -> Result<Self::Fit>;
 
     /// Scores every candidate given the fit, with p-values under the null.
-    fn screen(
-        &mut self,
-        fit: &Self::Fit,
-        account: &mut Account,
-    ) -> Result<Screen<Self::Act>, Error>;
+    fn screen(&mut self, fit: &Self::Fit, account: &mut Account) -> Result<Screen<Self::Act>>;
 
     /// Fits base, earlier selected effects and this one together; it belongs to step `step` of the
     /// account.
@@ -34,7 +30,7 @@ pub trait Evidence {
         fit: &Self::Fit,
         selection: &Selection<Self::Act>,
         step: usize,
-    ) -> Result<ExtendedFit<Self::Fit>, Error>;
+    ) -> Result<ExtendedFit<Self::Fit>>;
 
     /// Re-evaluates a selected effect at its fit: returns the effect or its replacement.
     fn exchange(
@@ -43,27 +39,27 @@ pub trait Evidence {
         selected: SelectedFit<Self::Act, Self::Fit>,
         _step: usize,
         _account: &Account,
-    ) -> Result<SelectedFit<Self::Act, Self::Fit>, Error> {
+    ) -> Result<SelectedFit<Self::Act, Self::Fit>> {
         Ok(selected)
     }
 
     /// Removes from fit and account the effects that later ones have made superfluous, and refits.
-    fn settle(&mut self, fit: Self::Fit, account: &mut Account) -> Result<Self::Fit, Error>;
+    fn remove_superfluous(&mut self, fit: Self::Fit, account: &mut Account) -> Result<Self::Fit>;
 
     /// Refits without the effects of a step.
-    fn without(&mut self, fit: &Self::Fit, step: usize) -> Result<Self::Fit, Error>;
+    fn without(&mut self, fit: &Self::Fit, step: usize) -> Result<Self::Fit>;
 
     /// Decrease of the held-out misfit from the first fit to the second, all channels together;
     /// `None` without held-out data.
-    fn misfit_decrease(&self, from: &Self::Fit, to: &Self::Fit) -> Result<Option<Decrease>, Error>;
+    fn misfit_decrease(&self, from: &Self::Fit, to: &Self::Fit) -> Result<Option<Decrease>>;
 
-    /// Evaluates the two fits on the held-out data.
-    fn open(
+    /// Compares the two fits on the held-out data.
+    fn compare(
         &mut self,
         base: &Self::Fit,
         last: &Self::Fit,
-        account: &mut Account,
-    ) -> Result<HeldOutResults, Error>;
+        steps: &[Step],
+    ) -> Result<HeldOutResults>;
 
     /// The model to write: the first of these that is no worse than the model as given on data it
     /// was not fitted to: the fit with all or some effects, the refitted base, the model as given.
@@ -72,13 +68,14 @@ pub trait Evidence {
         refitted: &Self::Fit,
         last: Self::Fit,
         account: &mut Account,
-    ) -> Result<Choice<Self::Fit>, Error> {
+    ) -> Result<Choice<Self::Fit>> {
         let _ = refitted;
         Ok(Choice {
             fit: last,
-            written: match account.steps.is_empty() {
-                true => ModelKind::Refitted,
-                false => ModelKind::WithEffect,
+            written: if account.steps.is_empty() {
+                ModelKind::Refitted
+            } else {
+                ModelKind::WithEffect
             },
             baselines: Vec::new(),
             withheld: Vec::new(),
@@ -91,7 +88,7 @@ pub trait Evidence {
         base: &Self::Fit,
         last: &Self::Fit,
         account: &mut Account,
-    ) -> Result<Description, Error>;
+    ) -> Result<Description>;
 }
 
 /// Reason for removing an effect that later ones explain.
@@ -148,7 +145,8 @@ impl Account {
         (!is_outside && size.abs() > half).then_some(Tolerated { what, size, unit })
     }
 
-    /// Removes a selected effect for a reason: [`SUPERFLUOUS`], the insufficient size or worse runs.
+    /// Removes a selected effect for a reason: [`SUPERFLUOUS`], the insufficient size or worse
+    /// runs.
     pub fn remove_step(&mut self, step: usize, why: &str) {
         let removed = self.steps.remove(step);
         let message = match self.steps.is_empty() {
@@ -171,7 +169,8 @@ impl Account {
         self.explain_removal(removed.iter().zip(closed).map(message).collect());
     }
 
-    /// Removes these steps because the model with them is worse than the given one, for this reason.
+    /// Removes these steps because the model with them is worse than the given one, for this
+    /// reason.
     pub fn withhold(&mut self, steps: &[usize], reason: &str) {
         let all = std::mem::take(&mut self.steps).into_iter().enumerate();
         let (removed, kept): (Vec<_>, Vec<_>) = all.partition(|(step, _)| steps.contains(step));
@@ -276,9 +275,9 @@ impl<A> Selection<A> {
     }
 
     /// This selection with another action.
-    pub fn acting<B>(&self, act: B) -> Selection<B> {
+    pub fn with_act<B>(&self, act: B) -> Selection<B> {
         Selection {
-            candidate: self.candidate.acting(act),
+            candidate: self.candidate.with_act(act),
             size: self.size,
             error: self.error,
             class: self.class.clone(),
@@ -297,9 +296,9 @@ impl<A> Selection<A> {
 pub struct ExtendedFit<F> {
     pub fit: F,
     /// Whether a model file can contain the effect; if not, the search ends.
-    pub written: bool,
+    pub is_writable: bool,
     /// Root mean square of the selected effect's channel before and after.
-    pub gap: [f64; 2],
+    pub rms: [f64; 2],
     /// Where it acts, if that follows from the fit; includes earlier places of the effect.
     pub place: Option<String>,
 }
@@ -361,9 +360,10 @@ impl Description {
     /// whether the residual is clean.
     pub fn is_adequate(&self) -> bool {
         let remaining = &self.report.remaining;
-        match remaining.is_empty() {
-            true => self.report.clean,
-            false => remaining.iter().all(|channel| channel.is_small),
+        if remaining.is_empty() {
+            self.report.clean
+        } else {
+            remaining.iter().all(|channel| channel.is_small)
         }
     }
 

@@ -1,37 +1,24 @@
 //! Selection of held-out data: a deterministic rule, applied before noise and signs are examined.
 
-use serde::{Deserialize, Serialize};
+use crate::procedure::rules::thresholds;
 
-/// Amount of held-out data, by kind and layout.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct LockRules {
-    /// Interval of held-out rows of experiments. Chosen.
-    pub rows_every: usize,
-    /// Fewest rows of experiments of which any are held out. Chosen.
-    pub fewest_rows: usize,
-    /// Interval of held-out segments of one run; and of runs, at least one in so many if their
-    /// sessions are long enough. Chosen.
-    pub every: usize,
-    /// Training runs that must remain. Derived: signs of eleven give p-values of 0.001.
-    pub fewest_to_learn: usize,
-    /// Fewest sessions of which a whole one is held out. Chosen.
-    pub fewest_sessions: usize,
-    /// Fewest tracks, maps and runs of a session of which one is held out. Derived: of two, the
-    /// remaining one has none to compare with.
-    pub fewest: usize,
-}
-
-impl Default for LockRules {
-    fn default() -> Self {
-        Self {
-            rows_every: 5,
-            fewest_rows: 20,
-            every: 4,
-            fewest_to_learn: 11,
-            fewest_sessions: 6,
-            fewest: 3,
-        }
+thresholds! {
+    /// Amount of held-out data, by kind and layout.
+    pub struct LockRules {
+        /// Interval of held-out rows of experiments. Chosen.
+        pub rows_every: usize = 5,
+        /// Fewest rows of experiments of which any are held out. Chosen.
+        pub fewest_rows: usize = 20,
+        /// Interval of held-out segments of one run; and of runs, at least one in so many if their
+        /// sessions are long enough. Chosen.
+        pub every: usize = 4,
+        /// Training runs that must remain. Derived: signs of eleven give p-values of 0.001.
+        pub fewest_to_learn: usize = 11,
+        /// Fewest sessions of which a whole one is held out. Chosen.
+        pub fewest_sessions: usize = 6,
+        /// Fewest tracks, maps and runs of a session of which one is held out. Derived: of two, the
+        /// remaining one has none to compare with.
+        pub fewest: usize = 3,
     }
 }
 
@@ -82,46 +69,30 @@ impl LockRules {
         for (run, held_out) in runs.iter().zip(&mut held_out) {
             *held_out = Some(&run.track) == rarest || Some(&run.session) == whole;
         }
-        // Runs of each session that may be held out, from its last on.
-        let of_session = |session: &&str| -> Vec<usize> {
+        let of_session = |(number, session): (usize, &&str)| {
             let last_first = (0..runs.len()).rev();
-            last_first
+            let own: Vec<usize> = last_first
                 .filter(|i| runs[*i].session == *session)
-                .collect()
+                .collect();
+            let is_eligible = own.len() >= self.fewest && Some(session) != whole;
+            is_eligible.then_some(EligibleSession {
+                number,
+                spare: own.len() / 2,
+                runs: own,
+            })
         };
-        let by_session: Vec<Vec<usize>> = sessions.iter().map(of_session).collect();
-        let is_eligible =
-            |k: &usize| by_session[*k].len() >= self.fewest && Some(&sessions[*k]) != whole;
-        let mut spare: Vec<usize> = by_session.iter().map(|runs| runs.len() / 2).collect();
-        let seconds = (1..by_session.len()).step_by(2).filter(is_eligible).count();
+        let mut eligible: Vec<EligibleSession> =
+            sessions.iter().enumerate().filter_map(of_session).collect();
+        let seconds = eligible.iter().filter(|session| session.number % 2 == 1);
         let already = held_out.iter().filter(|held_out| **held_out).count();
         let to_spare = runs.len().saturating_sub(self.fewest_to_learn);
         let fewest = to_spare.min(runs.len() / self.every.max(1));
-        for _ in 0..seconds.max(fewest.saturating_sub(already)) {
-            let share = |is_like: &dyn Fn(&Place) -> bool| {
-                let like = (0..runs.len()).filter(|i| is_like(&runs[*i]));
-                let locked = like.clone().filter(|i| held_out[*i]).count();
-                locked as f64 / like.count() as f64
+        for _ in 0..seconds.count().max(fewest.saturating_sub(already)) {
+            let Some((session, run)) = next_single_run(runs, &held_out, &eligible) else {
+                break;
             };
-            let order = |(k, before, i): (usize, usize, usize)| {
-                let (track, driver) = (runs[i].track, runs[i].driver);
-                let by_track = share(&|run| run.track == track);
-                let by_driver = share(&|run| run.driver == driver);
-                (by_track + by_driver, (before, k % 2 == 0, k), i)
-            };
-            let sessions = (0..by_session.len()).filter(is_eligible);
-            let sessions = sessions.filter(|k| spare[*k] > 0);
-            let all = sessions.flat_map(|k| {
-                by_session[k]
-                    .iter()
-                    .enumerate()
-                    .map(move |(n, i)| (k, n, *i))
-            });
-            let available = all.filter(|(.., i)| !held_out[*i]).map(order);
-            let next = available.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            let Some((_, (.., k), i)) = next else { break };
-            held_out[i] = true;
-            spare[k] -= 1;
+            held_out[run] = true;
+            eligible[session].spare -= 1;
         }
         if runs.len() >= 5 && !held_out.contains(&true) {
             held_out[runs.len() - 1] = true;
@@ -146,6 +117,48 @@ impl LockRules {
     pub fn maps(&self, count: usize) -> Split {
         Split::of(count, |i| count >= self.fewest && i + 1 == count)
     }
+}
+
+/// A session of which single runs may be held out.
+struct EligibleSession {
+    number: usize,
+    /// Its runs, from its last on.
+    runs: Vec<usize>,
+    /// How many more may be held out.
+    spare: usize,
+}
+
+/// The run of the track and driver with the smallest held-out share, after the index of its session
+/// in `sessions`. Ties go to the last run of every second session.
+fn next_single_run(
+    runs: &[Place],
+    held_out: &[bool],
+    sessions: &[EligibleSession],
+) -> Option<(usize, usize)> {
+    let share = |is_like: &dyn Fn(&Place) -> bool| {
+        let like = (0..runs.len()).filter(|i| is_like(&runs[*i]));
+        let locked = like.clone().filter(|i| held_out[*i]).count();
+        locked as f64 / like.count() as f64
+    };
+    let order = |number: usize, before: usize, i: usize| {
+        let by_track = share(&|run| run.track == runs[i].track);
+        let by_driver = share(&|run| run.driver == runs[i].driver);
+        (
+            by_track + by_driver,
+            (before, number.is_multiple_of(2), number),
+        )
+    };
+    let mut available = Vec::new();
+    for (k, session) in sessions.iter().enumerate().filter(|(_, s)| s.spare > 0) {
+        for (before, i) in session.runs.iter().enumerate() {
+            if !held_out[*i] {
+                available.push((order(session.number, before, *i), (k, *i)));
+            }
+        }
+    }
+    let least = available.into_iter();
+    let least = least.min_by(|(a, _), (b, _)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    least.map(|(_, session_and_run)| session_and_run)
 }
 
 /// Each name once, in order of appearance.

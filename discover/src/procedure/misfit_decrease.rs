@@ -24,14 +24,13 @@ pub struct Decrease {
 impl Decrease {
     /// The sum over independent pieces, with a standard error from their scatter; `None` without
     /// pieces.
-    pub fn over(pieces: &[f64], repeats: f64) -> Option<Self> {
+    pub fn over(pieces: &[f64]) -> Option<Self> {
         let n = pieces.len() as f64;
         let by: f64 = pieces.iter().sum();
         let squares: f64 = pieces.iter().map(|piece| (piece - by / n).powi(2)).sum();
         (n > 0.0).then(|| Self {
             by,
             error: (squares * n / (n - 1.0).max(1.0)).sqrt(),
-            repeats,
             ..Self::default()
         })
     }
@@ -57,7 +56,7 @@ impl Decrease {
     ) -> Option<Self> {
         let over = |weights: [f64; C]| {
             let sum = |piece: &[f64; C]| piece.iter().zip(&weights).map(|(f, w)| f * w).sum();
-            Self::over(&pieces.iter().map(sum).collect::<Vec<f64>>(), 0.0)
+            Self::over(&pieces.iter().map(sum).collect::<Vec<f64>>())
         };
         let weighted = over(weights(training))?;
         let of_channel = |(c, name): (usize, &'static str)| {
@@ -95,7 +94,8 @@ impl Decrease {
         }
     }
 
-    /// Whether the decrease is accepted: significant, and a material share of the repeatable misfit.
+    /// Whether the decrease is accepted: significant, and a material share of the repeatable
+    /// misfit.
     ///
     /// If it is clearly significant with weighted channels, the unweighted decrease may be within
     /// its scatter of 0. The evidence of contacts must exceed its bound under noise.
@@ -163,9 +163,10 @@ fn weights<const C: usize>(training: &[[f64; C]]) -> [f64; C] {
         mean.max(0.0) * (n - 1.0) / squares.sum::<f64>().max(1e-300)
     });
     let largest = weight.iter().copied().fold(0.0, f64::max);
-    match training.len() < MIN_PIECES || largest == 0.0 {
-        true => [1.0; C],
-        false => weight.map(|weight| weight / largest),
+    if training.len() < MIN_PIECES || largest == 0.0 {
+        [1.0; C]
+    } else {
+        weight.map(|weight| weight / largest)
     }
 }
 
@@ -239,7 +240,7 @@ mod tests {
         let rules = SearchRules::default();
         let observed = |observed| Decrease {
             contact_evidence: Some([observed, 3.7]),
-            ..Decrease::over(&[5.0, 6.0, 5.5], 0.0).unwrap()
+            ..Decrease::over(&[5.0, 6.0, 5.5]).unwrap()
         };
         assert!(observed(3.8).is_accepted(&rules));
         assert!(!observed(3.6).is_accepted(&rules) && !observed(-4.0).is_accepted(&rules));

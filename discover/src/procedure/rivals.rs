@@ -1,37 +1,24 @@
 //! The class of a selected effect: rivals given which it is not significant.
 
-use serde::{Deserialize, Serialize};
-
 use crate::finding::Rival;
+use crate::procedure::rules::thresholds;
 
 /// Largest number of rivals that are reported.
 const MAX_REPORTED: usize = 12;
 
-/// When a rival belongs to the class.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct RivalRule {
-    /// t that the named effect must keep given the rival, to be distinguished from it. Chosen.
-    pub needed_t: f64,
-    /// Addition to it, over the root of the number of independent runs, for few runs. Chosen.
-    pub needed_t_few: f64,
-    /// Share of the named effect's gain that a rival must explain; 0: none. Chosen.
-    pub least_gain: f64,
-    /// Correlation above which two effects are equivalent. Chosen.
-    pub alike: f64,
-    /// |t| of its own below which an effect is no rival. Chosen.
-    pub least_t: f64,
-}
-
-impl Default for RivalRule {
-    fn default() -> Self {
-        Self {
-            needed_t: 2.0,
-            needed_t_few: 0.0,
-            least_gain: 0.0,
-            alike: 1.0,
-            least_t: 0.0,
-        }
+thresholds! {
+    /// When a rival belongs to the class.
+    pub struct RivalRule {
+        /// t that the named effect must keep given the rival, to be distinguished from it. Chosen.
+        pub needed_t: f64 = 2.0,
+        /// Addition to it, over the root of the number of independent runs, for few runs. Chosen.
+        pub needed_t_few: f64 = 0.0,
+        /// Share of the named effect's gain that a rival must explain; 0: none. Chosen.
+        pub least_gain: f64 = 0.0,
+        /// Correlation above which two effects are equivalent. Chosen.
+        pub alike: f64 = 1.0,
+        /// |t| of its own below which an effect is no rival. Chosen.
+        pub least_t: f64 = 0.0,
     }
 }
 

@@ -2,8 +2,8 @@
 
 use kufe::plot::number4;
 
-use crate::error::Error;
-use crate::finding::{Report, Step, Verdict, fitted};
+use crate::error::Result;
+use crate::finding::{Detectable, Report, Step, Verdict, fitted};
 use crate::options::Options;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Evidence, Selection};
@@ -28,92 +28,29 @@ pub fn search_evidence<E: Evidence>(
     evidence: &mut E,
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
-) -> Result<Found, Error> {
+) -> Result<Found> {
     let mut account = Account::default();
     progress("fitting the base model");
     let base = evidence.fit_base(&mut account)?;
     if options.quick {
         return quick_search(evidence, base, account, options, progress);
     }
-    let rules = &options.rules.search;
-    let mut fit = base.clone();
-    let mut detectable = Vec::new();
-    // Number of places of each step.
-    let mut places: Vec<usize> = Vec::new();
-    // Several amplitudes or places of one effect belong to one step.
-    let max_screens = 2 * rules.most_effects;
-    for number in 0..=max_screens {
-        progress(&format!("screen {}", number + 1));
-        let screen = evidence.screen(&fit, &mut account)?;
-        if detectable.is_empty() {
-            detectable = screen.detectable;
-        }
-        let Some(selection) = screen.selection else {
-            break;
-        };
-        let effect = &selection.candidate.effect;
-        let count = account.steps.len();
-        let known = account.steps.iter().position(|s| s.effect == *effect);
-        if number == max_screens || known.is_none() && count == rules.most_effects {
-            match known.filter(|step| places[*step] > rules.most_effects) {
-                // An effect that is significant at many places is not local; without it a global
-                // effect may be significant.
-                Some(step) => {
-                    fit = evidence.without(&fit, step)?;
-                    account.remove_nonlocal(step, places[step]);
-                }
-                None => {
-                    let message = format!("after {count} effects {effect} is still significant");
-                    account.remarks.push(message);
-                }
-            }
-            break;
-        }
-        progress(&format!("adding {}", selection.candidate.label()));
-        let at = known.unwrap_or(count);
-        let added = evidence.add(&fit, &selection, at)?;
-        let (selection, added) = match known {
-            None => evidence.exchange(&fit, (selection, added), at, &account)?,
-            Some(_) => (selection, added),
-        };
-        places.resize(count.max(at + 1), 0);
-        places[at] += usize::from(added.place.is_some());
-        let remark = selection.remark.clone();
-        match known {
-            // Another place or amplitude of an effect belongs to the same step.
-            Some(known) => {
-                let step = &mut account.steps[known];
-                if let Some(place) = added.place.filter(|place| !place.is_empty()) {
-                    step.place = format!("{}; {place}", step.place);
-                }
-                step.gap_after = added.gap[1];
-                account.remarks.extend(remark);
-            }
-            None => {
-                account.steps.push(step(selection, added.place, added.gap));
-                account.remarks.extend(remark.filter(|_| added.written));
-            }
-        }
-        fit = added.fit;
-        if !added.written {
-            account.remarks.push(format!(
-                "{}: the model has no such column, so that nothing was switched on",
-                account.steps[at].effect
-            ));
-            break;
-        }
-    }
-    let mut last = evidence.settle(fit, &mut account)?;
+    let (fit, detectable) = with_effects(evidence, &base, &mut account, options, progress)?;
+    let mut last = evidence.remove_superfluous(fit, &mut account)?;
     progress("evaluating the held-out data");
-    let refitted = match account.steps.is_empty() {
-        true => last.clone(),
-        false => evidence.settle(base.clone(), &mut Account::default())?,
-    };
+    let mut refitted = last.clone();
     if !account.steps.is_empty() {
-        last = verify(evidence, &refitted, last, &mut account, rules)?;
+        refitted = evidence.remove_superfluous(base.clone(), &mut Account::default())?;
+        last = verify(
+            evidence,
+            &refitted,
+            last,
+            &mut account,
+            &options.rules.search,
+        )?;
     }
     // An effect that increases the explainable misfit is wrong, even if the total misfit decreases.
-    let compared = evidence.open(&base, &last, &mut account)?;
+    let compared = evidence.compare(&base, &last, &account.steps)?;
     if compared.are_worse() {
         account.remove_all(&compared.closed);
         last = refitted.clone();
@@ -121,19 +58,14 @@ pub fn search_evidence<E: Evidence>(
     progress("replaying the held-out data");
     let chosen = evidence.choose(&refitted, last, &mut account)?;
     last = chosen.fit;
-    let opened = evidence.open(&base, &last, &mut account)?;
+    let opened = evidence.compare(&base, &last, &account.steps)?;
     progress("writing the report");
     let described = evidence.describe(&base, &last, &mut account)?;
-    for (step, closed) in account.steps.iter_mut().zip(opened.closed) {
-        step.explainable_gap_closed = closed;
-    }
-    for (step, parameters) in account.steps.iter_mut().zip(&described.parameters) {
-        step.parameters.extend(parameters.iter().cloned());
-    }
-    for (step, law) in account.steps.iter_mut().zip(&described.laws) {
-        step.law.clone_from(law);
-    }
-    for step in &mut account.steps {
+    for (k, step) in account.steps.iter_mut().enumerate() {
+        step.explainable_gap_closed = opened.closed.get(k).copied().unwrap_or_default();
+        let parameters = described.parameters.get(k).into_iter().flatten();
+        step.parameters.extend(parameters.cloned());
+        step.law = described.laws.get(k).cloned().flatten();
         step.summary = described.summary(&step.effect);
     }
     let adequate = described.is_adequate();
@@ -167,6 +99,80 @@ pub fn search_evidence<E: Evidence>(
     })
 }
 
+/// Screens and adds the selected effects until none is significant. Returns the last fit, and the
+/// detectable sizes of the first screen.
+fn with_effects<E: Evidence>(
+    evidence: &mut E,
+    base: &E::Fit,
+    account: &mut Account,
+    options: &Options,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<(E::Fit, Vec<Detectable>)> {
+    let max_effects = options.rules.search.most_effects;
+    // Several amplitudes or places of one effect belong to one step.
+    let max_screens = 2 * max_effects;
+    let mut fit = base.clone();
+    let mut detectable = Vec::new();
+    // Number of places of each step.
+    let mut places: Vec<usize> = Vec::new();
+    for number in 0..=max_screens {
+        progress(&format!("screen {}", number + 1));
+        let screen = evidence.screen(&fit, account)?;
+        if detectable.is_empty() {
+            detectable = screen.detectable;
+        }
+        let Some(selection) = screen.selection else {
+            break;
+        };
+        let effect = &selection.candidate.effect;
+        let count = account.steps.len();
+        let known = account.steps.iter().position(|s| s.effect == *effect);
+        if number == max_screens || known.is_none() && count == max_effects {
+            if let Some(step) = known.filter(|step| places[*step] > max_effects) {
+                // An effect that is significant at many places is not local; without it a global
+                // effect may be significant.
+                fit = evidence.without(&fit, step)?;
+                account.remove_nonlocal(step, places[step]);
+            } else {
+                let message = format!("after {count} effects {effect} is still significant");
+                account.remarks.push(message);
+            }
+            break;
+        }
+        progress(&format!("adding {}", selection.candidate.label()));
+        let at = known.unwrap_or(count);
+        let added = evidence.add(&fit, &selection, at)?;
+        let (selection, added) = match known {
+            None => evidence.exchange(&fit, (selection, added), at, account)?,
+            Some(_) => (selection, added),
+        };
+        places.resize(count.max(at + 1), 0);
+        places[at] += usize::from(added.place.is_some());
+        let remark = selection.remark.clone();
+        if known.is_some() {
+            // Another place or amplitude of an effect belongs to the same step.
+            let step = &mut account.steps[at];
+            if let Some(place) = added.place.filter(|place| !place.is_empty()) {
+                step.place = format!("{}; {place}", step.place);
+            }
+            step.gap_after = added.rms[1];
+            account.remarks.extend(remark);
+        } else {
+            account.steps.push(step(selection, added.place, added.rms));
+            account.remarks.extend(remark.filter(|_| added.is_writable));
+        }
+        fit = added.fit;
+        if !added.is_writable {
+            account.remarks.push(format!(
+                "{}: the model has no such column, so that nothing was switched on",
+                account.steps[at].effect
+            ));
+            break;
+        }
+    }
+    Ok((fit, detectable))
+}
+
 /// A quick search: the first screen after the fit of the base. The selected effect is neither
 /// fitted nor compared on held-out data.
 fn quick_search<E: Evidence>(
@@ -175,10 +181,10 @@ fn quick_search<E: Evidence>(
     mut account: Account,
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
-) -> Result<Found, Error> {
+) -> Result<Found> {
     progress("screen");
     let screen = evidence.screen(&base, &mut account)?;
-    let base = evidence.settle(base, &mut account)?;
+    let base = evidence.remove_superfluous(base, &mut account)?;
     let described = evidence.describe(&base, &base, &mut account)?;
     let adequate = described.is_adequate();
     let selected = screen.selection.as_ref();
@@ -264,10 +270,10 @@ mod tests {
     impl Evidence for Places {
         type Act = ();
         type Fit = usize;
-        fn fit_base(&mut self, _: &mut Account) -> Result<usize, Error> {
+        fn fit_base(&mut self, _: &mut Account) -> Result<usize> {
             Ok(0)
         }
-        fn screen(&mut self, added: &usize, _: &mut Account) -> Result<Screen<()>, Error> {
+        fn screen(&mut self, added: &usize, _: &mut Account) -> Result<Screen<()>> {
             let selection = Selection {
                 candidate: Candidate {
                     effect: "asperities".to_owned(),
@@ -300,32 +306,27 @@ mod tests {
             added: &usize,
             _: &Selection<()>,
             _: usize,
-        ) -> Result<ExtendedFit<usize>, Error> {
+        ) -> Result<ExtendedFit<usize>> {
             Ok(ExtendedFit {
                 fit: added + 1,
-                written: true,
-                gap: [1.0, 0.5],
+                is_writable: true,
+                rms: [1.0, 0.5],
                 place: Some(format!("place {added}")),
             })
         }
-        fn settle(&mut self, added: usize, _: &mut Account) -> Result<usize, Error> {
+        fn remove_superfluous(&mut self, added: usize, _: &mut Account) -> Result<usize> {
             Ok(added)
         }
-        fn without(&mut self, _: &usize, _: usize) -> Result<usize, Error> {
+        fn without(&mut self, _: &usize, _: usize) -> Result<usize> {
             Ok(0)
         }
-        fn misfit_decrease(&self, _: &usize, _: &usize) -> Result<Option<Decrease>, Error> {
+        fn misfit_decrease(&self, _: &usize, _: &usize) -> Result<Option<Decrease>> {
             Ok(None)
         }
-        fn open(
-            &mut self,
-            _: &usize,
-            _: &usize,
-            account: &mut Account,
-        ) -> Result<HeldOutResults, Error> {
+        fn compare(&mut self, _: &usize, _: &usize, steps: &[Step]) -> Result<HeldOutResults> {
             Ok(HeldOutResults {
                 held_out: Default::default(),
-                closed: vec![Interval::default(); account.steps.len()],
+                closed: vec![Interval::default(); steps.len()],
             })
         }
         fn describe(
@@ -333,7 +334,7 @@ mod tests {
             _: &usize,
             last: &usize,
             account: &mut Account,
-        ) -> Result<Description, Error> {
+        ) -> Result<Description> {
             Ok(Description {
                 parameters: vec![Vec::new(); account.steps.len()],
                 laws: vec![None; account.steps.len()],
@@ -344,7 +345,7 @@ mod tests {
     }
 
     #[test]
-    fn an_effect_significant_at_many_places_is_not_local() -> Result<(), Error> {
+    fn an_effect_significant_at_many_places_is_not_local() -> Result<()> {
         let found =
             |places: usize| search_evidence(&mut Places(places), &Options::default(), &|_| {});
         let few = found(3)?;

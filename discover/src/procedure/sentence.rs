@@ -28,21 +28,22 @@ pub fn sentence(report: &Report, account: &Account, nothing: &str) -> String {
     };
     let names: Vec<String> = steps.iter().map(name).collect();
     let names = names.join(", then ");
-    let gap = gap(steps, report);
-    let more = match report.adequate {
-        true => "",
-        false => ", and more is missing",
+    let misfit = misfit(steps, report);
+    let more = if report.adequate {
+        ""
+    } else {
+        ", and more is missing"
     };
     let next = &report.next_experiment;
     match report.verdict {
-        Verdict::Law => format!("Outside the catalogue: {names}{more}.{gap}"),
-        Verdict::Named => format!("Missing from the model: {names}{more}.{gap}"),
+        Verdict::Law => format!("Outside the catalogue: {names}{more}.{misfit}"),
+        Verdict::Named => format!("Missing from the model: {names}{more}.{misfit}"),
         Verdict::OneOf => format!(
-            "Missing from the model: {names}{more}. These data cannot distinguish the members of a class; this would: {next}.{gap}"
+            "Missing from the model: {names}{more}. These data cannot distinguish the members of a class; this would: {next}.{misfit}"
         ),
         Verdict::DependsOn => {
             let depends = account.depends.iter().map(|one| one.assumption.as_str());
-            format!("{names}; {}.{gap}", depends.collect::<Vec<_>>().join("; "))
+            format!("{names}; {}.{misfit}", depends.collect::<Vec<_>>().join("; "))
         }
         Verdict::Located => "The residual is significant at the places listed, and no effect of the catalogue explains it.".to_owned(),
         Verdict::Inadequate => "Part of the misfit repeats from run to run; neither the model nor an effect of the catalogue explains it.".to_owned(),
@@ -56,7 +57,7 @@ pub fn sentence(report: &Report, account: &Account, nothing: &str) -> String {
 }
 
 /// The misfit on held-out data by each of the compared models.
-fn gap(steps: &[Step], report: &Report) -> String {
+fn misfit(steps: &[Step], report: &Report) -> String {
     let held_out = &report.held_out;
     let data = match held_out.runs.len() {
         0 => return String::new(),
@@ -111,18 +112,19 @@ pub fn adequacy(steps: &[Step], remaining: &[Remaining]) -> String {
             )
         })
     });
-    let rest = match worst.is_small {
-        true => format!(
+    let rest = if worst.is_small {
+        format!(
             "At most {} of the mean square misfit of a channel ({}) still repeats.",
             share(&worst.of_misfit),
             worst.channel
-        ),
-        false => format!(
+        )
+    } else {
+        format!(
             "{} of the mean square {} misfit still repeats from run to run, most at {}: an effect that is not identified is missing from the model.",
             share(&worst.of_misfit),
             worst.channel,
             worst.places.join("; ")
-        ),
+        )
     };
     of_step.unwrap_or_default() + &rest
 }

@@ -1,7 +1,7 @@
 //! Estimates that the kinds of data of a campaign share.
 
-use crate::error::Error;
-use crate::finding::Fitted;
+use crate::error::Result;
+use crate::finding::{Fitted, Rival, fitted};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Evidence, Selection};
 
@@ -28,6 +28,17 @@ impl Amount {
         }
     }
 
+    /// A rival at its size, with this standard error.
+    pub fn of_rival(rival: &Rival, error: f64) -> Self {
+        Self {
+            effect: rival.effect.clone(),
+            key: rival.parameter.clone(),
+            unit: rival.unit.clone(),
+            value: rival.size,
+            error,
+        }
+    }
+
     /// Whether it is an estimate of the same amplitude.
     pub fn is_same(&self, other: &Self) -> bool {
         self.effect == other.effect && self.key == other.key
@@ -45,13 +56,7 @@ impl Amount {
 
     /// As a parameter with an interval of so many standard errors.
     pub fn fitted(&self, quantile: f64) -> Fitted {
-        Fitted {
-            name: self.key.clone(),
-            value: self.value,
-            low: self.value - quantile * self.error,
-            high: self.value + quantile * self.error,
-            unit: self.unit.clone(),
-        }
+        fitted(&self.key, &self.unit, self.value, quantile * self.error)
     }
 }
 
@@ -96,7 +101,7 @@ pub trait SharesEffects: Evidence {
         fit: &Self::Fit,
         _step: usize,
         _amounts: &[Amount],
-    ) -> Result<Self::Fit, Error> {
+    ) -> Result<Self::Fit> {
         Ok(fit.clone())
     }
 }

@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn a_panel_of_zeros_says_so() {
+    fn a_panel_of_zeros_has_a_note() {
         let zeros = Category {
             name: "A1".to_owned(),
             colour: 0,

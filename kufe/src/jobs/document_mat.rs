@@ -68,8 +68,11 @@ fn structures(list: &[Datum]) -> MatValue {
 /// The value of a column at an instant.
 type Column = fn(&LateralForce) -> f64;
 
-/// Variable `series`: one structure per run with its lateral force over time.
-pub fn force_series(runs: &[RunValidation]) -> (String, MatValue) {
+/// Columns of a table, with their names.
+pub type Columns<'a> = Vec<(&'a str, Vec<f64>)>;
+
+/// A run's lateral force over time.
+pub fn force_columns(run: &RunValidation) -> Columns<'_> {
     let columns: [(&str, Column); 5] = [
         ("t_s", |force| force.t_s),
         ("s_m", |force| force.s_m),
@@ -77,28 +80,31 @@ pub fn force_series(runs: &[RunValidation]) -> (String, MatValue) {
         ("model_n", |force| force.model_n),
         ("braghin_n", |force| force.braghin_n),
     ];
-    series_of(runs.iter().map(|run| {
-        let columns = columns.iter();
-        let columns = columns.map(|(name, of)| (*name, run.series.iter().map(of).collect()));
-        (&*run.run, columns.collect())
-    }))
+    let values = |of: Column| run.series.iter().map(of).collect();
+    columns.map(|(name, of)| (name, values(of))).into()
+}
+
+/// A run's channels over time.
+pub fn run_columns(run: &Run) -> Columns<'_> {
+    let time = (0..run.len()).map(|i| run.t0_s + i as f64 * run.dt_s);
+    let channels = run.columns.iter();
+    let channels = channels.map(|(name, values)| (&**name, values.clone()));
+    let time = std::iter::once(("t_s", time.collect()));
+    time.chain(channels).collect()
+}
+
+/// Variable `series`: one structure per run with its lateral force over time.
+pub fn force_series(runs: &[RunValidation]) -> (String, MatValue) {
+    series_of(runs.iter().map(|run| (&*run.run, force_columns(run))))
 }
 
 /// Variable `series`: one structure per run with its channels over time.
 pub fn channel_series(runs: &[Run]) -> (String, MatValue) {
-    series_of(runs.iter().map(|run| {
-        let time = (0..run.len()).map(|i| run.t0_s + i as f64 * run.dt_s);
-        let channels = run.columns.iter();
-        let channels = channels.map(|(name, values)| (&**name, values.clone()));
-        let columns = std::iter::once(("t_s", time.collect())).chain(channels);
-        (&*run.entry.run, columns.collect())
-    }))
+    series_of(runs.iter().map(|run| (&*run.entry.run, run_columns(run))))
 }
 
 /// Structures of runs that all have the same columns; the fields are named after the columns.
-fn series_of<'a>(
-    runs: impl Iterator<Item = (&'a str, Vec<(&'a str, Vec<f64>)>)>,
-) -> (String, MatValue) {
+fn series_of<'a>(runs: impl Iterator<Item = (&'a str, Columns<'a>)>) -> (String, MatValue) {
     let mut names = vec!["run".to_owned()];
     let rows = runs.map(|(run, columns)| {
         if names.len() == 1 {

@@ -23,6 +23,11 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// A wrong value of an option: `--option value: expected ...`.
+    pub fn option(option: &str, value: impl Display, expected: impl Display) -> Self {
+        Failure::Usage(format!("--{option} {value}: expected {expected}"))
+    }
+
     /// Bad input with the message of a library's error.
     pub fn bad_input(error: impl Display) -> Self {
         Failure::BadInput(error.to_string())
@@ -80,33 +85,40 @@ impl From<kufe_sled::Error> for Failure {
     }
 }
 
-impl From<kufe_lut::Error> for Failure {
-    fn from(error: kufe_lut::Error) -> Self {
-        Failure::bad_input(error)
-    }
+/// Conversions of errors into bad input.
+macro_rules! from_bad_input {
+    ($($error:ty),+) => {$(
+        impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                Failure::bad_input(error)
+            }
+        }
+    )+};
 }
 
-impl From<kufe_mesh::MeshError> for Failure {
-    fn from(error: kufe_mesh::MeshError) -> Self {
-        Failure::bad_input(error)
-    }
-}
-
-impl From<serde_json::Error> for Failure {
-    fn from(error: serde_json::Error) -> Self {
-        Failure::bad_input(error)
-    }
-}
+from_bad_input!(kufe_lut::Error, kufe_mesh::MeshError, serde_json::Error);
 
 /// Conversion of any error into a failure that names its place.
-pub(crate) trait Located<T> {
+pub trait Located<T> {
     /// Bad input with the message of a library's error.
+    ///
+    /// # Errors
+    /// [`Failure::BadInput`] with the message.
     fn bad_input(self) -> Result<T, Failure>;
     /// Bad input in a file or a folder.
+    ///
+    /// # Errors
+    /// As [`Failure::in_file`].
     fn in_file(self, path: &Path) -> Result<T, Failure>;
     /// A file or a folder that cannot be read.
+    ///
+    /// # Errors
+    /// As [`Failure::unreadable`].
     fn readable(self, path: &Path) -> Result<T, Failure>;
     /// A file or a folder that cannot be written.
+    ///
+    /// # Errors
+    /// As [`Failure::unwritable`].
     fn writable(self, path: &Path) -> Result<T, Failure>;
 }
 

@@ -79,7 +79,7 @@ impl RunImport {
     /// [`Failure::BadInput`] with file, channel, row, value and what was expected where no run can
     /// be imported or one is refused, and for a file that cannot be written; [`Failure::Partial`]
     /// where it was stopped.
-    pub fn write(mut self, output: NewFiles, watch: &Watch) -> Result<ImportedRuns, Failure> {
+    pub fn write(mut self, output: &NewFiles, watch: &Watch) -> Result<ImportedRuns, Failure> {
         watch.progress("importing the runs");
         let write = |run| self.write_run(run, output, watch);
         let written: Vec<_> = self.runs.par_iter().map(write).collect();
@@ -102,9 +102,9 @@ impl RunImport {
             return Err(Failure::BadInput(first.unwrap_or_default()));
         }
         let index = index_csv(&imported, self.format.extension()).bad_input()?;
-        output.bytes("runs.csv", &index)?;
+        output.bytes("runs.csv", index)?;
         if let Some(fragment) = &self.fragment {
-            output.bytes(FRAGMENT, fragment.as_bytes())?;
+            output.bytes(FRAGMENT, fragment)?;
         }
         let list = ImportList {
             mapping: self.mapping.display().to_string(),
@@ -122,7 +122,7 @@ impl RunImport {
     fn write_run(
         &self,
         planned: &PlannedRun,
-        output: NewFiles,
+        output: &NewFiles,
         watch: &Watch,
     ) -> Result<Result<Note, String>, Failure> {
         let stopped = |failure: Failure| failure.within(self.mapping.display());

@@ -45,8 +45,7 @@ impl DrivingConditions {
             ("alpha-rad", self.alpha_rad, -quarter..=quarter, angle),
         ] {
             if !range.contains(&value) {
-                let text = format!("--{option} {value}: expected {expected}");
-                return Err(Failure::Usage(text));
+                return Err(Failure::option(option, value, expected));
             }
         }
         Ok(())

@@ -46,8 +46,10 @@ pub mod table;
 pub mod view_runs;
 mod watch;
 
-pub use document_mat::{channel_series, force_series, write_document_mat};
-pub use failure::{Failure, write_whole};
+pub use document_mat::{
+    Columns, channel_series, force_columns, force_series, run_columns, write_document_mat,
+};
+pub use failure::{Failure, Located, write_whole};
 pub use hull_check::{ExaminedHull, check_hull};
 pub use law_friction::{DrivingConditions, FrictionLaw};
 pub use meshes::{CaseMeshes, write_mesh_quality};

@@ -60,11 +60,20 @@ pub fn run_inputs(index: &Path) -> Vec<PathBuf> {
     index.chain(runs).chain(tracks).collect()
 }
 
+/// The format that the option `--parquet` selects.
+pub fn run_format(parquet: bool) -> RunFormat {
+    if parquet {
+        RunFormat::Parquet
+    } else {
+        RunFormat::Csv
+    }
+}
+
 /// Writes the runs and, last, the index; names each run's file.
 ///
 /// # Errors
 /// [`Failure::BadInput`] for a file that cannot be written.
-pub fn write_runs(output: NewFiles, runs: &mut [Run], format: RunFormat) -> Result<(), Failure> {
+pub fn write_runs(output: &NewFiles, runs: &mut [Run], format: RunFormat) -> Result<(), Failure> {
     runs.par_iter_mut().try_for_each(|run| {
         let name = run_file(&run.entry.run, format);
         run.entry.file = PathBuf::from(&name);
@@ -78,7 +87,7 @@ pub fn write_runs(output: NewFiles, runs: &mut [Run], format: RunFormat) -> Resu
 ///
 /// # Errors
 /// As [`write_runs`].
-pub fn write_track(output: NewFiles, track: &Track) -> Result<(), Failure> {
+pub fn write_track(output: &NewFiles, track: &Track) -> Result<(), Failure> {
     output.write(&track_file(&track.name), |file| {
         track.write_csv(BufWriter::new(file))
     })
@@ -164,10 +173,8 @@ impl RunSelection {
     ) -> Result<PreparedRuns, Failure> {
         // Below 0.1 Hz the filter removes the curves themselves: one period is as long as a run.
         if !(0.1..=1e4).contains(&self.cutoff_hz) {
-            return Err(Failure::Usage(format!(
-                "--cutoff-hz {}: expected 0.1 to 10000 Hz",
-                self.cutoff_hz
-            )));
+            let expected = "0.1 to 10000 Hz";
+            return Err(Failure::option("cutoff-hz", self.cutoff_hz, expected));
         }
         let (model, vehicle) = load_model(&self.model)?;
         watch.progress(&format!("reading {}", self.runs.display()));

@@ -55,13 +55,16 @@ impl NamedDriver {
             None if (0.0..=1.0).contains(&skill) => {
                 (format!("skill {skill}"), Driver::of_skill(skill))
             }
-            None => return Err(Failure::Usage(format!("--skill {skill}: expected 0 to 1"))),
+            None => return Err(Failure::option("skill", skill, "0 to 1")),
             Some(name) => {
                 let known = || sample_drivers().iter().map(|driver| driver.name.as_str());
                 if !known().any(|known| known == name) {
                     let known = known().collect::<Vec<_>>().join(", ");
-                    let text = format!("--driver {name}: expected one of {known}");
-                    return Err(Failure::Usage(text));
+                    return Err(Failure::option(
+                        "driver",
+                        name,
+                        format_args!("one of {known}"),
+                    ));
                 }
                 (name.to_owned(), sample_driver(name).driving)
             }
@@ -78,8 +81,8 @@ pub fn stated_conditions(values: [Option<f64>; 6]) -> Result<Conditions, Failure
     for ((name, low, high), value) in CONDITIONS.iter().zip(values) {
         if let Some(value) = value.filter(|value| !(*low..=*high).contains(value)) {
             let option = name.replace('_', "-");
-            let text = format!("--{option} {value}: expected {low} to {high}");
-            return Err(Failure::Usage(text));
+            let expected = format_args!("{low} to {high}");
+            return Err(Failure::option(&option, value, expected));
         }
     }
     Ok(Conditions::from_values(

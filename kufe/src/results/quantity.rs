@@ -26,7 +26,7 @@ pub trait ResultQuantity: Copy {
     /// Keys and label.
     const DESCRIPTION: Description;
     /// Keys of the value and of its error.
-    const KEYS: &'static [&'static str];
+    const KEYS: &'static [&'static str] = &[Self::DESCRIPTION.key, Self::DESCRIPTION.error_key];
 }
 
 /// A value with its error, serialised as two keys of the enclosing object.
@@ -174,7 +174,6 @@ macro_rules! quantities {
                     error_key: $error,
                     label: $label,
                 };
-                const KEYS: &'static [&'static str] = &[$key, $error];
             }
         )*
 

@@ -35,7 +35,7 @@ const TABLES: [(&str, &str); 15] = [
     ("solver", "[solver]\nnowhere = 1"),
 ];
 
-/// The keys that the reader itself names when it meets an unknown one.
+/// The keys that the reader names in the error of an unknown one.
 fn keys(text: &str) -> Vec<String> {
     let error = Case::parse(text).expect_err("an unknown key").to_string();
     let (_, expected) = error
@@ -70,7 +70,7 @@ fn the_page_names_every_key_of_a_case_and_no_other() {
     let unknown: Vec<_> = reported.difference(&read).collect();
     assert!(
         missing.is_empty() && unknown.is_empty(),
-        "docs/case.md lacks {missing:?} and tells of {unknown:?}"
+        "docs/case.md does not name {missing:?}, and names {unknown:?}, which are no keys"
     );
 }
 
@@ -81,7 +81,7 @@ fn the_page_states_the_range_of_every_number() {
         .filter(|range| !range.key.starts_with("runner.mount."));
     let mut page = PAGE.to_owned();
     for range in ranges {
-        // What stands in lists is described in words below the tables.
+        // Lists are described in words below the tables.
         let start = format!("| `{}` |", range.key);
         let line = PAGE.lines().find(|line| line.starts_with(&start));
         let line = line.unwrap_or_else(|| panic!("{} has no row", range.key));
@@ -101,7 +101,7 @@ fn the_page_states_the_range_of_every_number() {
     );
 }
 
-/// Every schema of a number that stands under a key of this name, with its bounds.
+/// Every schema of a number with this key, with its bounds.
 fn bounds(schema: &Value, name: &str, found: &mut Vec<[Option<f64>; 2]>) {
     let Some(object) = schema.as_object() else {
         for entry in schema.as_array().into_iter().flatten() {
@@ -115,7 +115,7 @@ fn bounds(schema: &Value, name: &str, found: &mut Vec<[Option<f64>; 2]>) {
     object.values().for_each(|value| bounds(value, name, found));
 }
 
-/// The bounds of every number that is one form of several.
+/// The bounds of numbers that are one of several forms.
 fn numbers(schema: &Value) -> Vec<[Option<f64>; 2]> {
     let own = schema["anyOf"].as_array().into_iter().flatten();
     let mut found: Vec<_> = own
@@ -149,7 +149,7 @@ fn the_schema_bounds_numbers_as_the_reader_does() {
 }
 
 #[test]
-fn no_number_is_told_in_hundreds_of_digits() {
+fn no_error_message_has_a_number_of_hundreds_of_digits() {
     let text = |fz: &str| {
         format!(
             "[runner]\nshape = {{ kind = \"paraboloid\", rocker_radius_m = 30, section_radius_m = 0.005 }}\n[ice]\n\

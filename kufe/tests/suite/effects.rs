@@ -1,4 +1,4 @@
-//! What the files of the catalogue say of themselves.
+//! The descriptions in the files of the catalogue.
 
 use std::path::Path;
 

@@ -52,7 +52,7 @@ const GROUPS: [(ActsOn, &str); 8] = [
     (ActsOn::Map, "The pressure sensor"),
 ];
 
-/// Markdown tables of effects under a heading for what they act on: name, formula, parameters, signature, what looks alike.
+/// Markdown tables of effects under a heading for what they act on: name, formula, parameters, signature, similar effects.
 /// Sources stay in the catalogues.
 fn tables(effects: impl Iterator<Item = &'static Info>) -> String {
     let rows: Vec<&Info> = effects.collect();

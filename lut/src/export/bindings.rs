@@ -5,7 +5,7 @@ use std::io::Write;
 
 use crate::error::Error;
 use crate::export::escape::{comment, identifier};
-use crate::export::filled;
+use crate::export::fill;
 use crate::export::header::{DERIVATIVES, FIELDS};
 use crate::table::Table;
 
@@ -38,9 +38,7 @@ impl Table {
             ("functions", &functions.join(", ")),
             ("count", &symbols.arguments.len().to_string()),
         ];
-        let text = filled(include_str!("bindings.py.txt"), &slots);
-        writer.write_all(text.as_bytes())?;
-        Ok(())
+        fill(writer, include_str!("bindings.py.txt"), &slots)
     }
 
     /// Writes the class for C# that calls the library of [`Table::write_header`].
@@ -67,9 +65,7 @@ impl Table {
             ("fields", &FIELDS.join(", ")),
             ("functions", &functions),
         ];
-        let text = filled(include_str!("bindings.cs.txt"), &slots);
-        writer.write_all(text.as_bytes())?;
-        Ok(())
+        fill(writer, include_str!("bindings.cs.txt"), &slots)
     }
 }
 

@@ -20,17 +20,18 @@ use std::io::Write;
 use crate::error::Error;
 use crate::table::Table;
 
-/// Fills the slots `$NAME$` of a template.
-fn filled(template: &str, slots: &[(&str, &str)]) -> String {
-    let parts = template.split('$').enumerate();
-    let text = parts.map(|(place, part)| match place % 2 {
-        0 => part,
-        _ => match slots.iter().find(|(name, _)| *name == part) {
-            Some((_, text)) => text,
-            None => unreachable!("the slot {part} has no text"),
-        },
-    });
-    text.collect()
+/// Writes a template with its slots `$NAME$` filled.
+fn fill(writer: &mut dyn Write, template: &str, slots: &[(&str, &str)]) -> Result<(), Error> {
+    for (place, part) in template.split('$').enumerate() {
+        let slot = slots.iter().find(|(name, _)| *name == part);
+        let text = match (place % 2, slot) {
+            (0, _) => part,
+            (_, Some((_, text))) => text,
+            (_, None) => unreachable!("the slot {part} has no text"),
+        };
+        writer.write_all(text.as_bytes())?;
+    }
+    Ok(())
 }
 
 impl Table {

@@ -5,7 +5,7 @@ use std::io::Write;
 
 use crate::error::Error;
 use crate::export::escape::{comment, identifier};
-use crate::export::filled;
+use crate::export::fill;
 use crate::export::header::rocker_on_axis;
 use crate::interpolator::Mode;
 use crate::quantity::Quantity;
@@ -74,9 +74,7 @@ impl Table {
             ("last", &(outputs.len() - 1).to_string()),
             ("outputs_text", &outputs_text),
         ];
-        let text = filled(include_str!("s_function.c.txt"), &slots);
-        writer.write_all(text.as_bytes())?;
-        Ok(())
+        fill(writer, include_str!("s_function.c.txt"), &slots)
     }
 
     /// Writes the MATLAB script that compiles the S-function and builds a library, `NAME_lib`, with
@@ -102,9 +100,7 @@ impl Table {
             ("outs", &list(&outputs)),
             ("described", DESCRIPTION),
         ];
-        let text = filled(include_str!("simulink.m.txt"), &slots);
-        writer.write_all(text.as_bytes())?;
-        Ok(())
+        fill(writer, include_str!("simulink.m.txt"), &slots)
     }
 
     /// Inputs and outputs with their units; 1 for dimensionless quantities.

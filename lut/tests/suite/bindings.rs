@@ -21,8 +21,8 @@ fn library(folder: &Path, table: &Table) -> Option<()> {
     table.write_ctypes("front", &mut create(&ctypes)).unwrap();
     table.write_csharp("front", &mut create(&csharp)).unwrap();
     // The command that both files state.
-    let said = std::fs::read_to_string(folder.join(ctypes)).unwrap();
-    let stated = said
+    let printed = std::fs::read_to_string(folder.join(ctypes)).unwrap();
+    let stated = printed
         .lines()
         .find_map(|line| line.trim().strip_prefix("cc "));
     let compiled = compiler
@@ -51,7 +51,7 @@ fn python_calls_the_shared_library_by_ctypes() {
     if library(folder.path(), &table).is_none() {
         return;
     }
-    let said = run_python(
+    let printed = run_python(
         &python,
         folder.path(),
         "import front\n\
@@ -65,7 +65,7 @@ fn python_calls_the_shared_library_by_ctypes() {
          assert callable(front.film_mean_bilinear_derivatives)\n\
          print(repr(found.value))\n",
     );
-    let value: f64 = said.trim().parse().unwrap();
+    let value: f64 = printed.trim().parse().unwrap();
     assert!((value / mu(&table) - 1.0).abs() < 1e-13);
 }
 
@@ -100,13 +100,17 @@ fn csharp_calls_the_shared_library() {
         String::from_utf8(ran.stdout).unwrap()
     };
     run("mcs", &["-out:main.exe", "main.cs", "front.cs"]);
-    let said = run("mono", &["main.exe"]);
-    let words: Vec<&str> = said.split_whitespace().collect();
+    let printed = run("mono", &["main.exe"]);
+    let words: Vec<&str> = printed.split_whitespace().collect();
     let value: f64 = words[0].parse().unwrap();
-    assert!((value / mu(&table) - 1.0).abs() < 1e-13, "{said}");
-    assert_eq!([words[1], words[2], words[4]], ["0", "True", "1"], "{said}");
+    assert!((value / mu(&table) - 1.0).abs() < 1e-13, "{printed}");
+    assert_eq!(
+        [words[1], words[2], words[4]],
+        ["0", "True", "1"],
+        "{printed}"
+    );
     let slope: f64 = words[3].parse().unwrap();
-    assert!(slope.is_finite() && slope != 0.0, "{said}");
+    assert!(slope.is_finite() && slope != 0.0, "{printed}");
 }
 
 #[test]
@@ -122,10 +126,10 @@ fn the_header_states_ranges_rules_and_errors() {
          printf(\"%.17g %.17g %.17g %d\\n\", front_p_max_errors.solver, front_p_max_errors.smooth, front_p_max_errors.bilinear,\n    \
          isnan(front_area_errors.solver) != 0);\n  return 0;\n}\n";
     std::fs::write(folder.path().join("main.c"), main).unwrap();
-    let Some(said) = run_c(folder.path(), "main.c", &[], "") else {
+    let Some(printed) = run_c(folder.path(), "main.c", &[], "") else {
         return;
     };
-    let (ranges, errors) = said.split_once('\n').unwrap();
+    let (ranges, errors) = printed.split_once('\n').unwrap();
     assert_eq!(ranges, "200 8000 -0.02 0.028 1");
     let measured = |mode| {
         let error = table.interpolation_error(Quantity::PMax, mode).unwrap();

@@ -104,7 +104,7 @@ fn the_header_compiles_and_computes_what_the_library_computes() {
 }
 
 #[test]
-fn an_export_of_a_rocker_table_asks_for_one_of_its_radii() {
+fn an_export_of_a_rocker_table_needs_one_of_its_radii() {
     let table = table(true);
     let failed = |radius| {
         table

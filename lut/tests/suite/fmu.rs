@@ -92,7 +92,7 @@ fn an_fmu_of_either_version_stops_outside_an_axis_whose_rule_is_error() {
         let folder = tempfile::tempdir().unwrap();
         let table = table(false).with_outside(AxisKind::Fz, Outside::Error);
         written(folder.path(), &table, "front", fmi);
-        let said = run_python(
+        let printed = run_python(
             &python,
             folder.path(),
             "import numpy as np, fmpy\n\
@@ -111,6 +111,6 @@ fn an_fmu_of_either_version_stops_outside_an_axis_whose_rule_is_error() {
              \x20 print('stopped', stopped)\n\
              assert any('rule is error' in m for m in messages), messages\n",
         );
-        assert!(said.starts_with("stopped"), "{fmi:?}: {said}");
+        assert!(printed.starts_with("stopped"), "{fmi:?}: {printed}");
     }
 }

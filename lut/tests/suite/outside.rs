@@ -82,8 +82,8 @@ fn in_c(table: &Table, quantity: Quantity, mode: Mode, at: &[[f64; 4]]) -> Optio
          d.out_of_range, d.d_fz, d.d_curvature, d.d_v, d.d_ice_c);\n  }}\n  return 0;\n}}\n"
     );
     std::fs::write(folder.path().join("main.c"), main).unwrap();
-    let said = run_c(folder.path(), "main.c", &["-ffp-contract=off"], &lines(at))?;
-    let rows: Vec<Vec<f64>> = said.lines().map(numbers).collect();
+    let printed = run_c(folder.path(), "main.c", &["-ffp-contract=off"], &lines(at))?;
+    let rows: Vec<Vec<f64>> = printed.lines().map(numbers).collect();
     assert_eq!(rows.len(), at.len());
     Some(rows)
 }
@@ -236,7 +236,7 @@ fn scipy_continues_a_table_as_the_bilinear_mode_does() {
     table.write(&mut file).unwrap();
     let at = samples(200);
     std::fs::write(folder.path().join("at"), lines(&at)).unwrap();
-    let said = run_python(
+    let printed = run_python(
         &python,
         folder.path(),
         "import json, numpy as np\n\
@@ -247,7 +247,7 @@ fn scipy_continues_a_table_as_the_bilinear_mode_does() {
          for value in f(np.loadtxt('at')): print(repr(float(value)))\n",
     );
     let mu = Interpolator::new(&table, Quantity::Mu, Mode::Bilinear, None).unwrap();
-    for (x, line) in at.iter().zip(said.lines()) {
+    for (x, line) in at.iter().zip(printed.lines()) {
         let (own, scipy) = (mu.at(sample(*x)).value, numbers(line)[0]);
         // Far outside, a sum of large terms that cancel.
         assert!(
@@ -255,7 +255,7 @@ fn scipy_continues_a_table_as_the_bilinear_mode_does() {
             "{x:?} {own} {scipy}"
         );
     }
-    assert_eq!(said.lines().count(), at.len());
+    assert_eq!(printed.lines().count(), at.len());
 }
 
 #[test]
@@ -288,7 +288,7 @@ fn rules_survive_a_file_and_a_file_with_another_word_or_place_is_refused() {
     );
 }
 
-/// What Octave's function says of a MAT-file: value and flag at every sample.
+/// Results of Octave's function on a MAT-file: value and flag at every sample.
 fn in_octave(
     folder: &Path,
     table: &Table,
@@ -313,8 +313,8 @@ fn in_octave(
         .unwrap();
     let error = String::from_utf8_lossy(&ran.stderr);
     assert!(ran.status.success(), "{error}");
-    let said = String::from_utf8(ran.stdout).unwrap();
-    said.lines().map(numbers).collect()
+    let printed = String::from_utf8(ran.stdout).unwrap();
+    printed.lines().map(numbers).collect()
 }
 
 #[test]

@@ -104,11 +104,11 @@ fn the_s_function_gives_each_quantity_at_its_output_in_both_modes() {
             }
         }
         let flags = ["-ffp-contract=off", "-DMATLAB_MEX_FILE", "-I."];
-        let Some(said) = run_c(folder.path(), &source, &flags, &given) else {
+        let Some(printed) = run_c(folder.path(), &source, &flags, &given) else {
             return;
         };
-        let mut lines = said.lines();
-        assert_eq!(lines.next(), Some("2 7 -1"), "{said}");
+        let mut lines = printed.lines();
+        assert_eq!(lines.next(), Some("2 7 -1"), "{printed}");
         for (line, row) in lines.zip(&wanted) {
             let found: Vec<f64> = line
                 .split_whitespace()
@@ -119,7 +119,7 @@ fn the_s_function_gives_each_quantity_at_its_output_in_both_modes() {
                 assert!((a - b).abs() <= 1e-14 * b.abs(), "{a} {b}");
             }
         }
-        assert_eq!(said.lines().count(), 1 + wanted.len());
+        assert_eq!(printed.lines().count(), 1 + wanted.len());
     }
 }
 
@@ -143,7 +143,7 @@ fn the_script_builds_a_library_whose_ports_have_names_and_units() {
     ];
     for name in calls {
         let body = format!(
-            "function {name}(varargin)\n  said = cellfun(@(a) num2str(a), varargin, 'UniformOutput', false);\n  printf('{name}: %s\\n', strjoin(said, ', '));\nend\n"
+            "function {name}(varargin)\n  printed = cellfun(@(a) num2str(a), varargin, 'UniformOutput', false);\n  printf('{name}: %s\\n', strjoin(printed, ', '));\nend\n"
         );
         std::fs::write(folder.path().join(format!("{name}.m")), body).unwrap();
     }
@@ -158,15 +158,15 @@ fn the_script_builds_a_library_whose_ports_have_names_and_units() {
         .current_dir(folder.path())
         .output()
         .unwrap();
-    let said = String::from_utf8_lossy(&ran.stdout);
+    let printed = String::from_utf8_lossy(&ran.stdout);
     assert!(
         ran.status.success(),
-        "{said}{}",
+        "{printed}{}",
         String::from_utf8_lossy(&ran.stderr)
     );
-    println!("{said}");
-    let has = |line: &str| assert!(said.contains(line), "{line:?} in {said}");
-    assert!(said.lines().next().unwrap().ends_with(&source));
+    println!("{printed}");
+    let has = |line: &str| assert!(printed.contains(line), "{line:?} in {printed}");
+    assert!(printed.lines().next().unwrap().ends_with(&source));
     has("new_system: front_lib, Library");
     has("set_param: front_lib/front/table, FunctionName, front_sfun");
     has("set_param: front_lib/front/table, Parameters, mode");

@@ -232,7 +232,7 @@ fn given_points_are_the_nodes_and_the_error_between_them_is_measured() {
 }
 
 #[test]
-fn given_values_beside_a_range_do_not_keep_it_from_ending() {
+fn given_values_on_other_axes_do_not_keep_a_range_from_ending() {
     let mut plan = Plan::new(Spacing::Values(vec![250.0, 8000.0]), range(0.0, 0.025));
     plan.interpolation = 0.01;
     let swept = sweep(&plan, |point| Ok::<_, Infallible>(runner(point))).unwrap();
@@ -271,7 +271,7 @@ fn a_rocker_axis_is_refined_too() {
 }
 
 #[test]
-fn a_limit_gives_the_table_and_says_what_it_missed() {
+fn a_limit_gives_the_table_and_reports_what_it_missed() {
     let mut plan = Plan::new(range(200.0, 8000.0), range(-0.02, 0.03));
     plan.interpolation = 1e-5;
     plan.max_nodes = 300;

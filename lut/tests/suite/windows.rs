@@ -143,12 +143,12 @@ fn the_library_for_windows_computes_what_rust_computes() {
         .env("LC_ALL", "C.UTF-8")
         .output()
         .unwrap();
-    let said = String::from_utf8_lossy(&ran.stdout).into_owned();
+    let printed = String::from_utf8_lossy(&ran.stdout).into_owned();
     let error = String::from_utf8_lossy(&ran.stderr);
-    assert!(ran.status.success(), "{said} {error}");
+    assert!(ran.status.success(), "{printed} {error}");
     let lookup = Interpolator::new(&table, Quantity::PMax, Mode::Smooth, None).unwrap();
-    assert_eq!(said.lines().count(), points.len(), "{said}");
-    for ((fz, curvature), line) in points.into_iter().zip(said.lines()) {
+    assert_eq!(printed.lines().count(), points.len(), "{printed}");
+    for ((fz, curvature), line) in points.into_iter().zip(printed.lines()) {
         let own = lookup.at(Point::at_rest(fz, curvature));
         let row: Vec<f64> = line
             .split_whitespace()

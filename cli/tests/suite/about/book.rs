@@ -92,7 +92,7 @@ fn the_reference_has_the_help_of_every_command() {
         let title = format!("\n## kufe {}\n", words.join(" "));
         assert!(page.contains(&title), "{title}");
         let help = bench.succeeds(&[words, &["--help"]].concat());
-        // Every command's own options stand once, in another style where a command says more of them.
+        // Every command's own options appear once, in another style where a command explains them further.
         for line in help.lines().filter(|line| !line.contains("Print help")) {
             assert!(flat.contains(&spaced(line)), "{words:?}: {line:?}");
         }

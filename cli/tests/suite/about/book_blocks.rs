@@ -1,4 +1,4 @@
-//! The book's code blocks do what their pages say. The tutorial's are run by `.ci/commands`, Python's own page by the
+//! The book's code blocks do what their pages state. The tutorial's are run by `.ci/commands`, Python's own page by the
 //! Python package's tests.
 
 use kufe_outside::missing;
@@ -43,7 +43,7 @@ fn shell(bench: &Bench, block: &str) -> Option<String> {
     Some(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// Runs a block in Python with `KUFE_PYTHON`, or says which of its `modules` is missing.
+/// Runs a block in Python with `KUFE_PYTHON`, or reports which of its `modules` is missing.
 fn python(bench: &Bench, modules: &str, block: &str) -> Option<String> {
     let output = Command::new(kufe_outside::python(modules)?)
         .args(["-c", block])

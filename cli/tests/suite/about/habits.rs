@@ -10,7 +10,7 @@ fn plain(output: &Output) -> bool {
 }
 
 #[test]
-fn without_a_terminal_there_is_no_progress_and_verbose_says_each_step() {
+fn without_a_terminal_there_is_no_progress_and_verbose_prints_each_step() {
     let bench = Bench::new();
     bench.write("case.toml", CASE);
     let silent = bench.kufe(&["press", "case.toml"]);
@@ -22,9 +22,9 @@ fn without_a_terminal_there_is_no_progress_and_verbose_says_each_step() {
             .all(|line| line.starts_with("kufe: warning: ")),
         "{reported:?}"
     );
-    let said = errors(&bench.kufe(&["press", "case.toml", "-v"]));
+    let printed = errors(&bench.kufe(&["press", "case.toml", "-v"]));
     for part in ["threads", "mesh 1: ", "mesh 2: ", "unknowns", "residual"] {
-        assert!(said.contains(part), "{part:?} is missing: {said}");
+        assert!(printed.contains(part), "{part:?} is missing: {printed}");
     }
     let both = bench.kufe(&["press", "case.toml", "-v", "-q"]);
     assert_eq!(both.status.code(), Some(2));
@@ -66,7 +66,7 @@ fn commands(bench: &Bench, words: &[&str]) -> Vec<String> {
 #[test]
 fn every_command_within_commands_has_a_manual_page_of_its_own() {
     let bench = Bench::new();
-    let said = bench.succeeds(&["man", "-o", "man"]);
+    let printed = bench.succeeds(&["man", "-o", "man"]);
     let (mut open, mut pages) = (vec![Vec::new()], BTreeSet::new());
     while let Some(path) = open.pop() {
         let words: Vec<&str> = path.iter().map(String::as_str).collect();
@@ -102,8 +102,8 @@ fn every_command_within_commands_has_a_manual_page_of_its_own() {
         .collect();
     assert_eq!(written, pages);
     assert!(
-        said.starts_with(&format!("{} pages ", pages.len())),
-        "{said}"
+        printed.starts_with(&format!("{} pages ", pages.len())),
+        "{printed}"
     );
 }
 

@@ -5,7 +5,7 @@ use serde_json::Value;
 use crate::kufe::{Bench, CASE, errors, refused};
 
 #[test]
-fn info_tells_a_tables_axes_quantities_errors_and_version() {
+fn info_shows_a_tables_axes_quantities_errors_and_version() {
     let bench = Bench::new();
     bench.write("case.toml", CASE);
     bench.write(
@@ -25,14 +25,14 @@ fn info_tells_a_tables_axes_quantities_errors_and_version() {
     assert!(error > 0.0 && error <= 0.02, "{error}");
     let p_max = &facts["quantities"]["p_max_pa"];
     let [min, max] = ["min", "max"].map(|key| p_max[key].as_f64().expect(key));
-    // Pressed harder and in a bend, the peak rises and falls: its range holds Hertz's 138.5 MPa at 1 kN, flat.
+    // Pressed harder and in a bend, the peak rises and falls: its range contains Hertz's 138.5 MPa at 1 kN, flat.
     assert!(
         min < 110e6 && (max / 138.5e6 - 1.0).abs() < 0.03,
         "{min} to {max}"
     );
-    let said = bench.succeeds(&["info", "bob.lut"]);
+    let printed = bench.succeeds(&["info", "bob.lut"]);
     for word in ["p_max:", "area:", "approach:", "case_sha256: "] {
-        assert!(said.contains(word), "{word:?} is missing: {said}");
+        assert!(printed.contains(word), "{word:?} is missing: {printed}");
     }
 }
 
@@ -57,14 +57,17 @@ fn what_info_shows_is_read_by_people() {
         ("fit.json", "k: 9 (8 to 10) kN/rad\n"),
         ("fit.json", "mu_zeta_c: 0.06000 (0.05000 to 0.07000)\n"),
     ] {
-        let said = bench.succeeds(&["info", file]);
-        assert!(said.contains(expected), "{file}: no {expected:?} in {said}");
-        assert!(!said.contains("[\""), "{said}");
+        let printed = bench.succeeds(&["info", file]);
+        assert!(
+            printed.contains(expected),
+            "{file}: no {expected:?} in {printed}"
+        );
+        assert!(!printed.contains("[\""), "{printed}");
     }
 }
 
 #[test]
-fn files_that_are_not_known_end_with_one_error_that_says_what_was_expected() {
+fn unknown_files_end_with_one_error_that_names_the_expected_ones() {
     let bench = Bench::new();
     for (name, content, expected) in [
         ("notes.txt", "hello", "kind \".txt\" is not known"),

@@ -1,4 +1,4 @@
-//! What the command says of itself, its documents and its licences.
+//! The command's help, documents and licences.
 
 mod book;
 mod book_blocks;

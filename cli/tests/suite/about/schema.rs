@@ -21,7 +21,7 @@ for line in sys.stdin:
     print(file, '\\t', '; '.join(errors))
 ";
 
-/// What the validator says of each pair of schema and file; `None` where there is none.
+/// The validator's verdict on each pair of schema and file; `None` without a validator.
 fn validate(pairs: &[(PathBuf, PathBuf)]) -> Option<Vec<String>> {
     let python = kufe_outside::python("jsonschema")?;
     let folder = tempfile::tempdir().expect("a folder");

@@ -22,7 +22,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// What commands leave of a contact, a table, and runs.
+/// The outputs of commands for a contact, a table, and runs.
 fn written() -> Bench {
     let bench = Bench::new();
     bench.write("case.toml", CASE);
@@ -77,10 +77,10 @@ fn report_shows_every_folder_and_info_every_result() {
         let ending = file.extension().unwrap_or_default().to_string_lossy();
         let is_note = name.ends_with(".import.json") || name.contains("schema");
         if ["glb", "lut", "fmu", "exr", "json"].contains(&&*ending) && !is_note {
-            let said = bench.succeeds(&["info", &name]);
+            let printed = bench.succeeds(&["info", &name]);
             assert!(
-                !said.contains("null") && said.lines().count() >= 3,
-                "{name}: {said}"
+                !printed.contains("null") && printed.lines().count() >= 3,
+                "{name}: {printed}"
             );
         }
     }
@@ -106,8 +106,11 @@ fn report_shows_every_folder_and_info_every_result() {
             "{folder}"
         );
     }
-    let said = errors(&bench.kufe(&["report", "tables"]));
-    assert!(said.contains("kufe report tables/front.lut"), "{said}");
-    let said = errors(&bench.kufe(&["report", "plan"]));
-    assert!(said.contains("kufe lut merge plan"), "{said}");
+    let printed = errors(&bench.kufe(&["report", "tables"]));
+    assert!(
+        printed.contains("kufe report tables/front.lut"),
+        "{printed}"
+    );
+    let printed = errors(&bench.kufe(&["report", "plan"]));
+    assert!(printed.contains("kufe lut merge plan"), "{printed}");
 }

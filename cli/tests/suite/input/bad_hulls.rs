@@ -24,15 +24,15 @@ fn press(bench: &Bench, hull: &str) -> Output {
     bench.kufe(&["press", "case.toml", "-o", "out", "--json"])
 }
 
-/// Exit code 3, one line that says `expected`, and no output folder.
+/// Exit code 3, one line with the word `expected`, and no output folder.
 fn refused(bench: &Bench, hull: &str, expected: &[&str]) {
     let output = press(bench, hull);
-    let said = errors(&output);
-    let lines = said.lines().filter(|line| !line.contains("warning:"));
-    assert_eq!(output.status.code(), Some(3), "{said}");
-    assert_eq!(lines.count(), 1, "one line: {said}");
+    let printed = errors(&output);
+    let lines = printed.lines().filter(|line| !line.contains("warning:"));
+    assert_eq!(output.status.code(), Some(3), "{printed}");
+    assert_eq!(lines.count(), 1, "one line: {printed}");
     for part in expected {
-        assert!(said.contains(part), "{part:?} is missing: {said}");
+        assert!(printed.contains(part), "{part:?} is missing: {printed}");
     }
     assert!(output.stdout.is_empty());
     assert!(!bench.path("out").exists(), "something was left behind");
@@ -43,7 +43,7 @@ fn refused(bench: &Bench, hull: &str, expected: &[&str]) {
     );
 }
 
-/// The peak, also where the vertices leave it less certain than the case requests.
+/// The peak, also if the vertices determine it less accurately than requested.
 fn p_max(output: &Output) -> f64 {
     let code = output.status.code();
     assert!(matches!(code, Some(0 | 4)), "{}", errors(output));
@@ -81,7 +81,7 @@ fn a_tessellated_hull_gives_the_parametric_peak() {
     }
 }
 
-/// STEP and IGES hold no triangles: the error says which command makes some.
+/// STEP and IGES have no triangles: the error names a command that makes some.
 #[test]
 fn exact_shapes_are_refused_with_the_command_that_makes_triangles_of_them() {
     let bench = Bench::new();
@@ -226,7 +226,7 @@ fn gltf_sizes_that_are_lies_are_refused_with_both_sizes() {
 }
 
 #[test]
-fn millimetres_read_as_metres_are_told_with_the_fix_and_the_fix_works() {
+fn millimetres_read_as_metres_are_refused_with_the_fix_and_the_fix_works() {
     let (bench, text) = bench_with_hull();
     let millimetres = lines(&text, |line| {
         if !line.starts_with("v ") {
@@ -255,7 +255,7 @@ fn millimetres_read_as_metres_are_told_with_the_fix_and_the_fix_works() {
 }
 
 #[test]
-fn an_open_hull_is_told_and_its_underside_used() {
+fn an_open_hull_is_reported_and_its_underside_used() {
     let (bench, text) = bench_with_hull();
     let heights: Vec<f64> = text
         .lines()
@@ -310,16 +310,16 @@ fn coarse_hull() -> String {
     text
 }
 
-/// `press` has an error to say it with; `friction` has none.
+/// `press` states it as an error; `friction` has none.
 #[test]
 fn a_hull_too_coarse_for_its_load_is_answered_with_its_error_or_refused_with_the_numbers() {
     let bench = Bench::new();
     bench.write("coarse.obj", coarse_hull());
     let pressed = press(&bench, "hull = \"coarse.obj\"");
-    let said = errors(&pressed);
-    assert_eq!(pressed.status.code(), Some(4), "{said}");
+    let printed = errors(&pressed);
+    assert_eq!(pressed.status.code(), Some(4), "{printed}");
     for part in ["leave the peak uncertain by", "strips of 125 mm"] {
-        assert!(said.contains(part), "{said}");
+        assert!(printed.contains(part), "{printed}");
     }
     let result: serde_json::Value = serde_json::from_slice(&pressed.stdout).expect("JSON");
     let stated = ["p_max_error_pa", "p_max_hull_pa", "p_max_noise_pa"]
@@ -343,7 +343,7 @@ fn a_hull_too_coarse_for_its_load_is_answered_with_its_error_or_refused_with_the
 }
 
 #[test]
-fn a_stray_vertex_is_refused_and_a_second_runner_and_one_across_are_told() {
+fn a_stray_vertex_is_refused_and_a_second_runner_and_one_across_are_reported() {
     let (bench, hull) = bench_with_hull();
     let moved = |line: &str, to: &dyn Fn(&[f64]) -> [f64; 3]| {
         if !line.starts_with("v ") {

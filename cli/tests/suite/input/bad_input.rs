@@ -3,20 +3,20 @@
 use crate::kufe::{Bench, CASE, errors, names};
 use kufe_outside::not_here;
 
-/// Runs `kufe press case.toml -o out` on `text` and expects exit code 3 and one line that says `expected`.
+/// Runs `kufe press case.toml -o out` on `text` and expects exit code 3 and one line with the word `expected`.
 fn refused(bench: &Bench, text: &str, expected: &[&str]) {
     bench.write("case.toml", text);
     let before = bench.names();
     let output = bench.kufe(&["press", "case.toml", "-o", "out"]);
-    let said = errors(&output);
-    let lines: Vec<&str> = said
+    let printed = errors(&output);
+    let lines: Vec<&str> = printed
         .lines()
         .filter(|line| !line.contains("warning:"))
         .collect();
-    assert_eq!(output.status.code(), Some(3), "{said}");
-    assert_eq!(lines.len(), 1, "one line: {said}");
+    assert_eq!(output.status.code(), Some(3), "{printed}");
+    assert_eq!(lines.len(), 1, "one line: {printed}");
     for part in expected {
-        assert!(said.contains(part), "{part:?} is missing: {said}");
+        assert!(printed.contains(part), "{part:?} is missing: {printed}");
     }
     assert!(output.stdout.is_empty());
     assert_eq!(bench.names(), before, "something was left behind");
@@ -106,7 +106,7 @@ fn a_case_that_is_no_text_is_refused() {
 }
 
 #[test]
-fn a_load_beside_the_hull_is_refused_with_both_places() {
+fn a_load_outside_the_hull_is_refused_with_both_places() {
     let bench = Bench::new();
     let text = changed("fz_n = 1000.0", "fz_n = 1000.0\noffset_x_m = 0.812345678");
     refused(
@@ -195,10 +195,10 @@ fn a_full_disk_is_left_empty() {
     let left = names(&disk);
     assert!(mount("umount", &[]), "the disk stays mounted");
     assert_eq!(output.status.code(), Some(3), "{}", errors(&output));
-    let said = errors(&output);
+    let printed = errors(&output);
     assert!(
-        said.contains("disk/out/") && said.contains("cannot be written: No space left"),
-        "{said}"
+        printed.contains("disk/out/") && printed.contains("cannot be written: No space left"),
+        "{printed}"
     );
     assert!(left.is_empty(), "{left:?}");
 }
@@ -210,12 +210,12 @@ fn an_output_that_no_one_may_write_is_refused_before_the_work() {
     for out in ["/proc/kufe", "/dev/full/out"] {
         let output = bench.kufe(&["press", "-o", out]);
         assert_eq!(output.status.code(), Some(3), "{}", errors(&output));
-        let said = errors(&output);
+        let printed = errors(&output);
         assert!(
-            said.contains(out) && said.contains("cannot be written"),
-            "{said}"
+            printed.contains(out) && printed.contains("cannot be written"),
+            "{printed}"
         );
-        assert_eq!(said.lines().count(), 1, "{said}");
+        assert_eq!(printed.lines().count(), 1, "{printed}");
     }
 }
 

@@ -102,7 +102,7 @@ pub fn rounds(name: &str, seeds: &[Vec<u8>], read: impl Fn(&[u8]) -> bool) {
 /// What all readers together may take at the worst [bytes]; the files are of a few kilobytes.
 const MOST_MEMORY: u64 = 1 << 30;
 
-/// Largest resident memory of this process so far, where the system tells [bytes].
+/// Largest resident memory of this process so far, if the system states it [bytes].
 fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;

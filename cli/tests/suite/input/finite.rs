@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::kufe::{Bench, errors, names};
 
-/// What a CSV or JSON file of a folder holds that is no finite number; NaN in a table is a gap.
+/// Entries of a folder's CSV and JSON files that are no finite numbers; NaN in a table is a gap.
 fn not_finite(folder: &Path) -> Option<String> {
     names(folder).into_iter().find_map(|name| {
         let text = std::fs::read_to_string(folder.join(&name)).ok()?;
@@ -184,7 +184,7 @@ fn units_that_overflow_are_refused_with_their_place() {
 }
 
 #[test]
-fn a_recording_without_its_last_line_end_loses_its_last_row_and_says_so() {
+fn a_recording_without_its_last_line_end_loses_its_last_row_with_a_warning() {
     let bench = bench();
     let whole = std::fs::read_to_string(bench.path("runs/A1-01.csv")).expect("a run");
     let rows = whole.lines().count() - 1;
@@ -195,8 +195,8 @@ fn a_recording_without_its_last_line_end_loses_its_last_row_and_says_so() {
         let output = bench.kufe(&align);
         let message = errors(&output);
         assert!(output.status.success(), "{message}");
-        let said = "A1-01.csv: the last line has no end and is not read";
-        assert!(message.contains(said), "{cut}: {message}");
+        let printed = "A1-01.csv: the last line has no end and is not read";
+        assert!(message.contains(printed), "{cut}: {message}");
         let written = std::fs::read_to_string(bench.path("aligned/A1-01.csv")).expect("a run");
         assert_eq!(written.lines().count() - 1, rows - 1, "{cut}");
     }

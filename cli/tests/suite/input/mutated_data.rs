@@ -25,7 +25,7 @@ fn through_file(name: &str, read: impl Fn(&Path) -> bool) -> impl Fn(&[u8]) -> b
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join(name);
     move |bytes| {
-        let _kept = &folder;
+        let _folder = &folder;
         std::fs::write(&path, bytes).expect("a file");
         read(&path)
     }

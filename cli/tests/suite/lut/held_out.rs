@@ -1,4 +1,4 @@
-//! A table on disk beside contacts that it has never seen.
+//! A table on disk against contacts that are not in it.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -44,7 +44,7 @@ fn misses(table: &Path, case: &Path, seed: u64, points: usize) -> Vec<Miss> {
 }
 
 #[test]
-fn the_tables_beside_the_cases_are_those_of_this_solver() {
+fn the_stored_tables_are_those_of_this_solver() {
     for name in ["front", "rear"] {
         let [table, case] = [".lut", "-case.toml"].map(|end| format!("assets/tables/{name}{end}"));
         let misses = misses(Path::new(&table), Path::new(&case), 7, 6);

@@ -1,4 +1,4 @@
-//! A table of the reference runner beside Hertz's closed form.
+//! A table of the reference runner against Hertz's closed form.
 
 use kufe_contact::hertz;
 use serde_json::Value;
@@ -30,8 +30,8 @@ fn sixty_four_fields_have_the_peaks_of_hertz() {
              curvature_1pm = {{ values = {curvatures:?} }}\n[accuracy]\np_max = 0.005\nchecks = 0\n"
         ),
     );
-    let said = bench.succeeds(&["lut", "table.toml", "-o", "t.lut", "--json"]);
-    let summary: Value = serde_json::from_str(&said).expect("JSON");
+    let printed = bench.succeeds(&["lut", "table.toml", "-o", "t.lut", "--json"]);
+    let summary: Value = serde_json::from_str(&printed).expect("JSON");
     assert_eq!(summary["solves"], 64);
 
     let text = std::fs::read_to_string(bench.path("t.lut")).expect("the table");

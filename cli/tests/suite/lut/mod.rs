@@ -1,4 +1,4 @@
-//! Tables: made, cut into shards, looked up, and held against contacts solved apart.
+//! Tables: solved, in shards, looked up, and compared with contacts solved separately.
 
 mod held_out;
 mod hertz;

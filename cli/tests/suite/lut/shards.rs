@@ -133,16 +133,16 @@ fn interrupted_it_leaves_with_5_and_resumes() {
         .unwrap();
     assert!(reported.success());
     let status = child.wait().unwrap();
-    let mut said = String::new();
-    std::io::Read::read_to_string(child.stderr.as_mut().unwrap(), &mut said).unwrap();
-    assert_eq!(status.code(), Some(5), "{said}");
-    assert!(said.contains("resumes"), "{said}");
+    let mut printed = String::new();
+    std::io::Read::read_to_string(child.stderr.as_mut().unwrap(), &mut printed).unwrap();
+    assert_eq!(status.code(), Some(5), "{printed}");
+    assert!(printed.contains("resumes"), "{printed}");
     assert!(!bench.path("t.lut").exists());
-    let kept = finished(&points).len();
-    assert!(kept >= 3);
+    let stored = finished(&points).len();
+    assert!(stored >= 3);
     let summary = bench.succeeds(&["lut", "table.toml", "-o", "t.lut", "--json"]);
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
-    assert_eq!(summary["solves"], 164 - kept);
+    assert_eq!(summary["solves"], 164 - stored);
     assert!(
         !points.exists(),
         "results in hand are gone once the table is there"
@@ -164,10 +164,10 @@ fn shards_of_a_tolerance_go_in_rounds_and_give_the_same_table() {
     let mut rounds = 0;
     loop {
         let early = bench.kufe(&["lut", "merge", "plan", "-o", "merged.lut"]);
-        let said = String::from_utf8_lossy(&early.stderr).into_owned();
+        let printed = String::from_utf8_lossy(&early.stderr).into_owned();
         assert!(
-            early.status.code() == Some(5) && said.contains("have no result yet"),
-            "{said}"
+            early.status.code() == Some(5) && printed.contains("have no result yet"),
+            "{printed}"
         );
         for shard in ["2/3", "1/3", "3/3"] {
             bench.succeeds(&["lut", "run", "plan", "--shard", shard]);
@@ -177,10 +177,10 @@ fn shards_of_a_tolerance_go_in_rounds_and_give_the_same_table() {
         if merged.status.success() {
             break;
         }
-        let said = String::from_utf8_lossy(&merged.stderr).into_owned();
+        let printed = String::from_utf8_lossy(&merged.stderr).into_owned();
         assert!(
-            merged.status.code() == Some(5) && said.contains("is planned"),
-            "{said}"
+            merged.status.code() == Some(5) && printed.contains("is planned"),
+            "{printed}"
         );
     }
     assert!(rounds > 1);
@@ -204,10 +204,10 @@ fn damaged_and_foreign_results_are_named() {
     )
     .unwrap();
     let output = bench.kufe(&["lut", "merge", "plan", "-o", "t.lut"]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let printed = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(
-        output.status.code() == Some(3) && said.contains(name) && said.contains("damaged"),
-        "{said}"
+        output.status.code() == Some(3) && printed.contains(name) && printed.contains("damaged"),
+        "{printed}"
     );
     for shard in ["1/2", "2/2"] {
         bench.succeeds(&["lut", "run", "plan", "--shard", shard]);
@@ -221,10 +221,10 @@ fn damaged_and_foreign_results_are_named() {
         ["lut", "plan", "table.toml", "-o", "plan"],
     ] {
         let output = bench.kufe(&words);
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let printed = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(
-            output.status.code() == Some(3) && said.contains("case_sha256"),
-            "{words:?} {said}"
+            output.status.code() == Some(3) && printed.contains("case_sha256"),
+            "{words:?} {printed}"
         );
     }
 }
@@ -245,14 +245,14 @@ fn a_full_disk_is_named_and_what_was_finished_stays() {
     let output = bench.kufe(&["lut", "plan", "table.toml", "-o", "plan"]);
     let planned = output.status.success();
     let output = bench.kufe(&["lut", "run", "plan", "--shard", "1/1"]);
-    let kept = finished(&bench.path("plan/points")).len();
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let stored = finished(&bench.path("plan/points")).len();
+    let printed = String::from_utf8_lossy(&output.stderr).into_owned();
     let unmounted = Command::new("umount").arg(&small).status().unwrap();
     assert!(unmounted.success() && planned);
-    assert_eq!(output.status.code(), Some(3), "{said}");
+    assert_eq!(output.status.code(), Some(3), "{printed}");
     assert!(
-        said.contains("plan/points/") && said.contains("No space left"),
-        "{said}"
+        printed.contains("plan/points/") && printed.contains("No space left"),
+        "{printed}"
     );
-    assert!(kept > 0 && kept < 164, "{kept}");
+    assert!(stored > 0 && stored < 164, "{stored}");
 }

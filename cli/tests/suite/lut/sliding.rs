@@ -24,13 +24,13 @@ fn json(text: &str) -> Value {
 }
 
 #[test]
-fn a_node_is_what_press_says_of_that_load_track_speed_and_ice() {
+fn a_node_equals_press_at_that_load_track_speed_and_ice() {
     let axes = "fz_n = { values = [600.0, 900.0] }\ncurvature_1pm = { values = [0.004] }\n\
                 v_mps = { values = [6.0, 25.0] }\nice_c = { values = [-9.0, -4.0] }\n";
     let bench = bench("[sliding]\nv_mps = 11.0\nice_c = -2.0\n", axes);
-    let said = bench.succeeds(&["lut", "table.toml", "-o", "front.lut", "--csv"]);
+    let printed = bench.succeeds(&["lut", "table.toml", "-o", "front.lut", "--csv"]);
     for axis in ["fz: 2", "curvature: 1", "v: 2", "ice: 2"] {
-        assert!(said.contains(&format!("{axis} points")), "{said}");
+        assert!(printed.contains(&format!("{axis} points")), "{printed}");
     }
     bench.write(
         "case.toml",
@@ -104,16 +104,16 @@ fn a_rocker_that_the_case_cannot_have_is_refused_before_any_point_is_solved() {
     let case = std::fs::read_to_string(bench.path("case.toml")).expect("the case");
     bench.write("case.toml", case.replace("kind = \"paraboloid\", ", shape));
     let output = bench.kufe(&["lut", "table.toml", "-o", "front.lut"]);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(3), "{said}");
+    let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "{printed}");
     let place =
         "table.toml: axes.rocker_radius_m = 5: case.toml: runner.shape: height [m]: found 0.03";
-    assert!(said.contains(place), "{said}");
+    assert!(printed.contains(place), "{printed}");
     assert!(!bench.path("front.lut.points").exists());
 }
 
 #[test]
-fn what_is_wrong_with_a_table_that_slides_is_told_by_its_place() {
+fn wrong_sliding_tables_are_refused_with_their_place() {
     let axes = |further: &str| {
         format!(
             "fz_n = {{ values = [600.0, 900.0] }}\ncurvature_1pm = {{ values = [0.0] }}\n{further}\n"
@@ -153,10 +153,10 @@ fn what_is_wrong_with_a_table_that_slides_is_told_by_its_place() {
     ] {
         let bench = bench(sliding, &axes(further));
         let output = bench.kufe(&["lut", "table.toml", "-o", "front.lut"]);
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(3), "{said}");
+        let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(3), "{printed}");
         for word in reported {
-            assert!(said.contains(word), "{further}: {word}: {said}");
+            assert!(printed.contains(word), "{further}: {word}: {printed}");
         }
     }
 }

@@ -110,7 +110,7 @@ impl Slurm {
             .daemons
             .push(daemon("slurmctld", &["-D".into()], &configuration));
         wait_for("the controller", || {
-            slurm.says("scontrol", &["ping"]).contains("is UP")
+            slurm.output_of("scontrol", &["ping"]).contains("is UP")
         });
         let node = ["-D".to_string(), "-N".into(), host];
         slurm.daemons.push(daemon("slurmd", &node, &configuration));
@@ -118,7 +118,10 @@ impl Slurm {
         wait_for("the node", || {
             let node = slurm.daemons.last_mut().expect("the daemons");
             ended = node.try_wait().expect("its state").is_some();
-            ended || slurm.says("sinfo", &["-h", "-o", "%T"]).contains("idle")
+            ended
+                || slurm
+                    .output_of("sinfo", &["-h", "-o", "%T"])
+                    .contains("idle")
         });
         if ended {
             slurm.daemons.pop();
@@ -135,7 +138,7 @@ impl Slurm {
         command
     }
 
-    fn says(&self, program: &str, words: &[&str]) -> String {
+    fn output_of(&self, program: &str, words: &[&str]) -> String {
         let output = self
             .command(program)
             .args(words)
@@ -221,10 +224,10 @@ fn an_array_with_a_failing_shard_resubmitted_gives_the_table_of_one_process() {
             String::from_utf8_lossy(&output.stderr).into_owned(),
         )
     };
-    let (all_well, said) = submit();
+    let (all_well, printed) = submit();
     assert!(
         !all_well && marker.exists(),
-        "shard 3 fails the first time: {said}"
+        "shard 3 fails the first time: {printed}"
     );
     let early = bench.kufe(&["lut", "merge", "plan", "-o", "merged.lut"]);
     let text = String::from_utf8_lossy(&early.stderr).into_owned();
@@ -232,8 +235,8 @@ fn an_array_with_a_failing_shard_resubmitted_gives_the_table_of_one_process() {
         early.status.code() == Some(5) && text.contains("4 of 16 points"),
         "{text}"
     );
-    let (all_well, said) = submit();
-    assert!(all_well, "{said}");
+    let (all_well, printed) = submit();
+    assert!(all_well, "{printed}");
     bench.succeeds(&["lut", "merge", "plan", "-o", "merged.lut"]);
     assert!(
         std::fs::read(bench.path("whole.lut")).unwrap()

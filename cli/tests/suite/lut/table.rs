@@ -28,8 +28,8 @@ fn json(text: &str) -> Value {
 /// Exit code and standard error.
 fn fails(bench: &Bench, words: &[&str]) -> (i32, String) {
     let output = bench.kufe(words);
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    (output.status.code().expect("an exit code"), said)
+    let printed = String::from_utf8_lossy(&output.stderr).into_owned();
+    (output.status.code().expect("an exit code"), printed)
 }
 
 /// A command line.
@@ -43,7 +43,7 @@ fn a_table_of_a_paraboloid_is_that_of_hertz() {
         "[axes]\nfz_n = { values = [250.0, 1000.0, 4000.0] }\nradius_m = { values = [60.0, inf, -60.0] }\n\
          [accuracy]\np_max = 0.005\n",
     );
-    let said = bench.succeeds(&[
+    let printed = bench.succeeds(&[
         "lut",
         "table.toml",
         "-o",
@@ -53,8 +53,8 @@ fn a_table_of_a_paraboloid_is_that_of_hertz() {
         "--header",
         "--fmu=other.fmu",
     ]);
-    assert!(said.contains("fz: 3 points"), "{said}");
-    assert!(said.contains("curvature: 3 points"), "{said}");
+    assert!(printed.contains("fz: 3 points"), "{printed}");
+    assert!(printed.contains("curvature: 3 points"), "{printed}");
     let names = [
         "case.toml",
         "front.csv",
@@ -108,11 +108,11 @@ fn a_table_of_a_paraboloid_is_that_of_hertz() {
         "lut query front.lut --fz-n 1000 --v-mps 20 --pitch-rate-radps 0.2 --json",
     ));
     assert_eq!(json(&by_curvature), json(&by_pitch));
-    let said = bench.succeeds(&words(
+    let printed = bench.succeeds(&words(
         "lut query front.lut --fz-n 9000 --curvature-1pm 0 --mode bilinear",
     ));
     let place = "outside the table (fz_n = 9000, its range ";
-    assert!(said.contains(place), "{said}");
+    assert!(printed.contains(place), "{printed}");
     let line = "lut query front.lut --fz-n 1000 --curvature-1pm 0 --v-mps 20";
     let (code, warned) = fails(&bench, &words(line));
     let unused = "--v-mps is not used: the table has no such axis";
@@ -122,16 +122,16 @@ fn a_table_of_a_paraboloid_is_that_of_hertz() {
         ("--fz-n 1000 --curvature-1pm 0.5", "curvature_1pm = 0.5: "),
     ] {
         let strict = format!("lut query front.lut --strict {inputs}");
-        let (code, said) = fails(&bench, &words(&strict));
+        let (code, printed) = fails(&bench, &words(&strict));
         assert!(
-            code == 3 && said.contains(found) && said.contains("expected"),
-            "{said}"
+            code == 3 && printed.contains(found) && printed.contains("expected"),
+            "{printed}"
         );
     }
     bench.succeeds(&words(
         "lut query front.lut --strict --fz-n 1000 --radius-m inf",
     ));
-    let said = bench.succeeds(&[
+    let printed = bench.succeeds(&[
         "lut",
         "show",
         "front.lut",
@@ -141,7 +141,7 @@ fn a_table_of_a_paraboloid_is_that_of_hertz() {
         "length.png",
     ]);
     assert!(
-        said.contains("length.png")
+        printed.contains("length.png")
             && std::fs::read(bench.path("length.png")).unwrap().len() > 10_000
     );
     bench.succeeds(&["lut", "export", "front.lut", "--csv=again.csv"]);
@@ -152,7 +152,7 @@ fn a_table_of_a_paraboloid_is_that_of_hertz() {
 }
 
 #[test]
-fn a_range_is_refined_until_it_is_as_good_as_asked() {
+fn a_range_is_refined_until_it_meets_its_accuracy() {
     let bench = bench(
         "[axes]\nfz_n = { from = 250.0, to = 4000.0 }\ncurvature_1pm = { from = -0.02, to = 0.02 }\n\
          [accuracy]\ninterpolation = 0.02\nchecks = 30\nevaluation = \"smooth\"\n",
@@ -189,15 +189,15 @@ fn a_range_is_refined_until_it_is_as_good_as_asked() {
     }
 }
 
-/// Corners and middle by finite elements, what lies between by boundary elements, each as good as it says; all by finite elements where
+/// Corners and middle by finite elements, the points between by boundary elements, each within its stated error; all by finite elements where
 /// the ice yields.
 #[test]
-fn a_table_says_which_method_solved_each_contact() {
+fn a_table_states_the_method_of_each_contact() {
     let axes = "[axes]\nfz_n = { values = [250.0, 500.0, 1000.0, 2000.0, 4000.0] }\n\
                 rocker_radius_m = { values = [15.0, 30.0, 60.0, 120.0] }\nradius_m = { values = [inf] }\n[accuracy]\np_max = 0.005\n";
     let bench = bench(axes);
-    let said = bench.succeeds(&["lut", "table.toml", "-o", "both.lut"]);
-    assert!(said.contains("by_boundary_elements: 1"), "{said}");
+    let printed = bench.succeeds(&["lut", "table.toml", "-o", "both.lut"]);
+    assert!(printed.contains("by_boundary_elements: 1"), "{printed}");
     let table = json(&std::fs::read_to_string(bench.path("both.lut")).unwrap());
     let (mut by_boundary, mut by_finite) = (Vec::new(), Vec::new());
     for (i, fz) in [250.0, 500.0, 1000.0, 2000.0, 4000.0]
@@ -244,8 +244,8 @@ fn a_table_says_which_method_solved_each_contact() {
         "case.toml",
         PARABOLOID.replace("[load]", "hardness_pa = 50e6\n[load]"),
     );
-    let said = bench.succeeds(&["lut", "table.toml", "-o", "yields.lut"]);
-    assert!(said.contains("by_boundary_elements: 0\n"), "{said}");
+    let printed = bench.succeeds(&["lut", "table.toml", "-o", "yields.lut"]);
+    assert!(printed.contains("by_boundary_elements: 0\n"), "{printed}");
     let text = std::fs::read_to_string(bench.path("yields.lut")).unwrap();
     assert!(!text.contains("\"method\""));
 }
@@ -264,7 +264,7 @@ fn the_table_has_the_same_bytes_for_any_number_of_threads() {
 }
 
 #[test]
-fn bad_table_files_are_told_by_key_and_value() {
+fn bad_table_files_are_refused_with_key_and_value() {
     let good =
         "[axes]\nfz_n = { values = [250.0, 1000.0] }\ncurvature_1pm = { values = [0.0, 0.02] }\n";
     for (from, to, expected) in [
@@ -319,42 +319,42 @@ fn bad_table_files_are_told_by_key_and_value() {
         ),
     ] {
         let bench = bench(&good.replace(from, to));
-        let (code, said) = fails(&bench, &["lut", "table.toml", "-o", "t.lut"]);
+        let (code, printed) = fails(&bench, &["lut", "table.toml", "-o", "t.lut"]);
         assert!(
-            code == 3 && said.contains(expected),
-            "{code} {said} lacks {expected}"
+            code == 3 && printed.contains(expected),
+            "{code} {printed}: no {expected}"
         );
         assert!(!bench.path("t.lut").exists());
     }
     let bench = Bench::new();
     bench.write("table.toml", format!("case = \"absent.toml\"\n{good}"));
-    let (code, said) = fails(&bench, &["lut", "table.toml"]);
-    assert!(code == 3 && said.contains("absent.toml"), "{said}");
+    let (code, printed) = fails(&bench, &["lut", "table.toml"]);
+    assert!(code == 3 && printed.contains("absent.toml"), "{printed}");
 }
 
 #[test]
-fn points_short_of_the_tolerance_are_kept_told_and_end_with_code_4() {
+fn points_short_of_the_tolerance_are_written_reported_and_end_with_code_4() {
     let bench = bench(
         "[axes]\nfz_n = { values = [1000.0] }\ncurvature_1pm = { values = [0.0] }\n[accuracy]\np_max = 1e-5\n",
     );
-    let (code, said) = fails(&bench, &["lut", "table.toml", "-o", "t.lut"]);
-    assert_eq!(code, 4, "{said}");
+    let (code, printed) = fails(&bench, &["lut", "table.toml", "-o", "t.lut"]);
+    assert_eq!(code, 4, "{printed}");
     assert!(
-        said.contains("1 solve stayed short")
-            && said.contains("tolerance of 0.00100 %")
-            && said.contains("fz_n = 1000"),
-        "{said}"
+        printed.contains("1 solve stayed short")
+            && printed.contains("tolerance of 0.00100 %")
+            && printed.contains("fz_n = 1000"),
+        "{printed}"
     );
     let table = json(&std::fs::read_to_string(bench.path("t.lut")).unwrap());
     let error = table["accuracy"]["solver"].as_f64().unwrap();
     assert!(error > 1e-5 && error < 1e-3, "{error}");
     for fz in ["-5", "0"] {
-        let (code, said) = fails(
+        let (code, printed) = fails(
             &bench,
             &["lut", "query", "t.lut", "--fz-n", fz, "--radius-m", "inf"],
         );
         let expected = format!("--fz-n {fz}: expected a finite number above 0 N");
-        assert!(code == 2 && said.contains(&expected), "{code} {said}");
+        assert!(code == 2 && printed.contains(&expected), "{code} {printed}");
     }
     let looked = json(&bench.succeeds(&words("lut query t.lut --fz-n 1000 --radius-m inf --json")));
     let (p_max, stated) = (&looked["p_max_pa"], &looked["p_max_error_pa"]);
@@ -369,11 +369,14 @@ fn the_rules_of_a_table_file_hold_in_its_queries_and_exports() {
         "[axes]\nfz_n = { values = [250.0, 1000.0, 4000.0], outside = \"linear\" }\n\
          radius_m = { values = [60.0, inf, -60.0], outside = \"error\" }\n[accuracy]\np_max = 0.005\nchecks = 1\n",
     );
-    let said = bench.succeeds(&words(
+    let printed = bench.succeeds(&words(
         "lut table.toml -o front.lut --mat --octave --ctypes --csharp --fmu2",
     ));
-    assert!(said.contains("fz: 3 points, from 250 N, to 4 kN"), "{said}");
-    assert!(said.contains("least accurate at fz_n = "), "{said}");
+    assert!(
+        printed.contains("fz: 3 points, from 250 N, to 4 kN"),
+        "{printed}"
+    );
+    assert!(printed.contains("least accurate at fz_n = "), "{printed}");
     let names = [
         "case.toml",
         "front.cs",
@@ -399,10 +402,10 @@ fn the_rules_of_a_table_file_hold_in_its_queries_and_exports() {
     let ratio = p_max("32000") / p_max("4000");
     assert!((ratio - 2.0).abs() < 0.05, "{ratio}");
     let line = "lut query front.lut --fz-n 1000 --radius-m 20";
-    let (code, said) = fails(&bench, &words(line));
+    let (code, printed) = fails(&bench, &words(line));
     assert!(
-        code == 3 && said.contains("curvature_1pm = 0.05: outside the table"),
-        "{said}"
+        code == 3 && printed.contains("curvature_1pm = 0.05: outside the table"),
+        "{printed}"
     );
     let facts = json(&bench.succeeds(&words("info front_fmi2.fmu --json")));
     assert_eq!(facts["axes"]["fz_n"]["outside"], "linear");
@@ -413,22 +416,22 @@ fn the_rules_of_a_table_file_hold_in_its_queries_and_exports() {
         "case = \"case.toml\"\n[axes]\nfz_n = { values = [250.0] }\nradius_m = { values = [inf] }\n\
          rocker_radius_m = { values = [20.0, 30.0], outside = \"linear\" }\n",
     );
-    let (code, said) = fails(&bench, &words("lut wrong.toml -o wrong.lut"));
+    let (code, printed) = fails(&bench, &words("lut wrong.toml -o wrong.lut"));
     assert!(
-        code == 3 && said.contains("rocker_radius_m.outside"),
-        "{said}"
+        code == 3 && printed.contains("rocker_radius_m.outside"),
+        "{printed}"
     );
 }
 
 #[test]
-fn bad_tables_and_arguments_are_told() {
+fn bad_tables_and_arguments_are_refused() {
     let bench = Bench::new();
     bench.write("broken.lut", "{\"format\": \"kufe-lut\"");
     let query = words("lut query broken.lut --fz-n 1 --radius-m inf");
-    let (code, said) = fails(&bench, &query);
+    let (code, printed) = fails(&bench, &query);
     assert!(
-        code == 3 && said.contains("broken.lut: ") && said.contains("line 1"),
-        "{said}"
+        code == 3 && printed.contains("broken.lut: ") && printed.contains("line 1"),
+        "{printed}"
     );
     for line in [
         "lut",
@@ -440,7 +443,14 @@ fn bad_tables_and_arguments_are_told() {
         "lut run plan --shard 5/4",
         "lut plan t.toml -o p --shards 0",
     ] {
-        let (code, said) = fails(&bench, &words(line));
-        assert_eq!(code, 2, "{line}: {said}");
+        let (code, printed) = fails(&bench, &words(line));
+        assert_eq!(code, 2, "{line}: {printed}");
     }
+    // The header of --ctypes has the name of the CSV file.
+    let line = "lut export broken.lut --csv=broken.h --ctypes";
+    let (code, printed) = fails(&bench, &words(line));
+    assert!(
+        code == 3 && printed.contains("writes another of its outputs there"),
+        "{printed}"
+    );
 }

@@ -18,10 +18,10 @@ const PATIENCE: Duration = Duration::from_secs(120);
 /// A browser with one tab.
 pub struct Browser {
     process: Child,
-    hears: ChildStdin,
-    says: Receiver<Vec<u8>>,
+    input: ChildStdin,
+    answers: Receiver<Vec<u8>>,
     session: String,
-    asked: u64,
+    calls: u64,
     events: Vec<Value>,
     _profile: TempDir,
 }
@@ -93,10 +93,10 @@ impl Browser {
             .spawn()
             .expect("chromium starts");
         let mut pipe = BufReader::new(process.stdout.take().expect("a pipe"));
-        let (send, says) = channel();
+        let (send, answers) = channel();
         std::thread::spawn(move || {
             let mut text = Vec::new();
-            // Until the browser or the test goes away.
+            // Until the browser or the test ends.
             while pipe.read_until(0, &mut text).is_ok() && text.pop() == Some(0) {
                 if send.send(std::mem::take(&mut text)).is_err() {
                     break;
@@ -104,11 +104,11 @@ impl Browser {
             }
         });
         let mut browser = Browser {
-            hears: process.stdin.take().expect("a pipe"),
-            says,
+            input: process.stdin.take().expect("a pipe"),
+            answers,
             process,
             session: String::new(),
-            asked: 0,
+            calls: 0,
             events: Vec::new(),
             _profile: profile,
         };
@@ -127,20 +127,20 @@ impl Browser {
 
     /// Asks the browser and waits for its answer.
     pub fn call(&mut self, method: &str, parameters: Value) -> Value {
-        self.asked += 1;
-        let mut message = json!({ "id": self.asked, "method": method, "params": parameters });
+        self.calls += 1;
+        let mut message = json!({ "id": self.calls, "method": method, "params": parameters });
         if !self.session.is_empty() {
             message["sessionId"] = json!(self.session);
         }
         let mut bytes = message.to_string().into_bytes();
         bytes.push(0);
-        let sent = self.hears.write_all(&bytes).and(self.hears.flush());
-        sent.expect("chromium hears");
+        let sent = self.input.write_all(&bytes).and(self.input.flush());
+        sent.expect("chromium reads");
         loop {
-            let text = self.says.recv_timeout(PATIENCE);
+            let text = self.answers.recv_timeout(PATIENCE);
             let text = text.unwrap_or_else(|e| panic!("{method}: chromium does not answer: {e}"));
             let mut answer: Value = serde_json::from_slice(&text).expect("JSON");
-            if answer["id"] == self.asked {
+            if answer["id"] == self.calls {
                 assert!(answer["error"].is_null(), "{method}: {}", answer["error"]);
                 return answer["result"].take();
             }
@@ -222,7 +222,7 @@ impl Browser {
         self.mouse("mouseReleased", selector, to);
     }
 
-    /// Errors of the page since it was opened: exceptions, and what the console holds as errors.
+    /// Errors of the page since it was opened: exceptions, and errors on the console.
     pub fn errors(&mut self) -> Vec<String> {
         self.settle();
         let bad = |event: &&Value| match event["method"].as_str() {

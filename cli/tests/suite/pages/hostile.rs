@@ -18,7 +18,7 @@ fn is_harmless(browser: &mut Browser, bench: &Bench, page: &str) {
     assert_eq!(browser.evaluate(made), 0, "{page}");
     let ran = "document.title === 'ran'";
     assert_eq!(browser.evaluate(ran), false, "{page}");
-    // A policy that blocks a script says so on the console.
+    // A policy that blocks a script logs this on the console.
     assert_eq!(browser.errors(), Vec::<String>::new(), "{page}");
     let shown =
         browser.evaluate("document.documentElement.textContent.includes('onerror=document')");

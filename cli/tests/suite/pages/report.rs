@@ -23,7 +23,7 @@ const LOOKS: [Look; 4] = [
     },
 ];
 
-/// Texts of charts that stand beyond their paper, or touch another along the same axis.
+/// Texts of charts that are partly outside the picture, or touch another along the same axis.
 const BEYOND: &str = "[...document.querySelectorAll('.chart svg')].filter((chart) => chart.viewBox.baseVal.width > 0).flatMap((chart) => { \
      const paper = chart.getBoundingClientRect(); \
      const texts = [...chart.querySelectorAll('text[text-anchor=middle]:not([transform])')].map((text) => [text.textContent, text.getBoundingClientRect()]); \
@@ -104,7 +104,7 @@ fn a_contacts_page_turns_and_its_cursor_reads_the_map() {
             (read[2] - expected).abs() < 0.3,
             "{readout}: the file has {expected}"
         );
-        // Hertz: a = 25 mm, b = 0.139 mm, 138.5 MPa, and the accuracy that the case asks for.
+        // Hertz: a = 25 mm, b = 0.139 mm, 138.5 MPa, and the requested accuracy of the case.
         let inside = 1.0 - (read[0] / 25.0).powi(2) - (read[1] / 0.139).powi(2);
         if inside > 0.2 {
             let hertz = 138.5 * inside.sqrt();
@@ -150,7 +150,7 @@ fn pages_fit_phones_and_dark_rooms_and_need_no_webgl() {
     );
     bench.succeeds(&["lut", "table.toml", "-o", "front.lut"]);
     bench.succeeds(&["report", "front.lut"]);
-    // A short runner near the curvature where it lies flush, over reduced curvatures.
+    // A short runner near the curvature at which it lies flush, over reduced curvatures.
     bench.write(
         "short.toml",
         CASE.replace(
@@ -197,7 +197,7 @@ fn pages_fit_phones_and_dark_rooms_and_need_no_webgl() {
                 wide.as_i64().expect("a number") <= 0,
                 "{page} is {wide} px too wide at {look:?}"
             );
-            // A single number under an axis tells no scale.
+            // A single number under an axis defines no scale.
             let unscaled = browser.evaluate(
                 "[...document.querySelectorAll('.chart svg')].filter((chart) => chart.querySelector('text') && \
                  [...chart.querySelectorAll('text[text-anchor=middle]')].filter((t) => isFinite(t.textContent)).length < 2).length",
@@ -263,7 +263,7 @@ fn pages_fit_phones_and_dark_rooms_and_need_no_webgl() {
     browser.mouse("mouseMoved", ".plot canvas", [0.45, 0.45]);
     assert!(numbers(&browser.text("#readout"))[2] > 100.0);
     let errors = browser.errors();
-    // three.js itself says that it found no WebGL; anything else is ours.
+    // three.js itself reports a missing WebGL; any other message is an error of the page.
     assert!(
         errors.iter().all(|error| error.contains("WebGL")),
         "{errors:?}"
@@ -364,7 +364,7 @@ fn a_cases_lists_are_written_out_and_steel_only_where_it_gives() {
         );
         assert_eq!(has("runner.youngs_modulus_pa"), steel, "{name}: {page}");
         assert!(has("ice.youngs_modulus_pa"), "{name}: {page}");
-        // What the mount bears stands among the results: a column a place, of which the forces sum to the load.
+        // The loads of the mount are among the results: a column per place, of which the forces sum to the load.
         let shown = "[...document.querySelectorAll('.panel')].filter((p) => !p.hidden && p.textContent.includes('pushes its mount'))";
         let upwards = format!(
             "{shown}.flatMap((p) => [...p.querySelectorAll('tbody tr')].filter((r) => r.textContent.includes('upwards'))\

@@ -92,9 +92,9 @@ fn gathered_runs_are_a_page_and_their_index_no_place_for_it() {
         .concat(),
     );
     std::fs::remove_file(bench.path("raw/A2.csv")).expect("a run less");
-    let said: Value =
+    let printed: Value =
         serde_json::from_str(&bench.succeeds(&["report", "all", "--json"])).expect("JSON");
-    assert_eq!(said["kind"], "runs");
+    assert_eq!(printed["kind"], "runs");
     let page = std::fs::read_to_string(bench.path("all/report.html")).expect("a page");
     for part in [
         "<h1>all: 2 runs</h1>",
@@ -128,11 +128,14 @@ fn a_page_begins_with_its_result() {
 fn constants_of_steel_are_stated_for_runners_that_deform() {
     let bench = Bench::new();
     bench.write("rigid.toml", CASE);
-    let said = bench.succeeds(&["press", "rigid.toml"]);
-    let approach = said
+    let printed = bench.succeeds(&["press", "rigid.toml"]);
+    let approach = printed
         .lines()
         .find(|line| line.trim_start().starts_with("approach "));
-    assert!(approach.is_some_and(|line| line.contains(" ± ")), "{said}");
+    assert!(
+        approach.is_some_and(|line| line.contains(" ± ")),
+        "{printed}"
+    );
     bench.succeeds(&["report", "out"]);
     let page = std::fs::read_to_string(bench.path("out/report.html")).expect("a page");
     assert!(!page.contains("210000000000"));
@@ -140,7 +143,7 @@ fn constants_of_steel_are_stated_for_runners_that_deform() {
 
 #[cfg(unix)]
 #[test]
-fn a_page_holds_pictures_alone_and_nothing_from_outside_its_folder() {
+fn a_page_embeds_pictures_only_and_nothing_from_outside_its_folder() {
     use base64::Engine;
     let bench = Bench::new();
     std::fs::create_dir(bench.path("out")).expect("a folder");

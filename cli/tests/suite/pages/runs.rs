@@ -75,7 +75,7 @@ fn decoded(packed: &Value) -> (Vec<f64>, f64) {
 }
 
 #[test]
-fn a_page_of_runs_holds_what_was_recorded_within_its_resolution() {
+fn a_page_of_runs_has_the_recorded_values_within_its_resolution() {
     let bench = Bench::new();
     bench.write(
         "runs.csv",

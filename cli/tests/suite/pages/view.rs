@@ -219,7 +219,7 @@ fn a_solve_answers_as_press_does_and_a_newer_form_overtakes_it() {
     assert_eq!(pressed["case"]["runner"]["shape"]["rocker_radius_m"], 20.0);
 
     let answers: Vec<u16> = std::thread::scope(|scope| {
-        let asked: Vec<_> = (0..5)
+        let requests: Vec<_> = (0..5)
             .map(|k| {
                 let form = FORM.replace("1000.0", &format!("{}.0", 1000 + 100 * k));
                 let view = &view;
@@ -229,7 +229,7 @@ fn a_solve_answers_as_press_does_and_a_newer_form_overtakes_it() {
                 scope.spawn(move || status(&view.post(&view.own(), &form)))
             })
             .collect();
-        asked
+        requests
             .into_iter()
             .map(|one| one.join().expect("no panic"))
             .collect()

@@ -1,4 +1,4 @@
-//! `kufe press` on runners that bend: a steel on its bridges, a runner that nothing holds, hexahedra from elsewhere.
+//! `kufe press` on runners that bend: a steel on its bridges, a runner without a fixed place, hexahedra of another program.
 
 use std::fmt::Write as _;
 
@@ -25,9 +25,9 @@ pub fn case(more: &str, tilt: &str) -> String {
     )
 }
 
-/// A body that bends away under its load presses less sharply the less is held.
+/// A body that bends away under its load has a lower peak the less of it is fixed.
 #[test]
-fn the_peak_falls_from_a_held_top_over_two_places_to_none() {
+fn the_peak_falls_from_a_fixed_top_over_two_fixed_places_to_none() {
     let places = "{ x_m = -0.1, length_m = 0.02 }, { x_m = 0.1, length_m = 0.02 }";
     let held = format!("mount = {{ held = [{places}] }}");
     let carried = format!(
@@ -45,7 +45,7 @@ fn the_peak_falls_from_a_held_top_over_two_places_to_none() {
                 "{mount}"
             );
             assert!(number(&result, "iterations") <= 50.0, "{mount}");
-            // What the mount bears is the load.
+            // The mount carries the load.
             let mounts = result["mounts"].as_array().expect("mounts");
             let borne: f64 = mounts.iter().filter_map(|m| m["force_n"][2].as_f64()).sum();
             assert!((borne / 500.0 - 1.0).abs() < 1e-6, "{mount}: {mounts:?}");
@@ -137,11 +137,11 @@ fn hexahedra_from_elsewhere_bear_the_load_at_hertzs_peak() {
     let text = gmsh([2, 2, 2]).replace("1 5 2 0 1 1 2", "1 5 2 0 1 2 1");
     bench.write("steel.msh", text);
     let output = bench.kufe(&["press", "case.toml", "-o", "again"]);
-    let said = errors(&output);
-    assert_eq!(output.status.code(), Some(3), "{said}");
+    let printed = errors(&output);
+    assert_eq!(output.status.code(), Some(3), "{printed}");
     assert!(
-        said.contains("steel.msh") || said.contains("runner.mesh"),
-        "{said}"
+        printed.contains("steel.msh") || printed.contains("runner.mesh"),
+        "{printed}"
     );
 }
 
@@ -199,20 +199,20 @@ fn hold_their_noise(meshes: &[f64], noises: &[f64]) {
                  poissons_ratio = 0.33\nthickness_m = \"half-space\"\n[load]\nfz_n = 1000.0\ntilt = \"fixed\"\n[accuracy]\np_max = 0.03\n",
             );
             let output = bench.kufe(&["press", "case.toml"]);
-            let said = errors(&output);
+            let printed = errors(&output);
             if output.status.code() == Some(3) {
-                assert!(said.contains("too coarse for its load"), "{said}");
+                assert!(printed.contains("too coarse for its load"), "{printed}");
                 assert!(
-                    said.contains("noise of") && said.contains("would do"),
-                    "{said}"
+                    printed.contains("noise of") && printed.contains("would do"),
+                    "{printed}"
                 );
                 continue;
             }
-            // Beyond the accuracy asked (4) the best answer has its error too; a clean mesh reaches it.
+            // Beyond the requested accuracy (4) the best answer has its error too; a clean mesh reaches it.
             let code = output.status.code();
             assert!(
                 code == Some(0) || code == Some(4) && noise > 0.0,
-                "{noise}: {said}"
+                "{noise}: {printed}"
             );
             let result = result(&bench);
             let moved = result["p_max_noise_pa"].as_f64();
@@ -226,7 +226,7 @@ fn hold_their_noise(meshes: &[f64], noises: &[f64]) {
                 "{cells} {noise}: {off} {reported}"
             );
             assert_eq!(moved.is_some(), noise > 0.0, "{noise}");
-            assert_eq!(said.contains("scatter by"), noise > 0.0, "{said}");
+            assert_eq!(printed.contains("scatter by"), noise > 0.0, "{printed}");
             answered.push(noise);
         }
         // A third of the approach is too much, a fifteenth is not.
@@ -285,7 +285,7 @@ fn ragged_scan() -> String {
 }
 
 /// On two places of its top a runner bends, as its width lets it: the body that fills the scan has
-/// that of the shape, whatever its rims lack.
+/// that of the shape, whatever is missing at its rims.
 #[test]
 fn a_ragged_scan_with_holes_bends_as_its_shape() {
     let bench = Bench::new();

@@ -1,4 +1,4 @@
-//! `kufe export CASE --calculix`: the deck says what was solved, CalculiX reads it, and what it cannot state is refused.
+//! `kufe export CASE --calculix`: the deck states what was solved, CalculiX reads it, and what it cannot state is refused.
 
 use kufe_outside::program;
 
@@ -60,7 +60,7 @@ fn total(dat: &str, set: &str) -> f64 {
 fn the_deck_of_a_steel_on_bridges_has_the_mesh_that_was_solved_and_its_forces_in_calculix() {
     let bench = Bench::new();
     bench.write("case.toml", STEEL);
-    let said = bench.succeeds(&[
+    let printed = bench.succeeds(&[
         "export",
         "case.toml",
         "--calculix",
@@ -69,14 +69,14 @@ fn the_deck_of_a_steel_on_bridges_has_the_mesh_that_was_solved_and_its_forces_in
         "2",
         "--json",
     ]);
-    let facts: Value = serde_json::from_str(&said).expect("JSON");
+    let facts: Value = serde_json::from_str(&printed).expect("JSON");
     let text = std::fs::read_to_string(bench.path("deck.inp")).expect("a deck");
     let deck = cards(&text);
     let nodes = lines(&deck, "*NODE, NSET=ALL");
     for (index, node) in nodes.iter().enumerate() {
         assert_eq!((node.len(), node[0]), (4, index as f64 + 1.0));
     }
-    // Every node is of a hexahedron, every hexahedron of nodes; three unknowns a node, and what is held is none.
+    // Every node belongs to a hexahedron; each node has three unknowns, less the fixed ones.
     let mut used = vec![false; nodes.len()];
     let cells = [lines(&deck, "ELSET=ICE"), lines(&deck, "ELSET=RUNNER")].concat();
     for cell in &cells {
@@ -91,10 +91,10 @@ fn the_deck_of_a_steel_on_bridges_has_the_mesh_that_was_solved_and_its_forces_in
         dofs < 3.0 * nodes.len() as f64 && dofs > 2.0 * nodes.len() as f64,
         "{dofs}"
     );
-    // What holds the runner stands at its top over the bridge; the other one is its mirror image.
+    // The runner is fixed at its top over the bridge; the other one is its mirror image.
     let top = nodes.iter().map(|node| node[3]).fold(f64::MIN, f64::max);
-    for held in lines(&deck, "NSET=MOUNT") {
-        let node = &nodes[held[0] as usize - 1];
+    for fixed in lines(&deck, "NSET=MOUNT") {
+        let node = &nodes[fixed[0] as usize - 1];
         assert!(
             (node[3] - top).abs() < 1e-6 && (54.0 - 1e-6..=66.0 + 1e-6).contains(&node[1]),
             "{node:?}"
@@ -122,16 +122,19 @@ fn the_deck_of_a_steel_on_bridges_has_the_mesh_that_was_solved_and_its_forces_in
         .env("OMP_NUM_THREADS", "1")
         .output()
         .expect("ccx");
-    let said = String::from_utf8_lossy(&ccx.stdout);
-    assert!(ccx.status.success() && !said.contains("*ERROR"), "{said}");
+    let printed = String::from_utf8_lossy(&ccx.stdout);
+    assert!(
+        ccx.status.success() && !printed.contains("*ERROR"),
+        "{printed}"
+    );
     let dat = std::fs::read_to_string(bench.path("deck.dat")).expect("CalculiX's forces");
-    // Half of it stands on either side of the mirror plane. On so coarse a mesh the runners' elements differ by a few per cent.
+    // Half of it is on either side of the mirror plane. On so coarse a mesh the runners' elements differ by a few per cent.
     let force = -2.0 * total(&dat, "MOUNT");
     println!("{force} N in CalculiX, {} N here", facts["fz_n"]);
     assert!((force / 400.0 - 1.0).abs() < 0.08, "{force}");
     assert!((total(&dat, "MOUNT") / total(&dat, "BED") + 1.0).abs() < 1e-3);
 
-    // What one bridge bears: force, and moment about its middle, in N and N mm; the other one is its mirror image.
+    // The load of one bridge: force, and moment about its middle, in N and N mm; the other one is its mirror image.
     let mount = &facts["mounts"][1];
     let triple = |key: &str| -> [f64; 3] {
         let read = serde_json::from_value(mount[key].clone());
@@ -266,9 +269,9 @@ fn what_a_deck_cannot_state_is_refused() {
             "--cells",
             "2",
         ]);
-        let said = errors(&output);
-        assert_eq!(output.status.code(), Some(3), "{said}");
-        assert!(said.contains(expected), "{expected}: {said}");
+        let printed = errors(&output);
+        assert_eq!(output.status.code(), Some(3), "{printed}");
+        assert!(printed.contains(expected), "{expected}: {printed}");
         assert_eq!(bench.names(), ["case.toml"]);
     }
     let output = bench.kufe(&[

@@ -9,8 +9,8 @@ use crate::kufe::Bench;
 fn p_max(bench: &Bench, name: &str) -> f64 {
     let case = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../docs/gallery/{name}.toml"));
     let case = case.to_string_lossy();
-    let said = bench.succeeds(&["press", &case, "-o", name, "--json"]);
-    let result: Value = serde_json::from_str(&said).expect("JSON");
+    let printed = bench.succeeds(&["press", &case, "-o", name, "--json"]);
+    let result: Value = serde_json::from_str(&printed).expect("JSON");
     result["p_max_pa"].as_f64().expect("a number")
 }
 

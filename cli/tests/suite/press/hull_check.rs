@@ -1,4 +1,4 @@
-//! `kufe hull check`: how a scanned hull stands, how noisy it is, and which loads it resolves.
+//! `kufe hull check`: orientation and noise of a scanned hull, and the loads that it resolves.
 
 use serde_json::Value;
 
@@ -44,12 +44,12 @@ fn number(value: &Value, key: &str) -> f64 {
 }
 
 #[test]
-fn unit_axes_and_radii_of_a_turned_hull_are_told_and_its_case_presses_as_hertz_does() {
+fn unit_axes_and_radii_of_a_turned_hull_are_found_and_its_case_presses_as_hertz_does() {
     let bench = Bench::new();
     bench.succeeds(&["hull", "bob", "--length-m", "0.5", "-o", "bob.obj"]);
     let obj = std::fs::read_to_string(bench.path("bob.obj")).expect("a hull");
     // Millimetres, x forward -> y, z up -> -x: a right-handed turn takes y left to -z.
-    // It lies off the file's origin, as scans do.
+    // It is away from the file's origin, as scans are.
     let turned = scanned(&obj, 0.0, |[x, y, z]| {
         [12.0 - 1e3 * z, 345.0 + 1e3 * x, 67.0 - 1e3 * y]
     });
@@ -77,7 +77,7 @@ fn unit_axes_and_radii_of_a_turned_hull_are_told_and_its_case_presses_as_hertz_d
         "{middle:?}"
     );
 
-    // The case has the load that was asked of, and where several were the one nearest to 1 kN.
+    // The case has the requested load, and where several were the one nearest to 1 kN.
     bench.succeeds(&[
         "hull",
         "check",
@@ -89,12 +89,15 @@ fn unit_axes_and_radii_of_a_turned_hull_are_told_and_its_case_presses_as_hertz_d
     ]);
     let heavy = std::fs::read_to_string(bench.path("heavy.toml")).expect("a case");
     assert!(heavy.contains("\nfz_n = 2000.0\n"), "{heavy}");
-    let said = bench.succeeds(&["hull", "check", "turned.obj", "-o", "turned.toml"]);
-    assert!(said.contains("wrote turned.toml for 1000 N"), "{said}");
+    let printed = bench.succeeds(&["hull", "check", "turned.obj", "-o", "turned.toml"]);
+    assert!(
+        printed.contains("wrote turned.toml for 1000 N"),
+        "{printed}"
+    );
     bench.succeeds(&["press", "turned.toml", "-o", "out"]);
     let text = std::fs::read_to_string(bench.path("out/result.json")).expect("a result");
     let result: Value = serde_json::from_str(&text).expect("JSON");
-    // 138.5 MPa on a half-space; the layer of 50 mm and the fit of the hull are within 1 %, the accuracy asked is 1 %.
+    // 138.5 MPa on a half-space; the layer of 50 mm and the fit of the hull are within 1 %, the requested accuracy is 1 %.
     let peak = number(&result, "p_max_pa");
     assert!((peak / 138.5e6 - 1.0).abs() < 0.02, "{peak}");
     let edited = std::fs::read_to_string(bench.path("turned.toml")).expect("a case") + "# mine\n";
@@ -153,7 +156,7 @@ fn noise_is_measured_and_the_noise_that_would_do_does() {
 }
 
 /// An open scan of a round section, 8 mm wide, turned by yaw 3, pitch 1 and roll 2 degrees: noise of
-/// 5 µm, vertices beside their grid, and rims ragged by up to `depth` [m].
+/// 5 µm, vertices off their grid, and rims ragged by up to `depth` [m].
 fn ragged(seed: u64, depth: f64) -> String {
     let (along, across) = (400, 16);
     let mut state = seed;
@@ -167,7 +170,7 @@ fn ragged(seed: u64, depth: f64) -> String {
             let x = even + 3e-4 * (2.0 * random(&mut state) - 1.0);
             let even = 4e-3 * (2.0 * f64::from(j) / f64::from(across) - 1.0);
             let y = even + 1.5e-4 * (2.0 * random(&mut state) - 1.0);
-            let kept = y.abs() < 4e-3 - depth * random(&mut state).powi(2);
+            let inside = y.abs() < 4e-3 - depth * random(&mut state).powi(2);
             let noise = 5e-6 * normal(&mut state);
             let z = x * x / 60.0 + 5e-3 - (25e-6 - y * y).sqrt() + noise;
             let (y, z) = (
@@ -179,9 +182,9 @@ fn ragged(seed: u64, depth: f64) -> String {
                 z * pitch.cos() - x * pitch.sin(),
             );
             let (x, y) = (x * yaw.cos() - y * yaw.sin(), x * yaw.sin() + y * yaw.cos());
-            written += usize::from(kept);
-            numbers.push(kept.then_some(written));
-            if kept {
+            written += usize::from(inside);
+            numbers.push(inside.then_some(written));
+            if inside {
                 obj += &format!("v {x} {y} {z}\n");
             }
         }
@@ -234,12 +237,12 @@ fn a_roll_that_a_luge_steel_does_not_show_is_warned_of() {
     let bench = Bench::new();
     let size = ["--length-m", "0.3", "--edge-length-m", "0.002"];
     bench.succeeds(&[&["hull", "luge", "-o", "luge.stl"][..], &size].concat());
-    let said = bench.succeeds(&["hull", "check", "luge.stl"]);
+    let printed = bench.succeeds(&["hull", "check", "luge.stl"]);
     assert!(
-        said.contains("roll of the hull cannot be determined"),
-        "{said}"
+        printed.contains("roll of the hull cannot be determined"),
+        "{printed}"
     );
-    assert!(!said.contains("fine enough"), "{said}");
+    assert!(!printed.contains("fine enough"), "{printed}");
 }
 
 /// A ragged rim is curved by chance, in these scans like a rocker.
@@ -257,7 +260,7 @@ fn a_ragged_rim_is_not_taken_for_the_underside() {
     }
 }
 
-/// Wherever a scan lies, its peak is known equally well, and its meshes are the same.
+/// Peak, error and meshes of a scan do not depend on its position.
 #[test]
 fn a_scan_away_from_its_origin_is_judged_and_meshed_as_one_at_it() {
     let bench = Bench::new();
@@ -351,7 +354,7 @@ fn luge_case(runner: &str) -> String {
 fn luge_pressed(bench: &Bench, runner: &str, name: &str) -> Value {
     let file = format!("{name}.toml");
     bench.write(&file, luge_case(runner));
-    // Where the vertices leave more than is requested (4) the answer has its error, too.
+    // If the vertices do not reach the requested accuracy (4), the answer has its error, too.
     let output = bench.kufe(&["press", &file, "-o", name]);
     assert!(
         matches!(output.status.code(), Some(0 | 4)),
@@ -361,8 +364,8 @@ fn luge_pressed(bench: &Bench, runner: &str, name: &str) -> Value {
     json(&bench.path(name).join("result.json"))
 }
 
-/// How far the peak of a hull is from the shape's, and what errors it states with what its vertices leave, over the shape's peak. The first is
-/// held by the second.
+/// Relative difference of a hull's peak from the shape's, and the relative error that it states, with that of its vertices. The second is
+/// an upper bound of the first.
 fn luge_off(bench: &Bench, hull: &str, shape: &Value) -> [f64; 2] {
     let (truth, slack) = (number(shape, "p_max_pa"), number(shape, "p_max_error_pa"));
     let result = luge_pressed(bench, &format!("hull = \"{hull}\""), &format!("of {hull}"));
@@ -380,7 +383,7 @@ fn luge_off(bench: &Bench, hull: &str, shape: &Value) -> [f64; 2] {
     [off_share, stated_share]
 }
 
-/// A flat beside an edge of 0.3 mm: its curvature jumps inside the contact.
+/// A flat next to an edge of 0.3 mm: its curvature jumps inside the contact.
 #[test]
 fn what_the_vertices_of_a_luge_steel_leave_is_stated_at_two_lengths_of_its_edges() {
     let bench = Bench::new();
@@ -424,7 +427,7 @@ fn coarse_edge(radius: f64, turn: f64) -> String {
     obj
 }
 
-/// Vertices so far apart that the fit through them bends otherwise than the steel: no other answer from the same fit sees that.
+/// Vertices so far apart that the fit through them is curved otherwise than the steel; another answer from the same fit does not show that.
 #[test]
 fn a_fit_that_vertices_do_not_determine_is_stated_and_warned_of() {
     let bench = Bench::new();
@@ -590,8 +593,8 @@ fn a_turned_scan_is_turned_back_and_pressed_within_its_stated_error() {
             let unturned = |line: &&str| !line.contains("_rad = ");
             let lines: Vec<&str> = text.lines().filter(unturned).collect();
             bench.write("unturned.toml", lines.join("\n"));
-            let said = errors(&bench.kufe(&["press", "unturned.toml", "-o", "unturned"]));
-            assert!(said.contains("runner.yaw_rad = -0.05"), "{said}");
+            let printed = errors(&bench.kufe(&["press", "unturned.toml", "-o", "unturned"]));
+            assert!(printed.contains("runner.yaw_rad = -0.05"), "{printed}");
         }
         let output = bench.kufe(&["press", &case, "-o", name]);
         assert!(

@@ -74,10 +74,10 @@ fn a_rocker_with_a_word_in_it_is_named_with_its_row() {
         "a.obj",
     ]);
     assert_eq!(output.status.code(), Some(3));
-    let said = errors(&output);
+    let printed = errors(&output);
     assert!(
-        said.contains("row 3") && said.contains("z_m") && said.contains("low"),
-        "{said}"
+        printed.contains("row 3") && printed.contains("z_m") && printed.contains("low"),
+        "{printed}"
     );
     assert!(!bench.path("a.obj").exists());
 }
@@ -167,7 +167,7 @@ fn a_luge_steel_as_triangles_bends_as_its_shape_does() {
     );
 }
 
-/// An open hull says where its top is, and what columns cannot fill is refused: with the file, the figure and what is expected.
+/// An open hull states where its top is; a hull that columns cannot fill is refused, with the file, the figure and what is expected.
 #[test]
 fn elastic_hulls_that_cannot_be_filled_are_refused_with_the_way_out() {
     let bench = Bench::new();
@@ -244,10 +244,13 @@ fn elastic_hulls_that_cannot_be_filled_are_refused_with_the_way_out() {
         ),
     ] {
         let output = press(hull, more);
-        let said = errors(&output);
-        assert_eq!(output.status.code(), Some(3), "{said}");
-        assert!(expected.iter().all(|part| said.contains(part)), "{said}");
-        assert!(!bench.path("out").exists(), "{said}");
+        let printed = errors(&output);
+        assert_eq!(output.status.code(), Some(3), "{printed}");
+        assert!(
+            expected.iter().all(|part| printed.contains(part)),
+            "{printed}"
+        );
+        assert!(!bench.path("out").exists(), "{printed}");
     }
     let peaks = [("bob.obj", ""), ("open.obj", "height_m = 0.03")].map(|(hull, more)| {
         let output = press(hull, more);
@@ -257,10 +260,10 @@ fn elastic_hulls_that_cannot_be_filled_are_refused_with_the_way_out() {
     assert!((peaks[0] / peaks[1] - 1.0).abs() < 1e-3, "{peaks:?}");
 }
 
-/// The outline of a bobsled runner narrowed towards its ends: its keel is a Hertz contact still, where its triangles are fine enough, and a hull
-/// on which no mesh converges is reported as what it is.
+/// The outline of a bobsled runner narrowed towards its ends: its keel remains a Hertz contact if its triangles are fine enough, and a hull
+/// on which no mesh converges is reported as such.
 #[test]
-fn an_outline_that_tapers_presses_as_its_keel_or_with_an_error_that_says_nothing_is_known() {
+fn a_tapered_outline_presses_as_its_keel_or_has_an_unknown_error() {
     let bench = Bench::new();
     let tapered = |edge: &str, narrowed: &dyn Fn(f64) -> f64| {
         bench.succeeds(&[

@@ -9,8 +9,8 @@ use crate::kufe::{Bench, CASE, errors, names};
 fn ice_and_runner_are_written_without_an_inverted_cell() {
     let bench = Bench::new();
     bench.write("case.toml", CASE);
-    let said = bench.succeeds(&["mesh", "case.toml", "--json"]);
-    let quality: Value = serde_json::from_str(&said).expect("JSON");
+    let printed = bench.succeeds(&["mesh", "case.toml", "--json"]);
+    let quality: Value = serde_json::from_str(&printed).expect("JSON");
     assert_eq!(
         names(&bench.path("out")),
         ["ice.vtu", "quality.json", "runner.vtu"]
@@ -47,8 +47,8 @@ fn the_meshes_of_a_hull_are_written_too() {
         })
         .collect();
     bench.write("case.toml", text);
-    let said = bench.succeeds(&["mesh", "case.toml", "--json"]);
-    let quality: Value = serde_json::from_str(&said).expect("JSON");
+    let printed = bench.succeeds(&["mesh", "case.toml", "--json"]);
+    let quality: Value = serde_json::from_str(&printed).expect("JSON");
     assert_eq!(quality["runner"]["inverted"], 0);
 }
 

@@ -19,7 +19,7 @@ fn number(value: &Value, key: &str) -> f64 {
 #[test]
 fn without_a_case_the_example_is_solved_and_its_files_written() {
     let bench = Bench::new();
-    let said = bench.succeeds(&["press"]);
+    let printed = bench.succeeds(&["press"]);
     for word in [
         "peak pressure",
         "mean pressure",
@@ -30,7 +30,7 @@ fn without_a_case_the_example_is_solved_and_its_files_written() {
         "estimated error",
         "solved in",
     ] {
-        assert!(said.contains(word), "{word:?} is missing: {said}");
+        assert!(printed.contains(word), "{word:?} is missing: {printed}");
     }
     assert_eq!(bench.names(), ["out"]);
     let expected = [
@@ -62,17 +62,17 @@ fn without_a_case_the_example_is_solved_and_its_files_written() {
     ] {
         assert!(number(&result, key).is_finite());
     }
-    // Stresses are carried on to the nodes from within: in field.vtu they exceed the pressure, which is said with the figure.
+    // Stresses are extrapolated to the nodes: in field.vtu they exceed the pressure, which the summary states.
     let stress = number(&result, "stress_max_pa");
     let more = stress / number(&result, "p_max_mesh_pa") - 1.0;
     assert!((0.03..0.15).contains(&more), "{more}");
     let note = format!("{:.1} MPa (stress", 1e-6 * stress);
-    assert!(said.contains(&note), "{note:?} is missing: {said}");
+    assert!(printed.contains(&note), "{note:?} is missing: {printed}");
     assert_eq!(result["version"], env!("CARGO_PKG_VERSION"));
     assert_eq!(result["case"]["load"]["fz_n"], 1000.0);
     assert_eq!(result["case"]["track"]["radius_m"], "inf");
     // Rigid Hertz on a half-space gives 138.52 MPa; 50 mm of ice on a rigid bed differ by less than the
-    // asked per cent (the patch is 0.3 mm wide).
+    // requested per cent (the patch is 0.3 mm wide).
     let p_max = number(&result, "p_max_pa");
     assert!((p_max / 138.52e6 - 1.0).abs() < 0.012, "{p_max}");
     assert!(number(&result, "p_max_error_pa") <= 0.01 * p_max);
@@ -113,16 +113,16 @@ fn pressures_beyond_ice_bring_a_warning_that_names_the_remedy() {
         "thickness_m = 0.05\nhardness_pa = \"from-temperature\"\ntemperature_c = -5",
     );
     bench.write("cold.toml", by_temperature);
-    let said = bench.succeeds(&["press", "cold.toml", "-o", "cold"]);
+    let printed = bench.succeeds(&["press", "cold.toml", "-o", "cold"]);
     assert!(
-        said.contains("17.70 MPa (all that the ice bears)"),
-        "{said}"
+        printed.contains("17.70 MPa (all that the ice bears)"),
+        "{printed}"
     );
 }
 
 /// Ice and steel in series give the reference table's 134.6221 MPa for this runner as a paraboloid.
 #[test]
-fn an_elastic_runner_meets_hertz_and_brings_its_own_field() {
+fn an_elastic_runner_agrees_with_hertz_and_has_its_own_field() {
     let bench = Bench::new();
     let elastic = CASE
         .replace("[ice]", "elastic = true\n[ice]")
@@ -161,7 +161,7 @@ fn an_elastic_runner_meets_hertz_and_brings_its_own_field() {
     }
 }
 
-/// Under the runner's keel the steel bears what the ice bears: -p, within the averaging over one cell.
+/// Under the runner's keel the stress in the steel is that in the ice: -p, within the averaging over one cell.
 #[test]
 fn the_runners_stress_at_the_contact_is_the_pressure() {
     let bench = Bench::new();
@@ -175,17 +175,17 @@ fn the_runners_stress_at_the_contact_is_the_pressure() {
         top = z > z.max() - 1e-9\n\
         print(-s[k, 8], np.abs(u[top]).max(), u[k, 2], np.isfinite(s).all())\n";
     let runner = bench.path("out/runner.vtu");
-    let Some(said) = python(script, &[&runner.to_string_lossy()]) else {
+    let Some(printed) = python(script, &[&runner.to_string_lossy()]) else {
         return;
     };
-    let words: Vec<&str> = said.split_whitespace().collect();
-    let [normal, held, pressed] = [0, 1, 2].map(|k| words[k].parse::<f64>().expect("a number"));
+    let words: Vec<&str> = printed.split_whitespace().collect();
+    let [normal, fixed, pressed] = [0, 1, 2].map(|k| words[k].parse::<f64>().expect("a number"));
     let p_max = number(&result(&bench, "out"), "p_max_pa");
     assert!(
         (normal / p_max - 1.0).abs() < 0.1,
         "{normal} against {p_max}"
     );
-    assert_eq!((held, words[3]), (0.0, "True"));
+    assert_eq!((fixed, words[3]), (0.0, "True"));
     assert!(pressed > 0.0 && pressed < 2e-6, "{pressed}");
 }
 
@@ -193,8 +193,8 @@ fn the_runners_stress_at_the_contact_is_the_pressure() {
 fn json_on_standard_output_is_the_result_file() {
     let bench = Bench::new();
     bench.write("case.toml", CASE);
-    let said = bench.succeeds(&["press", "case.toml", "--json"]);
-    let printed: Value = serde_json::from_str(&said).expect("JSON");
+    let printed = bench.succeeds(&["press", "case.toml", "--json"]);
+    let printed: Value = serde_json::from_str(&printed).expect("JSON");
     assert_eq!(printed, result(&bench, "out"));
 }
 
@@ -246,7 +246,7 @@ fn a_case_that_init_writes_solves_to_the_examples_figures() {
 }
 
 #[test]
-fn info_tells_the_maps_size_and_place() {
+fn info_shows_the_maps_size_and_place() {
     let bench = Bench::new();
     bench.succeeds(&["press"]);
     let facts: Value =
@@ -286,10 +286,10 @@ fn openexr_reads_a_map_that_carries_the_force_peak_and_area() {
         touching = c['gap'].pixels[p > 0.7 * p.max()]\n\
         print(p.sum() * a, p.max(), (p > 0).sum() * a, p.min(), touching.max())\n";
     let exr = bench.path("out/pressure.exr");
-    let Some(said) = python(script, &[&exr.to_string_lossy()]) else {
+    let Some(printed) = python(script, &[&exr.to_string_lossy()]) else {
         return;
     };
-    let numbers: Vec<f64> = said
+    let numbers: Vec<f64> = printed
         .split_whitespace()
         .map(|word| word.parse().expect("a number"))
         .collect();
@@ -328,7 +328,7 @@ fn exrheader_reads_the_map() {
         .arg(bench.path("out/pressure.exr"))
         .output()
         .expect("exrheader");
-    let said = String::from_utf8_lossy(&output.stdout);
+    let printed = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success());
     for part in [
         "scanlineimage",
@@ -336,11 +336,11 @@ fn exrheader_reads_the_map() {
         "pixel_x_m (type double)",
         "radius_m (type double): inf",
     ] {
-        assert!(said.contains(part), "{part:?} is missing: {said}");
+        assert!(printed.contains(part), "{part:?} is missing: {printed}");
     }
 }
 
-/// SciPy and Octave read what result.json and pressure.exr hold, with units.
+/// SciPy and Octave read the content of result.json and pressure.exr, with units.
 #[test]
 fn scipy_and_octave_read_figures_errors_and_the_map_from_result_mat() {
     let bench = Bench::new();
@@ -378,13 +378,13 @@ fn scipy_and_octave_read_figures_errors_and_the_map_from_result_mat() {
         .output()
         .expect("the interpreter that KUFE_PYTHON names");
     assert!(output.status.success(), "{}", errors(&output));
-    let said = String::from_utf8_lossy(&output.stdout);
-    let numbers: Vec<f64> = said
+    let printed = String::from_utf8_lossy(&output.stdout);
+    let numbers: Vec<f64> = printed
         .split_whitespace()
         .map(|n| n.parse().expect("a number"))
         .collect();
-    // The map carries the load; its largest pixel is the mesh's peak or a little beside it; the patch is long along x.
-    assert!((numbers[0] - 1.0).abs() < 1e-3, "{said}");
-    assert!(numbers[1] <= 1.001 && numbers[1] > 0.98, "{said}");
-    assert!(numbers[2] > 50.0, "{said}");
+    // The map carries the load; its largest pixel is the mesh's peak or a little next to it; the patch is long along x.
+    assert!((numbers[0] - 1.0).abs() < 1e-3, "{printed}");
+    assert!(numbers[1] <= 1.001 && numbers[1] > 0.98, "{printed}");
+    assert!(numbers[2] > 50.0, "{printed}");
 }

@@ -27,7 +27,7 @@ fn number(value: &Value, key: &str) -> f64 {
 }
 
 /// A dense scan over the rocker and the search over the same bounds find the same least friction; where a scanned runner loses more
-/// than its error it lies outside what the search calls as good as the best, where it loses nothing inside.
+/// than its error it is outside the range that is as good as the best, and equals the best inside.
 #[test]
 #[ignore = "slow study: .ci/slow"]
 fn the_search_finds_the_least_friction_of_a_dense_scan() {
@@ -99,11 +99,11 @@ fn the_fastest_runner_is_named_where_the_errors_allow() {
 }
 
 #[test]
-fn a_search_that_cannot_be_is_told_by_its_place() {
+fn an_impossible_search_is_refused_with_its_place() {
     let bench = Bench::new();
     let folder = bench.folder.path();
     bench.write("case.toml", case(30.0, 0.004));
-    for (asked, code, parts) in [
+    for (parameter, code, parts) in [
         (
             "rocker_radius_m=15",
             2,
@@ -131,7 +131,12 @@ fn a_search_that_cannot_be_is_told_by_its_place() {
             ["section_radius_m = 0.003", "runner.shape"],
         ),
     ] {
-        let words = [&["friction", "case.toml"], &AT[..], &["--optimise", asked]].concat();
+        let words = [
+            &["friction", "case.toml"],
+            &AT[..],
+            &["--optimise", parameter],
+        ]
+        .concat();
         refused(folder, &words, code, &parts);
     }
     let two = [

@@ -27,10 +27,10 @@ fn a_list_of_loads_gives_a_folder_each_one_table_and_one_series() {
     let bench = Bench::new();
     bench.write("case.toml", CASE);
     let loads = ["press", "case.toml", "-o", "out", "--fz-n", "125,1000"];
-    let said = bench.succeeds(&loads);
+    let printed = bench.succeeds(&loads);
     assert!(
-        said.contains("step-002") && said.contains("2 steps"),
-        "{said}"
+        printed.contains("step-002") && printed.contains("2 steps"),
+        "{printed}"
     );
     let expected = [
         "series.pvd",
@@ -68,7 +68,7 @@ fn a_list_of_loads_gives_a_folder_each_one_table_and_one_series() {
             .is_some_and(|head| head.starts_with("step,folder,fz_n,p_max_pa,"))
     );
     assert_eq!(lines.count(), 2);
-    // What is true of both steps is said once.
+    // What is true of both steps is printed once.
     let reported = errors(&bench.kufe(&[&loads[..], &["--fresh"]].concat()));
     assert_eq!(
         reported.matches("above 10 MPa, from which").count(),
@@ -127,7 +127,7 @@ fn lists_multiply_and_a_smaller_rocker_radius_presses_harder() {
 
 /// A hull is read and fitted once for all steps, and its scans are made up once: each step is the contact alone.
 #[test]
-fn steps_over_a_hull_say_what_its_contacts_say_alone() {
+fn steps_over_a_hull_equal_separate_contacts() {
     let bench = Bench::new();
     let made = ["hull", "bob", "-o", "bob.obj", "--length-m", "0.3"];
     bench.succeeds(&[&made[..], &["--edge-length-m", "0.001"]].concat());
@@ -158,7 +158,7 @@ fn steps_over_a_hull_say_what_its_contacts_say_alone() {
 
 #[test]
 #[ignore = "slow study: .ci/slow"]
-fn a_step_short_of_its_accuracy_leaves_the_others_and_says_so() {
+fn a_step_short_of_its_accuracy_is_reported_and_the_others_are_solved() {
     let bench = Bench::new();
     bench.write("case.toml", CASE);
     let output = bench.kufe(&["press", "case.toml", "--fz-n", "500,-1"]);
@@ -192,7 +192,7 @@ fn a_step_short_of_its_accuracy_leaves_the_others_and_says_so() {
 
 /// Under a line contact 0.300 of the peak at 0.786 of the half-width (Johnson, section 4.1).
 #[test]
-fn the_largest_shear_of_every_step_stands_beside_its_error() {
+fn every_step_has_its_largest_shear_and_the_error_of_it() {
     let bench = Bench::new();
     bench.write("case.toml", CASE);
     let loads = ["press", "case.toml", "-o", "out", "--fz-n", "500,1000"];
@@ -246,8 +246,8 @@ fn pyvista_reads_the_series_as_time() {
         .output()
         .expect("the interpreter that KUFE_PYTHON names");
     assert!(output.status.success(), "{}", errors(&output));
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    let lines: Vec<&str> = said.lines().collect();
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    let lines: Vec<&str> = printed.lines().collect();
     assert_eq!(lines[0], "250.0 500.0 1000.0");
     let shear: Vec<f64> = lines[1..]
         .iter()
@@ -259,7 +259,7 @@ fn pyvista_reads_the_series_as_time() {
                 .expect("a number")
         })
         .collect();
-    assert!(shear.len() == 3 && rises(&shear), "{said}");
+    assert!(shear.len() == 3 && rises(&shear), "{printed}");
     let rows = table(&bench, "out");
     // The largest shear under a line-like contact is 0.3 of the peak pressure, whatever the load.
     for row in &rows {

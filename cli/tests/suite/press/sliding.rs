@@ -17,7 +17,7 @@ fn number(result: &Value, key: &str) -> f64 {
     result[key].as_f64().unwrap_or_else(|| panic!("no {key}"))
 }
 
-/// One run and a second one in its groove: figures, files, balances and what the second meets.
+/// One run and a second one in its groove: figures, files, balances and the groove of the second.
 #[test]
 fn a_sliding_case_has_its_groove_its_film_and_its_friction() {
     let bench = Bench::new();
@@ -45,7 +45,7 @@ fn a_sliding_case_has_its_groove_its_film_and_its_friction() {
     assert!((number(&front, "mu") / parts - 1.0).abs() < 1e-12);
     assert!(number(&front, "mu_error") < 0.05 * parts);
     assert!(number(&front, "film_max_m") > number(&front, "film_mean_m"));
-    // The film's rows bear the load: the trapezoidal rule over width times pressure.
+    // The film's rows carry the load: the trapezoidal rule over width times pressure.
     let film = std::fs::read_to_string(bench.path("front/film.csv")).expect("film.csv");
     let rows: Vec<Vec<f64>> = film
         .lines()
@@ -61,7 +61,7 @@ fn a_sliding_case_has_its_groove_its_film_and_its_friction() {
         .map(|w| 0.5 * (w[0][0] - w[1][0]) * (w[0][1] * w[0][2] + w[1][1] * w[1][2]))
         .sum();
     assert!((load / 950.0 - 1.0).abs() < 0.05, "{load}");
-    // No station bears more than the ice, the first ones all of that, and towards the back they bear ever less.
+    // No station carries more than the ice can, the first ones that much, and towards the back ever less.
     assert!(rows.is_sorted_by(|a, b| a[2] >= b[2]), "{rows:?}");
     assert!((rows[0][2] / 17.7e6 - 1.0).abs() < 1e-6, "{:?}", rows[0]);
     assert!(rows.iter().all(|row| row[4] <= 0.0 && row[3] > 0.0));
@@ -92,7 +92,7 @@ fn a_sliding_case_has_its_groove_its_film_and_its_friction() {
 }
 
 #[test]
-fn what_is_wrong_with_a_sliding_case_is_told_by_its_place() {
+fn wrong_sliding_cases_are_refused_with_their_place() {
     let bench = Bench::new();
     let folder = bench.folder.path();
     bench.write("gone.toml", case("previous = \"nowhere\"\n"));

@@ -42,12 +42,12 @@ fn the_hardness_is_that_of_the_law_which_result_json_names() {
     assert_eq!((hardness, &from[..]), (17.7e6, "temperature-law"));
     let (hardness, _, from) = at("hardness_pa = 30e6", "");
     assert_eq!((hardness, &from[..]), (30e6, "given"));
-    // What bears 30 MPa melts at 5 K/(0.074 K/MPa) = 67.6 MPa, at -1 C at 13.5 MPa.
+    // Ice of 30 MPa melts at 5 K/(0.074 K/MPa) = 67.6 MPa, at -1 C at 13.5 MPa.
     let warm = case("hardness_pa = 30e6", "").replace("ice_c = -5.0", "ice_c = -1.0");
     let result = pressed(&bench, warm);
     assert_eq!(result["hardness_from"], "melting");
     assert!((number(&result, "hardness_pa") / (1.0 / 7.4e-8) - 1.0).abs() < 1e-12);
-    // At the anchor's temperature creep says H = 17.7 MPa (t/2 ms)^(-1/3), to what the search leaves open: a quarter of the accuracy.
+    // At the anchor's temperature creep gives H = 17.7 MPa (t/2 ms)^(-1/3), within the tolerance of the search: a quarter of the accuracy.
     let (hardness, time, from) = at("", ANCHOR);
     assert_eq!(from, "time-law");
     let creep = 17.7e6 * (time / 2.0e-3).powf(-1.0 / 3.0);
@@ -110,7 +110,7 @@ fn friction_follows_as_differences_of_whole_runs_say() {
             "{found} {result}"
         );
         if law == ANCHOR {
-            // Viscosity and a hardness that is stated do not ask the law.
+            // Viscosity and a stated hardness do not use the law.
             continue;
         }
         let thick = |factor: &str| {
@@ -205,7 +205,7 @@ fn the_plastic_depth_in_the_vtu_file_is_the_groove() {
         String::from_utf8_lossy(&output.stderr)
     );
     let found: Vec<f64> = serde_json::from_slice(&output.stdout).expect("numbers");
-    // Deepest on the surface and left behind; none below, none ahead. VTU holds what the solver's last mesh has, in single precision.
+    // Deepest on the surface and left behind; none below, none ahead. VTU has the values of the solver's last mesh, in single precision.
     let depth = number(&result, "groove_depth_m");
     assert!(
         (found[0] / depth - 1.0).abs() < 1e-7 && found[2] == found[0],

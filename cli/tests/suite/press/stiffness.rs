@@ -20,12 +20,12 @@ fz_n = 100.0
 tilt = "fixed"
 "#;
 
-/// Reads K, the held displacements and what Rust wrote: products, and rigid motions at the nodes.
+/// Reads K, the fixed displacements and the values that Rust wrote: products, and rigid motions at the nodes.
 const SCRIPT: &str = "import re, numpy as np, scipy.io\n\
     k = scipy.io.mmread('K.mtx').tocsc()\n\
     n = k.shape[0]\n\
     lines = [line for line in open('K.mtx') if line.startswith('%')]\n\
-    held = [int(w) - 1 for line in lines if line.startswith('% ice fixed:') for w in line.split(':')[1].split()]\n\
+    fixed = [int(w) - 1 for line in lines if line.startswith('% ice fixed:') for w in line.split(':')[1].split()]\n\
     size = abs(k).max()\n\
     assert abs(k - k.T).max() == 0\n\
     u, ku = np.loadtxt('product.txt').T\n\
@@ -39,14 +39,14 @@ const SCRIPT: &str = "import re, numpy as np, scipy.io\n\
     assert abs(k @ rigid).max() < 1e-9 * size, abs(k @ rigid).max() / size\n\
     near = np.linalg.eigvalsh(k.toarray())[:7]\n\
     assert abs(near[:6]).max() < 1e-6 * near[6], near\n\
-    free = np.setdiff1d(np.arange(n), held)\n\
-    assert 0 < len(held) < n\n\
+    free = np.setdiff1d(np.arange(n), fixed)\n\
+    assert 0 < len(fixed) < n\n\
     lowest = np.linalg.eigvalsh(k[free][:, free].toarray())[0]\n\
     assert lowest > 0, lowest\n\
-    print(n, len(held))\n";
+    print(n, len(fixed))\n";
 
 #[test]
-fn scipy_reads_the_stiffness_symmetric_definite_where_held_and_with_six_rigid_motions() {
+fn scipy_reads_the_stiffness_symmetric_definite_where_fixed_and_with_six_rigid_motions() {
     let Some(interpreter) = python("scipy") else {
         return;
     };
@@ -60,8 +60,8 @@ fn scipy_reads_the_stiffness_symmetric_definite_where_held_and_with_six_rigid_mo
         "--cells",
         "2",
     ];
-    let said = bench.succeeds(&[&export[..], &["--json"]].concat());
-    let facts: Value = serde_json::from_str(&said).expect("JSON");
+    let printed = bench.succeeds(&[&export[..], &["--json"]].concat());
+    let facts: Value = serde_json::from_str(&printed).expect("JSON");
     // The same solve here: its grid, and products without a matrix.
     let problem = Case::parse(CASE).unwrap().problem(Path::new(".")).unwrap();
     let options = Options {
@@ -94,7 +94,7 @@ fn scipy_reads_the_stiffness_symmetric_definite_where_held_and_with_six_rigid_mo
 }
 
 #[test]
-fn the_result_says_which_form_was_used_and_both_give_the_same_pressure() {
+fn the_result_states_the_form_that_was_used_and_both_give_the_same_pressure() {
     let bench = Bench::new();
     let mut peaks = Vec::new();
     for form in ["matrix-free", "assembled"] {
@@ -115,13 +115,13 @@ fn the_result_says_which_form_was_used_and_both_give_the_same_pressure() {
         format!("{CASE}[solver]\nstiffness = \"dense\"\n"),
     );
     let output = bench.kufe(&["press", "case.toml"]);
-    let said = errors(&output);
-    assert_eq!(output.status.code(), Some(3), "{said}");
-    assert!(said.contains("matrix-free"), "{said}");
+    let printed = errors(&output);
+    assert_eq!(output.status.code(), Some(3), "{printed}");
+    assert!(printed.contains("matrix-free"), "{printed}");
 }
 
 #[test]
-fn an_export_wants_a_case_and_one_kind_of_file() {
+fn an_export_needs_a_case_and_one_kind_of_file() {
     let bench = Bench::new();
     bench.write("case.toml", CASE);
     for args in [

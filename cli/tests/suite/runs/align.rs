@@ -1,4 +1,4 @@
-//! `kufe runs align` as a user meets it.
+//! `kufe runs align`.
 
 use crate::kufe::{json, refused, succeeds};
 

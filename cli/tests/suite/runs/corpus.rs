@@ -1,4 +1,4 @@
-//! Sixty ways to damage a clean record, and what must be said of each; none of the checker's code is used.
+//! Sixty ways to damage a clean record, and the expected finding of each; none of the checker's code is used.
 
 /// What is done to a file: text in, text out. None of the checker's code is used.
 pub type Damage = Box<dyn Fn(&mut Table)>;
@@ -88,7 +88,7 @@ fn each(name: &'static str, with: fn(usize, f64) -> f64) -> Damage {
     })
 }
 
-fn held(name: &'static str, rows: usize) -> Damage {
+fn repeated(name: &'static str, rows: usize) -> Damage {
     Box::new(move |table| {
         let column = table.column(name);
         for i in 0..column.len() {
@@ -121,18 +121,18 @@ fn both(one: Damage, other: Damage) -> Damage {
     })
 }
 
-/// The column and what is said of it: a kind of fault with its mending word, or a part of a note.
-pub type Said = (&'static str, &'static str, &'static str);
+/// The column and its finding: a kind of fault with its remedy, or a part of a note.
+pub type Expected = (&'static str, &'static str, &'static str);
 
 const G: f64 = 9.81;
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 const ACCELERATIONS: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
 const RATES: [&str; 3] = ["roll_rate_radps", "pitch_rate_radps", "yaw_rate_radps"];
 
-/// Sixty damages, each alone and eight pairs, with what is to be said of them.
-pub fn corpus() -> Vec<(Damage, Vec<Said>)> {
-    let mut all: Vec<(Damage, Vec<Said>)> = Vec::new();
-    let mut add = |damage: Damage, said: &[Said]| all.push((damage, said.to_vec()));
+/// Sixty damages, each alone and eight pairs, with their expected findings.
+pub fn corpus() -> Vec<(Damage, Vec<Expected>)> {
+    let mut all: Vec<(Damage, Vec<Expected>)> = Vec::new();
+    let mut add = |damage: Damage, expected: &[Expected]| all.push((damage, expected.to_vec()));
     // Units.
     add(
         times(&["ax_mps2"], 1.0 / G),
@@ -243,7 +243,7 @@ pub fn corpus() -> Vec<(Damage, Vec<Said>)> {
         &[("v_mps", "constant", "another source")],
     );
     for name in ["v_mps", "yaw_rate_radps", "alpha_rad"] {
-        add(held(name, 10), &[(name, "held", "clock (10")]);
+        add(repeated(name, 10), &[(name, "held", "clock (10")]);
     }
     // What is odd but usable.
     add(
@@ -279,7 +279,7 @@ pub fn corpus() -> Vec<(Damage, Vec<Said>)> {
         &[("az_mps2", "note", "saturated")],
     );
     // Pairs.
-    let pairs: [(Damage, Damage, [Said; 2]); 8] = [
+    let pairs: [(Damage, Damage, [Expected; 2]); 8] = [
         (
             times(&["v_mps"], 3.6),
             each("yaw_rate_radps", |_, x| -x),
@@ -328,13 +328,13 @@ pub fn corpus() -> Vec<(Damage, Vec<Said>)> {
             ],
         ),
         (
-            held("v_mps", 10),
+            repeated("v_mps", 10),
             times(&["delta_rad"], 1.0 / DEGREE),
             [("v_mps", "held", "clock (10"), ("delta_rad", "unit", "deg")],
         ),
     ];
-    for (one, other, said) in pairs {
-        add(both(one, other), &said);
+    for (one, other, expected) in pairs {
+        add(both(one, other), &expected);
     }
     all
 }

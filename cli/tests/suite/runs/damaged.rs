@@ -1,5 +1,5 @@
-//! Sixty damaged or foreign records made of clean ones, each with what the check must say of it; and the clean ones, of which it
-//! must say nothing.
+//! Sixty damaged or foreign records made of clean ones, each with the expected finding of the check; and the clean ones, of which it
+//! must report nothing.
 
 use std::path::Path;
 
@@ -7,10 +7,10 @@ use kufe_blind::catalogue::chosen;
 use serde_json::Value;
 
 use crate::kufe::{json, kufe, succeeds};
-use crate::runs::corpus::{Damage, Said, Table, corpus};
+use crate::runs::corpus::{Damage, Expected, Table, corpus};
 
-/// Whether the check says this of a run.
-fn says(run: &Value, (column, kind, part): &Said) -> bool {
+/// Whether the check reports this of a run.
+fn reports(run: &Value, (column, kind, part): &Expected) -> bool {
     let list = |key: &str| run[key].as_array().cloned().unwrap_or_default();
     if *kind == "note" {
         return list("notes")
@@ -28,7 +28,7 @@ fn says(run: &Value, (column, kind, part): &Said) -> bool {
     })
 }
 
-/// Four runs of which the check says nothing, and their damaged copies.
+/// Four runs without findings, and their damaged copies.
 struct Bench {
     folder: tempfile::TempDir,
     runs: Vec<(String, Table)>,
@@ -48,7 +48,7 @@ impl Bench {
         Bench { folder, runs }
     }
 
-    /// The exit code and what is said of each run.
+    /// The exit code and the findings of each run.
     fn check(&self, damage: &dyn Fn(&mut Table)) -> (Option<i32>, Vec<Value>) {
         let folder = self.folder.path();
         for (run, clean) in &self.runs {
@@ -64,23 +64,23 @@ impl Bench {
     }
 
     /// How many damaged runs are named with the line that mends them, of how many.
-    fn named(&self, corpus: &[(Damage, Vec<Said>)]) -> (usize, usize) {
+    fn named(&self, corpus: &[(Damage, Vec<Expected>)]) -> (usize, usize) {
         let (mut named, mut of, mut missed) = (0, 0, Vec::new());
-        for (damage, said) in corpus {
+        for (damage, expected) in corpus {
             let (code, runs) = self.check(damage);
             let mut wrong = false;
             for run in runs {
                 of += 1;
                 let faults = run["faults"].as_array().expect("faults");
                 wrong |= faults.iter().any(|fault| fault["proven"] == true);
-                if said.iter().all(|one| says(&run, one)) {
+                if expected.iter().all(|one| reports(&run, one)) {
                     named += 1;
                 } else {
                     let [run, faults, notes] = ["run", "faults", "notes"].map(|key| &run[key]);
-                    missed.push(format!("{run}: {said:?} {faults} {notes}"));
+                    missed.push(format!("{run}: {expected:?} {faults} {notes}"));
                 }
             }
-            assert_eq!(code, Some(if wrong { 3 } else { 0 }), "{said:?}");
+            assert_eq!(code, Some(if wrong { 3 } else { 0 }), "{expected:?}");
         }
         eprintln!("{named} of {of} damaged runs named:\n{}", missed.join("\n"));
         (named, of)
@@ -88,7 +88,7 @@ impl Bench {
 }
 
 #[test]
-fn nineteen_of_twenty_damaged_records_are_named_and_nothing_is_said_of_clean_ones() {
+fn nineteen_of_twenty_damaged_records_are_named_and_no_clean_one() {
     let folder = tempfile::tempdir().expect("a folder");
     let sample = ["simulate", "--sample-data", "sample", "--seed", "1"];
     succeeds(folder.path(), &sample);
@@ -150,7 +150,7 @@ fn damage_to_runs_of_another_generator_is_named() {
 }
 
 #[test]
-fn the_check_says_nothing_of_the_real_car_and_of_the_sample_runs() {
+fn the_check_finds_nothing_in_the_real_car_and_the_sample_runs() {
     let bench = tempfile::tempdir().expect("a folder");
     let folder = bench.path();
     succeeds(

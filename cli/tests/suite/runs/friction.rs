@@ -1,4 +1,4 @@
-//! `kufe friction` and `kufe icehouse` as a user meets them.
+//! `kufe friction` and `kufe icehouse`.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -96,7 +96,7 @@ fn a_fit_that_is_no_law_is_written_without_the_lines_of_a_model() -> Outcome {
     refused(folder.path(), &fit, 3, &parts)
 }
 
-/// A blunt paraboloid on thick ice: its pressure lies inside the published law.
+/// A blunt paraboloid on thick ice: its pressure is within the range of the published law.
 fn case(fz: f64) -> String {
     format!(
         "[runner]\nshape = {{ kind = \"paraboloid\", rocker_radius_m = 30.0, section_radius_m = 0.5 }}\n\
@@ -177,7 +177,7 @@ fn friction_of_a_case_is_the_law_at_the_pressure_of_hertz() -> Outcome {
 }
 
 #[test]
-fn a_models_law_and_effects_hold_and_missing_conditions_are_asked_for() -> Outcome {
+fn a_models_law_and_effects_apply_and_missing_conditions_are_named() -> Outcome {
     let folder = tempfile::tempdir()?;
     let at = folder.path();
     std::fs::write(at.join("case.toml"), case(200.0))?;

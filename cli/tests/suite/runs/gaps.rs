@@ -29,7 +29,7 @@ fn eight(folder: &Path) {
             .expect("a column")
     };
     let (yaw, speed) = (place("yaw_rate_radps"), place("v_mps"));
-    let mut kept = vec![header.to_owned()];
+    let mut rows = vec![header.to_owned()];
     for (i, line) in lines.enumerate().filter(|(i, _)| !(3000..3200).contains(i)) {
         let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
         if (8000..8100).contains(&i) {
@@ -41,13 +41,13 @@ fn eight(folder: &Path) {
         // A fifth of a step to and fro.
         let t: f64 = cells[0].parse().expect("a time");
         cells[0] = format!("{:.6}", t + if i % 3 == 1 { 4e-4 } else { 0.0 });
-        kept.push(cells.join(","));
+        rows.push(cells.join(","));
     }
-    std::fs::write(folder.join("sample").join(name), kept.join("\n")).expect("a run");
+    std::fs::write(folder.join("sample").join(name), rows.join("\n")).expect("a run");
 }
 
 #[test]
-fn commands_on_runs_use_what_no_gap_reaches_say_how_much_and_refuse_with_strict() {
+fn commands_use_and_count_samples_without_gaps_and_refuse_gaps_with_strict() {
     let bench = tempfile::tempdir().expect("a folder");
     let folder = bench.path();
     eight(folder);
@@ -77,7 +77,7 @@ fn commands_on_runs_use_what_no_gap_reaches_say_how_much_and_refuse_with_strict(
             "{gap}"
         );
         let (used, of) = (number("used_s"), number("of_s"));
-        // 0.6 s are gone, and beside each gap no more than half a second on either side.
+        // 0.6 s are missing, and around each gap no more than half a second on either side.
         assert!(used < of - 0.6 && used > of - 2.6, "{used} of {of}");
         call.push("--strict");
         refused(folder, &call, 3, &["row"]);

@@ -55,7 +55,7 @@ fn rows(path: &Path) -> Vec<Vec<String>> {
 #[test]
 fn three_days_become_one_index_whose_runs_are_found_and_whose_columns_are_united() {
     let bench = days();
-    let said = bench.succeeds(&[
+    let printed = bench.succeeds(&[
         "runs",
         "gather",
         "monday",
@@ -76,12 +76,12 @@ fn three_days_become_one_index_whose_runs_are_found_and_whose_columns_are_united
         "drivers: anna, bert, carl",
         "tracks: igls",
     ] {
-        assert!(said.contains(&format!("{line}\n")), "{said}");
+        assert!(printed.contains(&format!("{line}\n")), "{printed}");
     }
-    assert!(said.contains("monday_A1, tuesday_A1"), "{said}");
+    assert!(printed.contains("monday_A1, tuesday_A1"), "{printed}");
     assert!(
-        said.contains("notes.csv: no run") && said.contains("it is run A2 already"),
-        "{said}"
+        printed.contains("notes.csv: no run") && printed.contains("it is run A2 already"),
+        "{printed}"
     );
     let rows = rows(&bench.path("all/runs.csv"));
     assert_eq!(
@@ -100,7 +100,7 @@ fn three_days_become_one_index_whose_runs_are_found_and_whose_columns_are_united
             "C2,../raw/wednesday/C2.csv,igls,carl,unnamed,wednesday,,,,",
         ]
     );
-    // The track's table stands where commands look for it, and nothing else was copied.
+    // The track's table is where commands look for it, and nothing else was copied.
     assert_eq!(
         crate::kufe::names(&bench.path("all")),
         ["runs.csv", "track_igls.csv"]
@@ -116,7 +116,7 @@ fn three_days_become_one_index_whose_runs_are_found_and_whose_columns_are_united
 }
 
 #[test]
-fn copies_stand_beside_their_index_and_bring_the_same_numbers() {
+fn copies_lie_next_to_their_index_and_bring_the_same_numbers() {
     let bench = days();
     bench.succeeds(&[
         "runs",
@@ -145,7 +145,7 @@ fn copies_stand_beside_their_index_and_bring_the_same_numbers() {
 }
 
 #[test]
-fn what_cannot_be_gathered_is_told_and_nothing_is_written() {
+fn what_cannot_be_gathered_is_refused_and_nothing_is_written() {
     let bench = days();
     let folder = bench.folder.path();
     let gather = |words: &[&str], parts: &[&str]| {
@@ -183,8 +183,11 @@ fn what_cannot_be_gathered_is_told_and_nothing_is_written() {
     );
     assert!(!bench.path("new.csv").exists());
     // Runs that state no session are reported of.
-    let said = errors(&bench.kufe(&["runs", "gather", "raw/wednesday", "-o", "new.csv"]));
-    assert!(said.contains("2 of 2 runs state no session"), "{said}");
+    let printed = errors(&bench.kufe(&["runs", "gather", "raw/wednesday", "-o", "new.csv"]));
+    assert!(
+        printed.contains("2 of 2 runs state no session"),
+        "{printed}"
+    );
 }
 
 #[cfg(unix)]

@@ -1,4 +1,4 @@
-//! `kufe runs init` and `kufe runs import` as a user meets them.
+//! `kufe runs init` and `kufe runs import`.
 
 use kufe_sled::{COLUMNS, read_columns, read_index};
 
@@ -83,8 +83,8 @@ fn ice_at_places_is_written_through() {
 #[test]
 fn kufes_own_runs_are_imported_as_they_are_and_evaluated() {
     let bench = bench();
-    let said = bench.succeeds(&["runs", "import", "mapping.toml", "-o", "runs"]);
-    assert!(said.starts_with("2 runs, "), "{said}");
+    let printed = bench.succeeds(&["runs", "import", "mapping.toml", "-o", "runs"]);
+    assert!(printed.starts_with("2 runs, "), "{printed}");
     let index = read_index(&bench.path("runs/runs.csv")).expect("an index");
     assert_eq!(index.len(), 2);
     assert_eq!(
@@ -128,11 +128,11 @@ fn kufes_own_runs_are_imported_as_they_are_and_evaluated() {
 #[test]
 fn an_import_is_whole_or_absent_and_replaces_only_its_own() {
     let bench = bench();
-    let refused = |words: &[&str], said: &str| {
+    let refused = |words: &[&str], printed: &str| {
         let output = bench.kufe(words);
         assert_eq!(output.status.code(), Some(3), "{words:?}");
         let reported = errors(&output);
-        assert!(reported.contains(said), "{reported}");
+        assert!(reported.contains(printed), "{reported}");
     };
     // Over its inputs, and over an index that it did not write.
     std::fs::rename(bench.path("monday_2.csv"), bench.path("kept.csv")).expect("a file");

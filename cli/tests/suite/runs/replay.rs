@@ -1,4 +1,4 @@
-//! `kufe simulate --replay` as a user meets it.
+//! `kufe simulate --replay`.
 
 use crate::kufe::{json, refused, succeeds};
 
@@ -90,11 +90,11 @@ fn a_replay_writes_run_figures_picture_and_page_and_refuses_by_name() {
     let mut short = String::from("t_s,v_mps,delta_rad,s_m\n");
     for (row, line) in lines.enumerate() {
         let cells: Vec<&str> = line.split(',').collect();
-        let mut kept = keep.map(|at| cells[at]);
+        let mut written = keep.map(|at| cells[at]);
         if (9000..9050).contains(&row) {
-            kept[2] = "";
+            written[2] = "";
         }
-        short += &(kept.join(",") + "\n");
+        short += &(written.join(",") + "\n");
     }
     std::fs::write(folder.join("short.csv"), short).expect("a file");
     call(&["short.csv", "-o", "short"]);
@@ -151,7 +151,7 @@ fn a_sled_of_another_simulator_is_driven_again_at_its_speed() {
         };
         let speed = of("v_mps")["rms"].as_f64().expect("a number");
         let time = of("t_s")["end"].as_f64().expect("a number");
-        // Of some 25 m/s and 30 s: what the faults of a quiet campaign leave.
+        // Of some 25 m/s and 30 s: with the faults of a quiet campaign.
         assert!(
             speed < 0.2 && time.abs() < 0.2,
             "{run}: {speed} m/s, {time} s"

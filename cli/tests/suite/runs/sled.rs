@@ -1,4 +1,4 @@
-//! `kufe simulate`, `fit lateral`, `validate` and `evaluate` as a user meets them.
+//! `kufe simulate`, `fit lateral`, `validate` and `evaluate`.
 
 use crate::kufe::{json, kufe, octave, refused, succeeds};
 

@@ -1,4 +1,4 @@
-//! Where runs lie on a table: beside the results of commands, and by `kufe lut show --runs`.
+//! Where runs lie on a table: in the results of commands, and by `kufe lut show --runs`.
 
 use crate::kufe::{Bench, errors};
 
@@ -8,7 +8,7 @@ const TABLE: &str = "case = \"case.toml\"\n[axes]\nfz_n = { values = [1000.0, 15
 const TRACK: &str = "s_m,slope_rad,curvature_1pm,bank_rad\n0,0.1,0,0\n50,0.1,0,0\n100,0.1,0.02,0\n150,0.1,0.02,0\n\
                      200,0.1,0,0\n250,0.1,0,0\n300,0.1,0,0\n";
 
-/// A blunt runner, whose pressures the published law knows.
+/// A blunt runner, whose pressures are within the published law.
 const CASE: &str = "[runner]\nshape = { kind = \"paraboloid\", rocker_radius_m = 30.0, section_radius_m = 0.5 }\n[ice]\n\
                     youngs_modulus_pa = 9.0e9\npoissons_ratio = 0.33\nthickness_m = \"half-space\"\n[load]\nfz_n = 1000.0\n\
                     [accuracy]\np_max = 0.02\n";
@@ -63,7 +63,7 @@ fn samples_are_drawn_on_their_tables_and_those_outside_counted() {
     let page = std::fs::read_to_string(bench.path("out/report.html")).expect("a page");
     assert_eq!(page.matches("data:image/png").count(), 2);
 
-    // The same samples by `lut show`, by a model that knows nothing of the table.
+    // The same samples by `lut show`, by a model without the table.
     let show = ["lut", "show", "narrow.lut", "--json", "-o", "shown.png"];
     let runs = [
         "--runs",

@@ -6,9 +6,9 @@ use kufe_blind::catalogue::chosen;
 use kufe_sled::{Fault, OnGaps, RelationRules, Run, judge_by, read_index, read_run};
 
 use crate::kufe::succeeds;
-use crate::runs::corpus::{Damage, Said, Table, corpus};
+use crate::runs::corpus::{Damage, Expected, Table, corpus};
 
-/// What is known of a change of the rules: clean runs said to be wrong, and damaged ones named, of how many.
+/// Effect of a change of the rules: clean runs reported as wrong, and damaged ones named, of how many.
 type Score = ([usize; 2], [usize; 2]);
 
 fn read(index: &Path) -> Vec<Run> {
@@ -17,9 +17,10 @@ fn read(index: &Path) -> Vec<Run> {
     entries.into_iter().map(run).collect()
 }
 
-/// Whether all that is proved of a damage is said of a run; what is only odd is no proof.
-fn says(faults: &[Fault], run: &str, said: &[Said]) -> bool {
-    said.iter()
+/// Whether every provable fault of a damage is reported of a run; an anomaly is no proof.
+fn reports(faults: &[Fault], run: &str, expected: &[Expected]) -> bool {
+    expected
+        .iter()
         .filter(|(_, kind, _)| *kind != "note")
         .all(|(column, kind, part)| {
             faults.iter().any(|fault| {
@@ -30,10 +31,10 @@ fn says(faults: &[Fault], run: &str, said: &[Said]) -> bool {
         })
 }
 
-/// Clean runs, campaign by campaign, and damaged ones with what is to be said of each.
+/// Clean runs, campaign by campaign, and damaged ones with the expected finding of each.
 struct Material {
     clean: Vec<Vec<Run>>,
-    damaged: Vec<(Vec<Run>, Vec<Said>)>,
+    damaged: Vec<(Vec<Run>, Vec<Expected>)>,
 }
 
 impl Material {
@@ -45,18 +46,23 @@ impl Material {
             score.0[0] += runs.iter().filter(wrong).count();
             score.0[1] += runs.len();
         }
-        for (runs, said) in &self.damaged {
+        for (runs, expected) in &self.damaged {
             let faults = judge_by(runs, rules);
-            let named = |run: &&Run| says(&faults, &run.entry.run, said);
+            let named = |run: &&Run| reports(&faults, &run.entry.run, expected);
             score.1[0] += runs.iter().filter(named).count();
             score.1[1] += runs.len();
         }
         score
     }
 
-    fn damage(&mut self, folder: &Path, runs: &[(String, Table)], corpus: &[(Damage, Vec<Said>)]) {
-        let proofs = |said: &[Said]| said.iter().any(|(_, kind, _)| *kind != "note");
-        for (damage, said) in corpus.iter().filter(|(_, said)| proofs(said)) {
+    fn damage(
+        &mut self,
+        folder: &Path,
+        runs: &[(String, Table)],
+        corpus: &[(Damage, Vec<Expected>)],
+    ) {
+        let proofs = |expected: &[Expected]| expected.iter().any(|(_, kind, _)| *kind != "note");
+        for (damage, expected) in corpus.iter().filter(|(_, expected)| proofs(expected)) {
             let mut index = String::from("run,file\n");
             for (run, clean) in runs {
                 let mut table = clean.clone();
@@ -66,7 +72,7 @@ impl Material {
             }
             let path = folder.join("damaged.csv");
             std::fs::write(&path, index).expect("an index");
-            self.damaged.push((read(&path), said.clone()));
+            self.damaged.push((read(&path), expected.clone()));
         }
     }
 }
@@ -115,7 +121,7 @@ fn material(folder: &Path) -> Material {
 }
 
 /// As they are no clean run is refused and nineteen in twenty damages are named; with KUFE_WRITE_DOCS the figures of
-/// docs/verification.md are printed besides, some minutes of work.
+/// docs/verification.md are printed in addition, some minutes of work.
 #[test]
 #[ignore = "slow study: .ci/slow"]
 fn thresholds_at_half_and_twice_refuse_clean_runs_or_miss_damaged_ones() {

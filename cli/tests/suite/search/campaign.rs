@@ -101,7 +101,7 @@ fn wrong_campaigns_are_refused_with_file_place_and_what_was_expected() -> Outcom
 }
 
 #[test]
-fn a_model_beside_a_campaign_and_a_table_without_one_are_wrong_usage() -> Outcome {
+fn a_model_with_a_campaign_and_a_table_without_one_are_wrong_usage() -> Outcome {
     let folder = tempfile::tempdir()?;
     let at = folder.path();
     std::fs::write(at.join("experiments.csv"), TABLE)?;

@@ -1,4 +1,4 @@
-//! `kufe discover` on friction experiments, as a user meets it.
+//! `kufe discover` on friction experiments.
 
 use std::process::Command;
 
@@ -35,9 +35,9 @@ fn nothing_is_found_in_the_seven_points_and_the_next_model_is_accepted() -> Outc
     Ok(())
 }
 
-/// One mu beside a law over pressure: no effect explains what is left, which is no answer that all is well.
+/// A constant mu for data of a law over pressure: no effect explains the misfit, and the verdict is not `none`.
 #[test]
-fn a_base_that_does_not_fit_is_told_and_a_law_over_pressure_mends_it() -> Outcome {
+fn a_base_that_does_not_fit_is_reported_and_a_law_over_pressure_fits() -> Outcome {
     let folder = tempfile::tempdir()?;
     std::fs::write(folder.path().join("experiments.csv"), table(|_, _| 1.0))?;
     let law = "b = 0.088\nc = 2.01\nd = 14.66\nmu_cap = 0.007";
@@ -277,7 +277,7 @@ fn an_effect_of_ones_own_is_found_and_acts() -> Outcome {
 }
 
 #[test]
-fn only_what_is_asked_for_is_looked_for() -> Outcome {
+fn only_the_chosen_effects_are_searched() -> Outcome {
     let folder = tempfile::tempdir()?;
     std::fs::write(folder.path().join("model.toml"), MODEL)?;
     let warm = table(|ice, _| 1.0 - 0.03 * (ice + 5.0));

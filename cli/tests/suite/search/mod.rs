@@ -1,4 +1,4 @@
-//! The search for what a model lacks, over runs, experiments, maps and campaigns.
+//! The search for effects that are missing in a model, over runs, experiments, maps and campaigns.
 
 mod campaign;
 mod experiments;

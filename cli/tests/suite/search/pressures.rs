@@ -60,7 +60,7 @@ fn hardness_and_roll_tilt_are_named_and_act_in_the_next_case_and_nothing_is_foun
             assert!(found.closed.is_some_and(|c| c[0] > 0.9), "{outcome:?}");
         }
     }
-    // Intervals are of 95 %: at one seed one of the two sizes may lie outside, beside a rounding error that moves it there.
+    // Intervals are of 95 %: at one seed one of the two sizes may lie outside, next to a rounding error that moves it there.
     let found = outcomes.iter().flat_map(|outcome| &outcome.found);
     let inside = found.filter(|found| found.parameter_inside == Some(true));
     assert!(inside.count() >= 1, "{outcomes:?}");
@@ -73,8 +73,8 @@ fn hardness_and_roll_tilt_are_named_and_act_in_the_next_case_and_nothing_is_foun
         let fitted = &report["steps"][0]["parameters"][0];
         assert_eq!(fitted["name"], key);
         let value = fitted["value"].as_f64().expect("a size");
-        let held = &report["held_out"];
-        assert!(held["gap_after"].as_f64() < held["gap_before"].as_f64());
+        let held_out = &report["held_out"];
+        assert!(held_out["gap_after"].as_f64() < held_out["gap_before"].as_f64());
         let result = press(&folder.join("model.next.toml"), &folder.join("press"));
         let reported = result["p_max_pa"].as_f64().expect("a peak");
         match name {
@@ -117,7 +117,7 @@ fn discover(folder: &Path, out: &str, further: &[&str]) -> Output {
 }
 
 #[test]
-fn what_is_wrong_with_pressure_measurements_is_told_with_its_place() {
+fn wrong_pressure_measurements_are_refused_with_their_place() {
     type Change = fn(&str) -> String;
     let refused: [(Change, &[&str]); 7] = [
         (
@@ -157,7 +157,7 @@ fn what_is_wrong_with_pressure_measurements_is_told_with_its_place() {
 }
 
 #[test]
-fn an_unknown_effect_in_the_case_is_told_with_the_known_ones() {
+fn an_unknown_effect_in_the_case_is_refused_with_the_known_ones() {
     let bench = tempfile::tempdir().expect("a folder");
     null_case(bench.path(), str::to_owned);
     let case = bench.path().join("case.toml");

@@ -1,4 +1,4 @@
-//! `kufe discover` on runs that are wrong, too few or lack something.
+//! `kufe discover` on runs that are wrong, too few or incomplete.
 
 use std::path::Path;
 use std::process::Output;
@@ -47,8 +47,8 @@ fn drive(folder: &Path, runs: &str) {
             "data",
         ],
     );
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{told}");
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{errors}");
     for entry in std::fs::read_dir(folder.join("data")).expect("a folder") {
         let path = entry.expect("a file").path();
         let name = path.file_name().expect("a name").to_owned();
@@ -82,7 +82,7 @@ fn change(path: &Path, change: impl Fn(usize, &str, &str) -> Option<String>) {
 }
 
 #[test]
-fn what_is_wrong_with_runs_is_told_with_its_place() {
+fn wrong_runs_are_refused_with_their_place() {
     let bench = tempfile::tempdir().expect("a folder");
     let at = bench.path();
     drive(at, "2");
@@ -146,10 +146,10 @@ fn what_is_wrong_with_runs_is_told_with_its_place() {
         std::fs::write(&run, &originals[1]).expect("written");
         edit();
         let output = discover(at);
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(3), "{told}");
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(3), "{errors}");
         for part in parts {
-            assert!(told.contains(part), "no {part:?} in {told}");
+            assert!(errors.contains(part), "no {part:?} in {errors}");
         }
         assert!(!at.join("out").exists(), "nothing is written");
     }
@@ -158,15 +158,15 @@ fn what_is_wrong_with_runs_is_told_with_its_place() {
     let model = kufe_sled::Model::published().to_toml() + "\n[effects.rust]\nslope = 1.0\n";
     std::fs::write(at.join("model.toml"), model).expect("written");
     let output = discover(at);
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(3), "{told}");
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "{errors}");
     for part in ["rust", "unknown effect", "saturation"] {
-        assert!(told.contains(part), "no {part:?} in {told}");
+        assert!(errors.contains(part), "no {part:?} in {errors}");
     }
 }
 
 #[test]
-fn one_run_with_absent_columns_says_so() {
+fn one_run_with_absent_columns_is_reported() {
     let bench = tempfile::tempdir().expect("a folder");
     let at = bench.path();
     drive(at, "1");
@@ -175,9 +175,9 @@ fn one_run_with_absent_columns_says_so() {
         _ => Some(cell.to_owned()),
     });
     let output = discover(at);
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(0), "{told}");
-    assert!(told.is_empty(), "progress on a terminal alone: {told}");
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{errors}");
+    assert!(errors.is_empty(), "progress on a terminal alone: {errors}");
     let text = std::fs::read_to_string(at.join("out/report.json")).expect("a report");
     let report: Value = serde_json::from_str(&text).expect("JSON");
     let remarks = report["remarks"].to_string();
@@ -199,15 +199,15 @@ fn one_run_with_absent_columns_says_so() {
 }
 
 /// Root mean square of the side balance over runs, as `kufe validate` shows it.
-fn validated(at: &Path, model: &str, out: &str, held: &[&str]) -> f64 {
+fn validated(at: &Path, model: &str, out: &str, names: &[&str]) -> f64 {
     let output = kufe(at, &["validate", "runs.csv", "--model", model, "-o", out]);
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{told}");
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{errors}");
     let text = std::fs::read_to_string(at.join(out).join("validation.json")).expect("a file");
     let validation: Value = serde_json::from_str(&text).expect("JSON");
     let runs = validation["runs"].as_array().expect("a list").iter();
     let squares: Vec<f64> = runs
-        .filter(|run| held.iter().any(|name| run["run"] == **name))
+        .filter(|run| names.iter().any(|name| run["run"] == **name))
         .map(|run| {
             run["left_rms"]["side_n"]
                 .as_f64()
@@ -215,7 +215,7 @@ fn validated(at: &Path, model: &str, out: &str, held: &[&str]) -> f64 {
                 .powi(2)
         })
         .collect();
-    assert_eq!(squares.len(), held.len());
+    assert_eq!(squares.len(), names.len());
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
 
@@ -242,13 +242,13 @@ fn the_gaps_of_the_report_are_those_that_validate_shows() {
     assert_eq!(output.status.code(), Some(0));
     let text = std::fs::read_to_string(at.join("out/report.json")).expect("a report");
     let report: Value = serde_json::from_str(&text).expect("JSON");
-    let held: Vec<&str> = report["held_out"]["runs"]
+    let held_out: Vec<&str> = report["held_out"]["runs"]
         .as_array()
         .expect("a list")
         .iter()
         .filter_map(Value::as_str)
         .collect();
-    assert!(!held.is_empty());
+    assert!(!held_out.is_empty());
     let channels = report["held_out"]["channels"].as_array().expect("a list");
     let side = channels
         .iter()
@@ -256,8 +256,8 @@ fn the_gaps_of_the_report_are_those_that_validate_shows() {
         .expect("side");
     let reported = ["before", "after"].map(|key| side[key].as_f64().expect("a number"));
     let shown = [
-        validated(at, "model.toml", "given", &held),
-        validated(at, "out/model.next.toml", "next", &held),
+        validated(at, "model.toml", "given", &held_out),
+        validated(at, "out/model.next.toml", "next", &held_out),
     ];
     println!("{reported:?} {shown:?}");
     assert!(reported[1] < 0.5 * reported[0], "{reported:?}: {report:#}");
@@ -266,7 +266,7 @@ fn the_gaps_of_the_report_are_those_that_validate_shows() {
     assert!((shrunk / seen - 1.0).abs() < 0.15, "{reported:?} {shown:?}");
 }
 
-/// Runs whose friction is that of a groove and its film, by the blind cases' own closed forms: beside a constant, the tables that kufe solves
+/// Runs whose friction is that of a groove and its film, by the blind cases' own closed forms: next to a constant, the tables that kufe solves
 /// for that runner (`tests/data/film`) are found as what is missing, and close the gap to what noise leaves, 3.2 N.
 #[test]
 #[ignore = "slow study: .ci/slow"]
@@ -285,18 +285,18 @@ fn a_film_that_runs_glide_on_is_named_and_switched_on() {
         .lines()
         .find(|line| line.starts_with("mu = "))
         .expect("mu");
-    let beside = format!("{constant}\nfront_table = {table:?}\nrear_table = {table:?}");
+    let with_tables = format!("{constant}\nfront_table = {table:?}\nrear_table = {table:?}");
     std::fs::write(
         folder.join("model.toml"),
-        model.replacen(constant, &beside, 1),
+        model.replacen(constant, &with_tables, 1),
     )
     .expect("writable");
     let output = kufe(
         folder,
         &["discover", "runs.csv", "--model", "model.toml", "-o", "out"],
     );
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{told}");
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{errors}");
     let report = json(&folder.join("out/report.json"));
     let steps = report["steps"].as_array().expect("steps");
     assert_eq!(steps.len(), 1, "{}", report["sentence"]);
@@ -305,9 +305,12 @@ fn a_film_that_runs_glide_on_is_named_and_switched_on() {
         .as_f64()
         .expect("a share");
     assert!((share - 1.0).abs() < 0.2, "{share}");
-    let held = &report["held_out"];
-    let gap = |key: &str| held[key].as_f64().expect("a gap");
-    assert!(gap("gap_before") > 5.0 && gap("gap_after") < 3.4, "{held}");
+    let held_out = &report["held_out"];
+    let gap = |key: &str| held_out[key].as_f64().expect("a gap");
+    assert!(
+        gap("gap_before") > 5.0 && gap("gap_after") < 3.4,
+        "{held_out}"
+    );
     let next = std::fs::read_to_string(folder.join("out/model.next.toml")).expect("a model");
     assert!(next.contains("[effects.film]"), "{next}");
 }

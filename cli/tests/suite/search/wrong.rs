@@ -1,4 +1,4 @@
-//! `kufe discover` with experiments that are wrong, or asked for wrongly.
+//! `kufe discover` with wrong experiments and wrong arguments.
 
 use std::process::Output;
 

@@ -3,7 +3,7 @@
 use kufe_sled::Model;
 use kufe_sled::friction::Longitudinal;
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::evidence::experiments::rows::Row;
 
 /// The base law of the model, linear in its coefficients.
@@ -21,8 +21,9 @@ impl Base {
     /// The base law of a model.
     ///
     /// # Errors
-    /// [`Error::Sled`] if the model has no friction law for a table of coefficients.
-    pub fn of(model: &Model) -> Result<Base, Error> {
+    /// [`Error::Sled`](crate::error::Error::Sled) if the model has no friction law for a table of
+    /// coefficients.
+    pub fn of(model: &Model) -> Result<Base> {
         let keys = &model.friction.longitudinal;
         if keys.film()?.is_some() {
             return Ok(Base::Film);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use kufe_sled::effects::{CATALOGUE, Custom, Effect, Effects, Experiments, Kind};
+use kufe_sled::effects::{CATALOGUE, Custom, Effect, Effects, Experiments, Info, Kind};
 use rayon::prelude::*;
 
 use crate::evidence::experiments::base::Base;
@@ -48,15 +48,6 @@ pub type CandidateList = (Vec<Candidate<FrictionChange>>, Untestable);
 pub fn list(rows: &[Row], table: &Table, model: &Effects, base: Base) -> CandidateList {
     let mut candidates = Vec::new();
     let mut untestable = Vec::new();
-    let is_stated = |column: &str| table.place(column).is_some();
-    let varies = |column: &str| {
-        let at = table.place(column);
-        at.is_some_and(|at| table.rows.iter().any(|row| row[at] != table.rows[0][at]))
-    };
-    let needs = |columns: &[&str]| {
-        let columns = columns.join(", ");
-        format!("needs {columns}, which is absent or does not vary")
-    };
     let on = |name: &str| {
         let mut active = model.active.iter();
         active.any(|a| a.effect_name() == name && a.is_on())
@@ -66,28 +57,7 @@ pub fn list(rows: &[Row], table: &Table, model: &Effects, base: Base) -> Candida
         if on(info.name) {
             continue;
         }
-        let needed: Result<Vec<&str>, _> = info
-            .needs_in_experiments()
-            .map(|needed| needed.iter().map(|c| c.name()).collect());
-        let reason = match needed {
-            Err(why) => Some(why.to_owned()),
-            Ok(needed) if info.experiments == Experiments::OverFilm => {
-                let is_testable =
-                    needed.iter().all(|c| is_stated(c)) && needed.iter().any(|c| varies(c));
-                match base {
-                    Base::Film => (!is_testable).then(|| needs(&needed)),
-                    _ => Some(
-                        "needs friction.longitudinal.film = true: it changes the melt film"
-                            .to_owned(),
-                    ),
-                }
-            }
-            Ok(mut needed) => {
-                needed.retain(|c| !varies(c));
-                (!needed.is_empty()).then(|| needs(&needed))
-            }
-        };
-        match reason {
+        match untestable_reason(info, table, base) {
             Some(reason) => untestable.push((info.name.to_owned(), reason)),
             None if info.experiments == Experiments::OverFilm => {
                 candidates.extend(of_film(effect, rows));
@@ -104,10 +74,10 @@ pub fn list(rows: &[Row], table: &Table, model: &Effects, base: Base) -> Candida
         }
         let names = custom.names();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        if names.iter().all(|name| is_stated(name)) && names.iter().any(|name| varies(name)) {
+        if are_testable(table, &names) {
             candidates.push(own(&active.name, custom, rows));
         } else {
-            untestable.push((active.name.clone(), needs(&names)));
+            untestable.push((active.name.clone(), missing(&names)));
         }
     }
     for (name, values) in further_columns(rows) {
@@ -117,6 +87,35 @@ pub fn list(rows: &[Row], table: &Table, model: &Effects, base: Base) -> Candida
     }
     mark_sessions(rows, &mut candidates);
     (candidates, untestable)
+}
+
+/// Why an effect of the catalogue cannot be tested; `None` if it can.
+fn untestable_reason(info: &Info, table: &Table, base: Base) -> Option<String> {
+    let needed = match info.needs_in_experiments() {
+        Ok(needed) => needed,
+        Err(reason) => return Some(reason.to_owned()),
+    };
+    let mut needed: Vec<&str> = needed.iter().map(|column| column.name()).collect();
+    if info.experiments != Experiments::OverFilm {
+        needed.retain(|column| !table.varies(column));
+        return (!needed.is_empty()).then(|| missing(&needed));
+    }
+    if base != Base::Film {
+        let reason = "needs friction.longitudinal.film = true: it changes the melt film";
+        return Some(reason.to_owned());
+    }
+    (!are_testable(table, &needed)).then(|| missing(&needed))
+}
+
+/// Whether all of these columns are present and one of them varies.
+fn are_testable(table: &Table, columns: &[&str]) -> bool {
+    let mut all = columns.iter();
+    all.all(|c| table.place(c).is_some()) && columns.iter().any(|c| table.varies(c))
+}
+
+fn missing(columns: &[&str]) -> String {
+    let columns = columns.join(", ");
+    format!("needs {columns}, which is absent or does not vary")
 }
 
 fn of_catalogue(effect: &'static Effect) -> Option<Candidate<FrictionChange>> {
@@ -262,10 +261,8 @@ fn mark_sessions(rows: &[Row], candidates: &mut [Candidate<FrictionChange>]) {
         return;
     }
     for candidate in candidates {
-        let slopes: Vec<f64> = rows
-            .iter()
-            .map(|row| candidate.slope(row, 0.004, 0.0))
-            .collect();
+        let slopes = rows.iter().map(|row| candidate.slope(row, 0.004, 0.0));
+        let slopes: Vec<f64> = slopes.collect();
         let mean = slopes.iter().sum::<f64>() / slopes.len() as f64;
         let all: f64 = slopes.iter().map(|x| (x - mean).powi(2)).sum();
         let between = sessions.values().map(|own| {

@@ -13,16 +13,16 @@ use kufe::plot::number4;
 use kufe_sled::Model;
 use kufe_sled::effects::{Effects, find};
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::evidence::experiments::base::Base;
-use crate::evidence::experiments::bins::bins;
 use crate::evidence::experiments::candidates::{FrictionChange, list};
 use crate::evidence::experiments::fit::{Between, Fit, Offsets, Setting, between, fit};
 use crate::evidence::experiments::known::ModelEffects;
+use crate::evidence::experiments::outcome::bins;
 use crate::evidence::experiments::pictures::pictures;
 use crate::evidence::experiments::rows::{Row, Untestable, read, set_films};
 use crate::evidence::experiments::screen::screen_table;
-use crate::finding::{ChannelGap, ModelKind, Report, held_out};
+use crate::finding::{ChannelGap, ModelKind, Report, Step, held_out};
 use crate::input::table::Table;
 use crate::null::clusters::members;
 use crate::options::{OUTSIDE_CATALOGUE, Options};
@@ -58,7 +58,7 @@ impl<'a> Experiments<'a> {
     /// # Errors
     /// [`Error::Cell`], [`Error::MissingColumn`], [`Error::Duplicate`], [`Error::TooFew`] below
     /// five rows.
-    pub fn read(path: &Path, model: &'a Model, options: &'a Options) -> Result<Self, Error> {
+    pub fn read(path: &Path, model: &'a Model, options: &'a Options) -> Result<Self> {
         let table = Table::read(path)?;
         let (mut rows, unreadable) = read(&table, model.sled.cda_m2)?;
         let base = Base::of(model)?;
@@ -77,14 +77,16 @@ impl<'a> Experiments<'a> {
         }
         let (mut candidates, mut untestable) = list(&rows, &table, &effects, base);
         untestable.extend(unreadable);
-        candidates.retain(|c| match c.is_column() {
-            true => options.looks_for(OUTSIDE_CATALOGUE),
-            false => options.looks_for(&c.effect),
-        });
-        untestable.retain(|(name, _)| match name.starts_with(OUTSIDE_CATALOGUE) {
-            true => options.looks_for(OUTSIDE_CATALOGUE),
-            false => options.looks_for(name),
-        });
+        let is_requested = |effect: &str| {
+            let is_outside = effect.starts_with("unknown:");
+            options.includes(if is_outside {
+                OUTSIDE_CATALOGUE
+            } else {
+                effect
+            })
+        };
+        candidates.retain(|c| is_requested(&c.effect));
+        untestable.retain(|(effect, _)| is_requested(effect));
         let locked = options.rules.lock.rows(rows.len());
         let pick = |which: &[usize]| which.iter().map(|i| rows[*i].clone()).collect();
         let training: Vec<Row> = pick(&locked.training);
@@ -134,7 +136,7 @@ impl<'a> Experiments<'a> {
         format!("chi2 = {:.1} on {freedom} degrees of freedom", base.chi2)
     }
 
-    fn gap(&self, before: f64, after: f64) -> ChannelGap {
+    fn channel_misfit(&self, before: f64, after: f64) -> ChannelGap {
         let squares = self.training.iter().map(|r| r.mu_sd * r.mu_sd);
         ChannelGap {
             channel: "mu".to_owned(),
@@ -150,7 +152,7 @@ impl Evidence for Experiments<'_> {
     type Act = FrictionChange;
     type Fit = Fit;
 
-    fn fit_base(&mut self, account: &mut Account) -> Result<Fit, Error> {
+    fn fit_base(&mut self, account: &mut Account) -> Result<Fit> {
         let remarks = &mut account.remarks;
         remarks.extend(self.options.restriction_remark());
         if !self.others.is_empty() {
@@ -182,7 +184,7 @@ impl Evidence for Experiments<'_> {
         Ok(base)
     }
 
-    fn screen(&mut self, fit: &Fit, _: &mut Account) -> Result<Screen<FrictionChange>, Error> {
+    fn screen(&mut self, fit: &Fit, _: &mut Account) -> Result<Screen<FrictionChange>> {
         let is_enough = self.training.len() > fit.step.len() + 2;
         let rules = &self.options.rules.experiments;
         let screen = screen_table(&self.setting, &self.training, fit.clone(), self.options);
@@ -204,20 +206,20 @@ impl Evidence for Experiments<'_> {
         fit: &Fit,
         selection: &Selection<FrictionChange>,
         _: usize,
-    ) -> Result<ExtendedFit<Fit>, Error> {
+    ) -> Result<ExtendedFit<Fit>> {
         let named = |c: &Candidate<FrictionChange>| c.effect == selection.candidate.effect;
         let place = self.setting.candidates.iter().position(named);
         let chosen: Vec<usize> = fit.chosen.iter().copied().chain(place).collect();
         let next = self.fitted_anew(&chosen);
         Ok(ExtendedFit {
-            gap: [fit.rms, next.rms],
+            rms: [fit.rms, next.rms],
             fit: next,
-            written: true,
+            is_writable: true,
             place: None,
         })
     }
 
-    fn settle(&mut self, mut fit: Fit, account: &mut Account) -> Result<Fit, Error> {
+    fn remove_superfluous(&mut self, mut fit: Fit, account: &mut Account) -> Result<Fit> {
         let min_t = self.options.rules.search.superfluous_t;
         while fit.chosen.len() > 1 {
             let is_weak = |k: &usize| fit.t(&self.setting, *k).abs() < min_t;
@@ -237,20 +239,20 @@ impl Evidence for Experiments<'_> {
         Ok(fit)
     }
 
-    fn without(&mut self, fit: &Fit, step: usize) -> Result<Fit, Error> {
+    fn without(&mut self, fit: &Fit, step: usize) -> Result<Fit> {
         let mut chosen = fit.chosen.clone();
         chosen.remove(step);
         Ok(self.fitted_anew(&chosen))
     }
 
-    fn misfit_decrease(&self, from: &Fit, to: &Fit) -> Result<Option<Decrease>, Error> {
+    fn misfit_decrease(&self, from: &Fit, to: &Fit) -> Result<Option<Decrease>> {
         let setting = &self.setting;
         let offsets = [from, to].map(|fit| fit.offsets(setting, &self.training));
         // An effect within sessions and specimens is visible in residuals given their offsets, an
         // effect between them in residuals without offsets.
         let decrease = |row: &Row| {
             let squares = |of: &Fit, offsets: &Offsets| {
-                let residual = row.mu - of.predict(setting, row).1;
+                let residual = of.residual(setting, row);
                 let given = (residual - offsets.of(row)) / from.own_deviation(setting, row);
                 let alone = residual / from.deviation(setting, row);
                 [given, alone].map(|r| r * r)
@@ -261,7 +263,7 @@ impl Evidence for Experiments<'_> {
         let decreases: Vec<[f64; 2]> = self.held_out.iter().map(decrease).collect();
         if setting.between.both() == 0.0 {
             let without_offsets: Vec<f64> = decreases.iter().map(|by| by[1]).collect();
-            return Ok(Decrease::over(&without_offsets, 0.0));
+            return Ok(Decrease::over(&without_offsets));
         }
         let training: Vec<[f64; 2]> = self.training.iter().map(decrease).collect();
         Ok(Decrease::over_channels(
@@ -271,30 +273,26 @@ impl Evidence for Experiments<'_> {
         ))
     }
 
-    fn open(
-        &mut self,
-        base: &Fit,
-        last: &Fit,
-        account: &mut Account,
-    ) -> Result<HeldOutResults, Error> {
+    fn compare(&mut self, base: &Fit, last: &Fit, steps: &[Step]) -> Result<HeldOutResults> {
         let [before, after] = [base, last].map(|fit| fit.rms_of(&self.setting, &self.held_out));
         Ok(HeldOutResults {
             held_out: held_out(
                 "row",
                 self.held_out.iter().map(|row| &row.name),
-                self.gap(before, after),
+                self.channel_misfit(before, after),
             ),
-            closed: vec![self.closed(base, last); account.steps.len()],
+            closed: vec![self.closed(base, last); steps.len()],
         })
     }
 
-    fn choose(&mut self, _: &Fit, last: Fit, _: &mut Account) -> Result<Choice<Fit>, Error> {
+    fn choose(&mut self, _: &Fit, last: Fit, _: &mut Account) -> Result<Choice<Fit>> {
         let candidates = &self.setting.candidates;
         let is_written = |c: &usize| candidates[*c].act.table.is_some();
         Ok(Choice {
-            written: match last.chosen.iter().any(is_written) {
-                true => ModelKind::WithEffect,
-                false => ModelKind::Refitted,
+            written: if last.chosen.iter().any(is_written) {
+                ModelKind::WithEffect
+            } else {
+                ModelKind::Refitted
             },
             fit: last,
             baselines: Vec::new(),
@@ -302,12 +300,7 @@ impl Evidence for Experiments<'_> {
         })
     }
 
-    fn describe(
-        &mut self,
-        base: &Fit,
-        last: &Fit,
-        account: &mut Account,
-    ) -> Result<Description, Error> {
+    fn describe(&mut self, base: &Fit, last: &Fit, account: &mut Account) -> Result<Description> {
         let (setting, rows) = (&self.setting, &self.training);
         let rules = &self.options.rules;
         let quantile = rules.search.interval + rules.experiments.interval_few / last.freedom();
@@ -325,7 +318,7 @@ impl Evidence for Experiments<'_> {
         Ok(Description {
             report: Report {
                 data: "friction experiments".to_owned(),
-                training: vec![self.gap(base.rms, last.rms)],
+                training: vec![self.channel_misfit(base.rms, last.rms)],
                 base: self.base_parameters(last, quantile),
                 bins: bins(setting, rows, base),
                 bins_after: bins(setting, rows, last),
@@ -343,9 +336,10 @@ impl Evidence for Experiments<'_> {
             ),
             next_after_nothing: format!(
                 "each specimen measured again in {} at two pressures, which would halve the smallest sizes that can be found; the {} rows have {} degrees of freedom",
-                match sessions == rows.len() {
-                    true => "three more sessions, stated in a column session".to_owned(),
-                    false => format!("{} more sessions", 3 * sessions),
+                if sessions == rows.len() {
+                    "three more sessions, stated in a column session".to_owned()
+                } else {
+                    format!("{} more sessions", 3 * sessions)
                 },
                 self.rows(),
                 base.freedom()
@@ -367,7 +361,7 @@ pub fn search(
     model: &Model,
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
-) -> Result<Found, Error> {
+) -> Result<Found> {
     options.check_names(Some(model))?;
     let mut experiments = Experiments::read(path, model, options)?;
     search_evidence(&mut experiments, options, progress)

@@ -17,6 +17,7 @@ use crate::regression::inverse::ridge_inverse;
 const ROUNDS: usize = 8;
 
 /// Candidates, known effects and base law.
+#[derive(Clone)]
 pub struct Setting {
     pub candidates: Vec<Candidate<FrictionChange>>,
     /// Effects of the model.
@@ -228,20 +229,27 @@ impl Fit {
         (self.rest.len() as f64 - self.step.len() as f64).max(1.0)
     }
 
-    /// mu of a row by the base alone, and with the known and selected effects.
-    pub fn predict(&self, setting: &Setting, row: &Row) -> (f64, f64) {
-        let base = base_law(setting.base, row, &self.step);
+    /// mu of a row by the base law alone.
+    pub fn base_law(&self, setting: &Setting, row: &Row) -> f64 {
+        base_law(setting.base, row, &self.step)
+    }
+
+    /// mu of a row with the known and selected effects.
+    pub fn predict(&self, setting: &Setting, row: &Row) -> f64 {
+        let base = self.base_law(setting, row);
         let changes = (0..self.chosen.len()).map(|k| self.added(setting, row, k));
         let selected: f64 = changes.sum();
-        (
-            base,
-            base + setting.known.add(row, base.max(MIN_MU)) + selected,
-        )
+        base + setting.known.add(row, base.max(MIN_MU)) + selected
+    }
+
+    /// Measured minus predicted mu of a row.
+    pub fn residual(&self, setting: &Setting, row: &Row) -> f64 {
+        row.mu - self.predict(setting, row)
     }
 
     /// Contribution of the `k`-th selected effect to mu of a row.
     pub fn added(&self, setting: &Setting, row: &Row, k: usize) -> f64 {
-        let base = base_law(setting.base, row, &self.step);
+        let base = self.base_law(setting, row);
         let size = self.step[setting.base.len() + k];
         setting.candidates[self.chosen[k]].change(row, base.max(MIN_MU), size)
     }
@@ -268,14 +276,13 @@ impl Fit {
 
     /// Standard deviation of mu of a row: measurement, pressure, specimen and session.
     pub fn deviation(&self, setting: &Setting, row: &Row) -> f64 {
-        deviation(row, &self.step, setting.base).hypot(setting.between.both())
+        self.own_deviation(setting, row)
+            .hypot(setting.between.both())
     }
 
     /// Root mean square of the residual of these rows.
     pub fn rms_of(&self, setting: &Setting, rows: &[Row]) -> f64 {
-        let squares = rows
-            .iter()
-            .map(|row| (row.mu - self.predict(setting, row).1).powi(2));
+        let squares = rows.iter().map(|row| self.residual(setting, row).powi(2));
         (squares.sum::<f64>() / rows.len().max(1) as f64).sqrt()
     }
 }
@@ -378,10 +385,8 @@ pub fn between(setting: &Setting, rows: &[Row], chosen: &[usize]) -> Between {
     let mean_sd = rows.iter().map(|row| row.mu_sd).sum::<f64>() / rows.len() as f64;
     let cost = |between: Between| {
         let setting = Setting {
-            candidates: setting.candidates.clone(),
-            known: setting.known.clone(),
-            base: setting.base,
             between,
+            ..setting.clone()
         };
         let fit = fit(&setting, rows, chosen);
         let information = fit.columns.tr_mul(&fit.columns).determinant().max(1e-300);

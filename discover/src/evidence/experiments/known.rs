@@ -2,7 +2,7 @@
 
 use kufe_sled::effects::{Active, Column, Effect, Effects, Experiments, Kind};
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::evidence::experiments::base::Base;
 use crate::evidence::experiments::rows::Row;
 use crate::input::table::Table;
@@ -19,8 +19,9 @@ impl ModelEffects {
     /// The model's effects on mu, and the names of its other effects.
     ///
     /// # Errors
-    /// [`Error::MissingColumn`] if the table does not have a column that an effect needs.
-    pub fn new(model: &Effects, table: &Table, base: Base) -> Result<(Self, Vec<String>), Error> {
+    /// [`Error::MissingColumn`](crate::error::Error::MissingColumn) if the table does not have a
+    /// column that an effect needs.
+    pub fn new(model: &Effects, table: &Table, base: Base) -> Result<(Self, Vec<String>)> {
         let not_stated = |effect: &Effect| match effect.info.experiments {
             Experiments::OverFilm => base != Base::Film,
             // The film of the sled's runners is not stated per row.

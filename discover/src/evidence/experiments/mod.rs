@@ -1,7 +1,6 @@
 //! Friction experiments: mu over pressure or of the melt film, one row per specimen or condition.
 
 pub(crate) mod base;
-pub(crate) mod bins;
 pub(crate) mod candidates;
 pub(crate) mod compare;
 pub(crate) mod evidence;

@@ -1,14 +1,19 @@
-//! Results of a search over experiments: sizes, explained share and the next model.
+//! Results of a search over experiments: sizes, explained share, bins and the next model.
 
 use kufe_sled::Model;
 
 use crate::evidence::experiments::base::Base;
 use crate::evidence::experiments::evidence::Experiments;
-use crate::evidence::experiments::fit::Fit;
-use crate::evidence::experiments::rows::Row;
-use crate::finding::{Fitted, Interval, fitted};
-use crate::procedure::closed::{ClosedGap, change};
+use crate::evidence::experiments::fit::{Fit, Setting};
+use crate::evidence::experiments::rows::{Row, further_columns};
+use crate::finding::{Bin, Fitted, Interval, bin, fitted, significant};
+use crate::procedure::closed::{ClosedMisfit, change};
 use crate::procedure::evidence::Account;
+
+/// Number of bins of a column.
+const BINS: usize = 3;
+/// Smallest number of rows in a bin, for a standard error.
+const MIN_ROWS: usize = 3;
 
 impl Experiments<'_> {
     /// Base coefficients with their intervals.
@@ -55,18 +60,18 @@ impl Experiments<'_> {
     pub fn closed(&self, before: &Fit, after: &Fit) -> Interval {
         let all: Vec<usize> = after.chosen.iter().copied().chain(self.next_best).collect();
         let least = self.fitted(&all);
+        let setting = &self.setting;
         let rest = |rows: &[Row], fit: &Fit| -> Vec<f64> {
-            let residual = |row: &Row| row.mu - fit.predict(&self.setting, row).1;
-            let rows = rows.iter();
-            rows.map(|row| residual(row) / after.deviation(&self.setting, row))
-                .collect()
+            let of_row = |row| fit.residual(setting, row) / after.deviation(setting, row);
+            rows.iter().map(of_row).collect()
         };
-        let judged = match self.held_out.is_empty() {
-            true => &self.training,
-            false => &self.held_out,
+        let judged = if self.held_out.is_empty() {
+            &self.training
+        } else {
+            &self.held_out
         };
         let first = rest(judged, before);
-        ClosedGap {
+        ClosedMisfit {
             direction: &change(&first, &rest(judged, &least)),
             before: &first,
             after: &rest(judged, after),
@@ -75,4 +80,29 @@ impl Experiments<'_> {
         }
         .closed()
     }
+}
+
+/// Significant bins of the residual of mu, strongest first; p-values are Bonferroni-corrected.
+pub fn bins(setting: &Setting, rows: &[Row], fit: &Fit) -> Vec<Bin> {
+    let rest: Vec<f64> = rows.iter().map(|row| fit.residual(setting, row)).collect();
+    let pressure = rows.iter().map(|r| r.pressure).collect();
+    let mut columns = vec![("p_max_pa", pressure)];
+    columns.extend(further_columns(rows));
+    let mut found = Vec::new();
+    for (name, values) in &columns {
+        let mut order: Vec<usize> = (0..values.len()).collect();
+        order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+        for k in 0..BINS {
+            let own = &order[k * order.len() / BINS..(k + 1) * order.len() / BINS];
+            let n = own.len();
+            if n < MIN_ROWS {
+                continue;
+            }
+            let residuals: Vec<f64> = own.iter().map(|i| rest[*i]).collect();
+            let ends = [values[own[0]], values[own[n - 1]]];
+            let freedom = n as f64 - 1.0;
+            found.extend(bin(("mu", ""), name, ends, &residuals, (1.0, freedom)));
+        }
+    }
+    significant(found)
 }

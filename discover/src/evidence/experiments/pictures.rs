@@ -12,7 +12,7 @@ const ROWS: usize = 5;
 
 /// Measured coefficients with the law, and each named effect over its strongest column.
 pub fn pictures(setting: &Setting, rows: &[Row], first: &Fit, last: &Fit) -> Vec<Picture> {
-    let named = (0..last.chosen.len()).filter_map(|k| driven(setting, rows, last, k));
+    let named = (0..last.chosen.len()).filter_map(|k| effect_picture(setting, rows, last, k));
     [law(setting, rows, first)]
         .into_iter()
         .chain(named)
@@ -20,7 +20,7 @@ pub fn pictures(setting: &Setting, rows: &[Row], first: &Fit, last: &Fit) -> Vec
 }
 
 /// Contribution of an effect over its strongest column, with residuals of the fit without it.
-fn driven(setting: &Setting, rows: &[Row], last: &Fit, k: usize) -> Option<Picture> {
+fn effect_picture(setting: &Setting, rows: &[Row], last: &Fit, k: usize) -> Option<Picture> {
     let adds = |row: &Row| 1e3 * last.added(setting, row, k);
     let added: Vec<f64> = rows.iter().map(adds).collect();
     let strength = |values: &[f64]| correlation(values, &added).abs();
@@ -37,8 +37,7 @@ fn driven(setting: &Setting, rows: &[Row], last: &Fit, k: usize) -> Option<Pictu
         )
     });
     let (line_x, line_y) = means.unzip();
-    let without =
-        |(row, added): (&Row, &f64)| 1e3 * (row.mu - last.predict(setting, row).1) + added;
+    let without = |(row, added): (&Row, &f64)| 1e3 * last.residual(setting, row) + added;
     let effect = &setting.candidates[last.chosen[k]].effect;
     Some(Picture {
         title: format!("{effect} over {column}"),
@@ -85,7 +84,7 @@ fn law(setting: &Setting, rows: &[Row], first: &Fit) -> Picture {
                 let p = low + (high - low) * f64::from(k) / 60.0;
                 let mut row = rows[0].clone();
                 row.pressure = 1e6 * p;
-                (p, 1e3 * first.predict(setting, &row).0)
+                (p, 1e3 * first.base_law(setting, &row))
             };
             let (x, y) = (0..=60).map(point).unzip();
             (

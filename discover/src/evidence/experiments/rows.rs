@@ -7,7 +7,7 @@ use kufe_sled::effects::{Column, OperatingPoint};
 use kufe_sled::friction::film::Patch;
 use rayon::prelude::*;
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::input::table::Table;
 
 /// A row of friction experiments.
@@ -35,6 +35,9 @@ pub struct Row {
 /// Names of effects and laws that cannot be tested, with the reason.
 pub type Untestable = Vec<(String, String)>;
 
+/// Columns of numbers, by name.
+type NumericColumns = Vec<(String, Vec<f64>)>;
+
 /// Name of the column of row numbers, which represents drift.
 pub const ORDER: &str = "row";
 
@@ -54,7 +57,7 @@ const KNOWN: [&str; 6] = [
 /// # Errors
 /// [`Error::MissingColumn`], [`Error::Cell`] with row and column; [`Error::Duplicate`] for a row
 /// that repeats another one under another name.
-pub fn read(table: &Table, drag_area: f64) -> Result<(Vec<Row>, Untestable), Error> {
+pub fn read(table: &Table, drag_area: f64) -> Result<(Vec<Row>, Untestable)> {
     let names = table.texts("specimen")?;
     let pressure = table.numbers("p_max_pa", 1e4, 1e11)?;
     let pressure_sd = table.numbers("p_max_sd_pa", 0.0, 1e10)?;
@@ -78,27 +81,7 @@ pub fn read(table: &Table, drag_area: f64) -> Result<(Vec<Row>, Untestable), Err
     let width = column("contact_width_m", 1e-7, 1.0)?;
     let roughness = column("roughness_m", 0.0, 1e-4)?;
     let (time, place) = (column("t_s", 0.0, 1e6)?, column("s_m", -1e6, 1e6)?);
-    let (mut further, mut unreadable) = (Vec::new(), Vec::new());
-    for name in &table.header {
-        if KNOWN.contains(&name.as_str()) {
-            continue;
-        }
-        let texts = table.texts(name)?;
-        let number = |text: &String| text.parse::<f64>().ok().filter(|x| x.is_finite());
-        let numbers: Vec<Option<f64>> = texts.iter().map(number).collect();
-        match numbers.iter().position(Option::is_none) {
-            None => further.push((name.clone(), numbers.into_iter().flatten().collect())),
-            // A column without any number is a text.
-            Some(row) if numbers.iter().any(Option::is_some) => unreadable.push((
-                format!("unknown:{name}"),
-                format!(
-                    "needs a number in every row; row {} has {:?}",
-                    table.lines[row], texts[row]
-                ),
-            )),
-            Some(_) => {}
-        }
-    }
+    let (mut further, unreadable) = numeric_columns(table)?;
     further.push((
         ORDER.to_owned(),
         (0..names.len()).map(|i| i as f64).collect(),
@@ -135,10 +118,35 @@ pub fn read(table: &Table, drag_area: f64) -> Result<(Vec<Row>, Untestable), Err
             },
         },
         columns: (further.iter())
-            .map(|(name, values): &(String, Vec<f64>)| (name.clone(), values[i]))
+            .map(|(name, values)| (name.clone(), values[i]))
             .collect(),
     };
     Ok(((0..names.len()).map(row).collect(), unreadable))
+}
+
+/// The columns of numbers, with their values, and the laws of columns of which some cells alone are
+/// numbers.
+fn numeric_columns(table: &Table) -> Result<(NumericColumns, Untestable)> {
+    let (mut numeric, mut unreadable) = (Vec::new(), Vec::new());
+    let further = table.header.iter();
+    for name in further.filter(|name| !KNOWN.contains(&name.as_str())) {
+        let texts = table.texts(name)?;
+        let number = |text: &String| text.parse::<f64>().ok().filter(|x| x.is_finite());
+        let numbers: Vec<Option<f64>> = texts.iter().map(number).collect();
+        match numbers.iter().position(Option::is_none) {
+            None => numeric.push((name.clone(), numbers.into_iter().flatten().collect())),
+            // A column without any number is a text.
+            Some(row) if numbers.iter().any(Option::is_some) => unreadable.push((
+                format!("unknown:{name}"),
+                format!(
+                    "needs a number in every row; row {} has {:?}",
+                    table.lines[row], texts[row]
+                ),
+            )),
+            Some(_) => {}
+        }
+    }
+    Ok((numeric, unreadable))
 }
 
 /// All further numeric columns, by name.
@@ -162,7 +170,7 @@ const OF_FILM: [Column; 5] = [
 ///
 /// # Errors
 /// [`Error::MissingColumn`]; [`Error::File`] with the row if the film cannot be computed.
-pub fn set_films(rows: &mut [Row], table: &Table, boundary_shear: f64) -> Result<(), Error> {
+pub fn set_films(rows: &mut [Row], table: &Table, boundary_shear: f64) -> Result<()> {
     if let Some(column) = OF_FILM.iter().find(|c| table.place(c.name()).is_none()) {
         let reason = " (friction.longitudinal.film = true needs it)";
         return Err(table.missing(column.name(), reason));
@@ -178,7 +186,7 @@ pub fn set_films(rows: &mut [Row], table: &Table, boundary_shear: f64) -> Result
     })
 }
 
-fn refuse_copies(table: &Table) -> Result<(), Error> {
+fn refuse_copies(table: &Table) -> Result<()> {
     let name = table.place("specimen");
     let mut known: HashMap<Vec<&str>, usize> = HashMap::new();
     for (i, row) in table.rows.iter().enumerate() {

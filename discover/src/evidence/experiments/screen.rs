@@ -1,5 +1,7 @@
 //! One screen of all candidates: t of each and the null distribution of the largest |t|.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{DMatrix, DVector};
 
 use crate::evidence::experiments::fit::{Fit, Setting, fit};
@@ -102,7 +104,7 @@ pub fn screen_table<'a>(
     let inverse = ridge_inverse(now.columns.tr_mul(&now.columns));
     let whitened = |c: usize| -> DVector<f64> {
         now.whitening.apply(&DVector::from_fn(n, |i, _| {
-            let (mu, _) = now.predict(setting, &rows[i]);
+            let mu = now.base_law(setting, &rows[i]);
             candidates[c].slope(&rows[i], mu.max(1e-5), 0.0)
         }))
     };
@@ -130,19 +132,7 @@ pub fn screen_table<'a>(
         (sessions, setting.between.sessions),
     ];
     let simulated = MaxT::drawn(options.twins.max(MIN_TABLES) as usize, |k| {
-        let mut rng = stream(options.seed, 0x7A17, k);
-        let mut drawn = rows.to_vec();
-        for (drawn, row) in drawn.iter_mut().zip(rows) {
-            let (_, mu) = now.predict(setting, row);
-            drawn.mu = mu + row.mu_sd * normal(&mut rng);
-            drawn.pressure = row.pressure + row.pressure_sd * normal(&mut rng);
-        }
-        for (groups, sd) in offsets.iter().filter(|(_, sd)| *sd > 0.0) {
-            for own in groups.values() {
-                let offset = sd * normal(&mut rng);
-                own.iter().for_each(|i| drawn[*i].mu += offset);
-            }
-        }
+        let drawn = simulated_rows(setting, rows, &now, &offsets, [options.seed, k]);
         let rest = fit(setting, &drawn, &now.chosen).rest;
         let products = units.products(rest.iter().copied());
         units.largest(&products, rest.norm_squared(), |_| true)
@@ -175,6 +165,30 @@ pub fn screen_table<'a>(
         rows,
         fit: now,
     }
+}
+
+/// Rows simulated with a fit: errors of mu and of the pressure, and offsets of groups of rows, each
+/// with its standard deviation, are drawn; `seed` and number of the draw.
+fn simulated_rows(
+    setting: &Setting,
+    rows: &[Row],
+    now: &Fit,
+    offsets: &[(BTreeMap<&str, Vec<usize>>, f64)],
+    [seed, draw]: [u64; 2],
+) -> Vec<Row> {
+    let mut rng = stream(seed, 0x7A17, draw);
+    let mut drawn = rows.to_vec();
+    for (drawn, row) in drawn.iter_mut().zip(rows) {
+        drawn.mu = now.predict(setting, row) + row.mu_sd * normal(&mut rng);
+        drawn.pressure = row.pressure + row.pressure_sd * normal(&mut rng);
+    }
+    for (groups, sd) in offsets.iter().filter(|(_, sd)| *sd > 0.0) {
+        for own in groups.values() {
+            let offset = sd * normal(&mut rng);
+            own.iter().for_each(|i| drawn[*i].mu += offset);
+        }
+    }
+    drawn
 }
 
 /// Unit directions of the candidates and the base's columns, with which t of a residual is

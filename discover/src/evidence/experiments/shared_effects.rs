@@ -1,6 +1,6 @@
 //! Friction experiments searched together with other kinds of data.
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::evidence::experiments::candidates::FrictionChange;
 use crate::evidence::experiments::compare::EVERYWHERE;
 use crate::evidence::experiments::evidence::Experiments;
@@ -55,12 +55,7 @@ impl SharesEffects for Experiments<'_> {
             .collect()
     }
 
-    fn with_fixed_sizes(
-        &mut self,
-        fit: &Fit,
-        step: usize,
-        amounts: &[Amount],
-    ) -> Result<Fit, Error> {
+    fn with_fixed_sizes(&mut self, fit: &Fit, step: usize, amounts: &[Amount]) -> Result<Fit> {
         let mut chosen = fit.chosen.clone();
         let candidate = self.setting.candidates[chosen[step]].clone();
         let same = |a: &&Amount| a.effect == candidate.effect && a.key == candidate.key;

@@ -1,9 +1,8 @@
 //! Bins of the residuals by load and curvature, along and across the runner, and by pressure.
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::evidence::maps::sample::place;
-use crate::evidence::maps::simulate::Simulations;
-use crate::evidence::maps::sized::SizedEffects;
+use crate::evidence::maps::simulate::{Simulations, SizedEffects};
 use crate::finding::{Bin, bin, significant};
 
 const BINS: usize = 8;
@@ -11,7 +10,7 @@ const COLUMNS: [&str; 5] = ["fz_n", "curvature_1pm", "x_m", "y_m", "p_pa"];
 
 /// Significant bins of measured minus simulated pressure, strongest first; p-values are corrected
 /// for all bins (Bonferroni).
-pub fn bins(simulations: &Simulations, active: &SizedEffects) -> Result<Vec<Bin>, Error> {
+pub fn bins(simulations: &Simulations, active: &SizedEffects) -> Result<Vec<Bin>> {
     let rules = &simulations.rules;
     let as_one = rules.independent_pixels.powi(2);
     let maps = simulations.registered(active, rules.reporting_cells)?;

@@ -20,21 +20,18 @@ use std::path::Path;
 use kufe::case::effects::{CATALOGUE, Effect};
 use kufe::plot::quantity;
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::evidence::maps::bins::bins;
 use crate::evidence::maps::line::LineSearch;
-use crate::evidence::maps::measured::remarks::{remarks_on, typical_noise, untestable};
-use crate::evidence::maps::measured::rows::{Measured, Row};
 use crate::evidence::maps::next_case::next_case;
 use crate::evidence::maps::pictures::pictures;
 use crate::evidence::maps::polish::{MapFit, polish};
-use crate::evidence::maps::screen::{Steps, detectable, screen_maps};
-use crate::evidence::maps::selection::{place, select};
-use crate::evidence::maps::simulate::{Misfit, Simulations};
-use crate::evidence::maps::sized::SizedEffects;
+use crate::evidence::maps::rows::{Measured, Row, remarks_on, typical_noise, untestable};
+use crate::evidence::maps::screen::{Steps, detectable, place, screen_maps, select};
+use crate::evidence::maps::simulate::{Misfit, PIECES, Simulations, SizedEffects};
 use crate::finding::{ChannelGap, Fitted, Interval, Report, Step, Tolerated, fitted, held_out};
 use crate::options::Options;
-use crate::procedure::closed::{ClosedGap, change};
+use crate::procedure::closed::{ClosedMisfit, change};
 use crate::procedure::evidence::{
     Account, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, NO_SIZE, SUPERFLUOUS,
     Screen, Selection,
@@ -59,9 +56,6 @@ pub struct Maps<'a> {
     screens: usize,
 }
 
-/// Pieces of the residuals over which misfits are compared.
-const PIECES: usize = 16;
-
 impl<'a> Maps<'a> {
     /// Holds out the last map and solves all rows on two meshes.
     pub fn new(
@@ -69,7 +63,7 @@ impl<'a> Maps<'a> {
         model: &'a Path,
         options: &'a Options,
         progress: &'a (dyn Fn(&str) + Sync),
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         let rules = &options.rules;
         let locked = rules.lock.maps(measured.rows.len());
         let pick = |which: &[usize]| which.iter().map(|i| &measured.rows[*i]).collect();
@@ -123,7 +117,7 @@ impl<'a> Maps<'a> {
     }
 
     /// Removes effects without which chi2 increases by less than a selected effect must lower it.
-    fn remove_steps(&mut self, mut fit: MapFit, account: &mut Account) -> Result<MapFit, Error> {
+    fn remove_steps(&mut self, mut fit: MapFit, account: &mut Account) -> Result<MapFit> {
         let min_decrease =
             |misfit: &Misfit| self.options.rules.maps.least_drop * misfit.mean_square();
         // On the finer meshes the misfit must decrease as well, relative to its errors and in Pa.
@@ -142,9 +136,10 @@ impl<'a> Maps<'a> {
         let has_no_size = |p: &Vec<Fitted>| p[0].low <= 0.0 && p[0].high >= 0.0;
         while let Some(k) = self.parameters(&fit).iter().position(has_no_size) {
             account.remove_step(k, NO_SIZE);
-            fit = match account.steps.is_empty() {
-                true => self.start.clone(),
-                false => self.without(&fit, k)?,
+            fit = if account.steps.is_empty() {
+                self.start.clone()
+            } else {
+                self.without(&fit, k)?
             };
         }
         let mut k = 0;
@@ -170,22 +165,23 @@ impl<'a> Maps<'a> {
     }
 
     /// Closed share of the explainable misfit, on the held-out rows if there are any.
-    fn closed(&self, last: &MapFit) -> Result<Interval, Error> {
+    fn closed(&self, last: &MapFit) -> Result<Interval> {
         let mut all = last.active.clone();
         all.extend(self.next);
-        let explained = |rows: &Simulations, before: &Misfit| -> Result<Vec<f64>, Error> {
+        let explained = |rows: &Simulations, before: &Misfit| -> Result<Vec<f64>> {
             let after = match rows.reporting(&all) {
                 Ok(after) => after,
                 Err(_) => rows.reporting(&last.active)?,
             };
             Ok(change(&before.residuals, &after.residuals))
         };
-        let judged = match self.held_out.rows.is_empty() {
-            true => &self.training,
-            false => &self.held_out,
+        let judged = if self.held_out.rows.is_empty() {
+            &self.training
+        } else {
+            &self.held_out
         };
         let before = judged.reporting(&self.start.active)?;
-        Ok(ClosedGap {
+        Ok(ClosedMisfit {
             direction: &explained(judged, &before)?,
             before: &before.residuals,
             after: &judged.reporting(&last.active)?.residuals,
@@ -195,7 +191,7 @@ impl<'a> Maps<'a> {
         .closed())
     }
 
-    fn gap(&self, before: &Misfit, after: &Misfit, rows: &[&Row]) -> ChannelGap {
+    fn channel_misfit(&self, before: &Misfit, after: &Misfit, rows: &[&Row]) -> ChannelGap {
         ChannelGap {
             channel: "p".to_owned(),
             unit: "Pa".to_owned(),
@@ -206,11 +202,7 @@ impl<'a> Maps<'a> {
     }
 
     /// Positions of the films that differ from zero: within the tolerance, or as a remark.
-    fn within_tolerance(
-        &self,
-        last: &MapFit,
-        account: &mut Account,
-    ) -> Result<Vec<Tolerated>, Error> {
+    fn within_tolerance(&self, last: &MapFit, account: &mut Account) -> Result<Vec<Tolerated>> {
         let rules = &self.options.rules;
         let mut within = Vec::new();
         for rows in [&self.training, &self.held_out] {
@@ -256,7 +248,7 @@ impl Evidence for Maps<'_> {
     type Act = &'static Effect;
     type Fit = MapFit;
 
-    fn fit_base(&mut self, account: &mut Account) -> Result<MapFit, Error> {
+    fn fit_base(&mut self, account: &mut Account) -> Result<MapFit> {
         let remarks = &mut account.remarks;
         remarks.extend(self.options.restriction_remark());
         remarks.extend(self.measured.remarks.iter().cloned());
@@ -264,7 +256,7 @@ impl Evidence for Maps<'_> {
         Ok(self.start.clone())
     }
 
-    fn screen(&mut self, fit: &MapFit, _: &mut Account) -> Result<Screen<Self::Act>, Error> {
+    fn screen(&mut self, fit: &MapFit, _: &mut Account) -> Result<Screen<Self::Act>> {
         let before = self.training.searching(&fit.active)?.chi2;
         self.screens += 1;
         let number = self.screens;
@@ -296,7 +288,7 @@ impl Evidence for Maps<'_> {
         fit: &MapFit,
         selection: &Selection<Self::Act>,
         _: usize,
-    ) -> Result<ExtendedFit<MapFit>, Error> {
+    ) -> Result<ExtendedFit<MapFit>> {
         (self.progress)(&format!("screen {}: finer meshes", self.screens));
         let before = self.training.searching(&fit.active)?;
         let added = (selection.candidate.act, selection.size);
@@ -305,14 +297,14 @@ impl Evidence for Maps<'_> {
         let next = polish(&self.training, &active, &errors)?;
         let after = self.training.searching(&next.active)?;
         Ok(ExtendedFit {
-            gap: [fit.misfit.rms, next.misfit.rms],
+            rms: [fit.misfit.rms, next.misfit.rms],
             place: Some(place(&self.training, &before, &after)),
             fit: next,
-            written: true,
+            is_writable: true,
         })
     }
 
-    fn settle(&mut self, fit: MapFit, account: &mut Account) -> Result<MapFit, Error> {
+    fn remove_superfluous(&mut self, fit: MapFit, account: &mut Account) -> Result<MapFit> {
         let mut fit = self.remove_steps(fit, account)?;
         if let Some(doubt) = self.doubt(&fit.misfit, &account.steps) {
             account.remarks.push(doubt);
@@ -325,33 +317,29 @@ impl Evidence for Maps<'_> {
         Ok(fit)
     }
 
-    fn without(&mut self, fit: &MapFit, step: usize) -> Result<MapFit, Error> {
+    fn without(&mut self, fit: &MapFit, step: usize) -> Result<MapFit> {
         let (mut active, mut errors) = (fit.active.clone(), fit.errors.clone());
         active.remove(step);
         errors.remove(step);
         polish(&self.training, &active, &errors)
     }
 
-    fn misfit_decrease(&self, from: &MapFit, to: &MapFit) -> Result<Option<Decrease>, Error> {
+    fn misfit_decrease(&self, from: &MapFit, to: &MapFit) -> Result<Option<Decrease>> {
         if self.held_out.rows.is_empty() {
             return Ok(None);
         }
         let of = |fit: &MapFit| self.held_out.reporting(&fit.active);
         let (before, after) = (of(from)?, of(to)?);
         // Relative to its errors and in Pa.
-        let falls = match after.rms < before.rms {
-            true => before.decreases(&after, PIECES),
-            false => vec![0.0; PIECES],
+        let falls = if after.rms < before.rms {
+            before.decreases(&after)
+        } else {
+            vec![0.0; PIECES]
         };
-        Ok(Decrease::over(&falls, 0.0))
+        Ok(Decrease::over(&falls))
     }
 
-    fn open(
-        &mut self,
-        _: &MapFit,
-        last: &MapFit,
-        account: &mut Account,
-    ) -> Result<HeldOutResults, Error> {
+    fn compare(&mut self, _: &MapFit, last: &MapFit, steps: &[Step]) -> Result<HeldOutResults> {
         let rows = &self.held_out.rows;
         let before = self.held_out.reporting(&self.start.active)?;
         let after = self.held_out.reporting(&last.active)?;
@@ -359,11 +347,12 @@ impl Evidence for Maps<'_> {
             held_out: held_out(
                 "measurement",
                 rows.iter().map(|row| &row.name),
-                self.gap(&before, &after, rows),
+                self.channel_misfit(&before, &after, rows),
             ),
-            closed: match account.steps.is_empty() {
-                true => Vec::new(),
-                false => vec![self.closed(last)?; account.steps.len()],
+            closed: if steps.is_empty() {
+                Vec::new()
+            } else {
+                vec![self.closed(last)?; steps.len()]
             },
         })
     }
@@ -373,12 +362,12 @@ impl Evidence for Maps<'_> {
         _: &MapFit,
         last: &MapFit,
         account: &mut Account,
-    ) -> Result<Description, Error> {
+    ) -> Result<Description> {
         let (start, rows) = (&self.start, &self.training.rows);
         Ok(Description {
             report: Report {
                 data: "pressure measurements".to_owned(),
-                training: vec![self.gap(&start.misfit, &last.misfit, rows)],
+                training: vec![self.channel_misfit(&start.misfit, &last.misfit, rows)],
                 within_tolerance: self.within_tolerance(last, account)?,
                 bins: bins(&self.training, &start.active)?,
                 bins_after: bins(&self.training, &last.active)?,
@@ -410,7 +399,7 @@ pub fn search(
     model: &Path,
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
-) -> Result<Found, Error> {
+) -> Result<Found> {
     options.check_names(None)?;
     let measured = Measured::read(path, model, &options.rules.maps)?;
     let mut maps = Maps::new(&measured, model, options, progress)?;

@@ -5,8 +5,7 @@
 
 use kufe::case::effects::Effect;
 
-use crate::evidence::maps::simulate::{Misfit, Simulations};
-use crate::evidence::maps::sized::SizedEffects;
+use crate::evidence::maps::simulate::{Misfit, Simulations, SizedEffects};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::closed::change;
 
@@ -96,10 +95,7 @@ impl LineSearch {
             if from + step > self.high || self.eval(simulations, active, from + step).is_none() {
                 return;
             }
-            worse = match self.keep_if_better() {
-                true => 0,
-                false => worse + 1,
-            };
+            worse = if self.keep_if_better() { 0 } else { worse + 1 };
         }
     }
 

@@ -2,7 +2,7 @@
 
 use kufe::case::effects::Effect;
 
-use crate::evidence::maps::measured::rows::number;
+use crate::evidence::maps::rows::number;
 
 /// The case's text with these effects added to its `[effects]`; sizes of the same effect are
 /// composed.

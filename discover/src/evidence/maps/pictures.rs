@@ -1,8 +1,7 @@
 //! Pictures of measured and simulated maps, and of the peaks of rows without a map.
 
-use crate::error::Error;
-use crate::evidence::maps::simulate::Simulations;
-use crate::evidence::maps::sized::SizedEffects;
+use crate::error::Result;
+use crate::evidence::maps::simulate::{Simulations, SizedEffects};
 use crate::finding::{Maps, Peak, Picture, Plot};
 
 /// Largest number of rows of a picture of peaks.
@@ -10,10 +9,7 @@ const MAX_PEAKS: usize = 60;
 
 /// Measured and simulated pressure before and after, of training and held-out rows: the map of
 /// largest difference of each, and the peaks of rows without a map.
-pub fn pictures(
-    simulations: [&Simulations; 2],
-    active: &SizedEffects,
-) -> Result<Vec<Picture>, Error> {
+pub fn pictures(simulations: [&Simulations; 2], active: &SizedEffects) -> Result<Vec<Picture>> {
     let none = SizedEffects::new();
     let mut pictures: Vec<Picture> = peaks(simulations, active)?.into_iter().collect();
     for (simulations, kind) in simulations
@@ -48,7 +44,7 @@ pub fn pictures(
 }
 
 /// Peaks of the rows without a map; `None` if all rows have one.
-fn peaks(simulations: [&Simulations; 2], active: &SizedEffects) -> Result<Option<Picture>, Error> {
+fn peaks(simulations: [&Simulations; 2], active: &SizedEffects) -> Result<Option<Picture>> {
     let mut rows = Vec::new();
     for (simulations, not_seen) in simulations.into_iter().zip([false, true]) {
         let cells = simulations.rules.reporting_cells;
@@ -68,9 +64,10 @@ fn peaks(simulations: [&Simulations; 2], active: &SizedEffects) -> Result<Option
     }
     let count = rows.len();
     rows.truncate(MAX_PEAKS);
-    let shown = match count > rows.len() {
-        true => format!(" The first {} of {count} rows.", rows.len()),
-        false => String::new(),
+    let shown = if count > rows.len() {
+        format!(" The first {} of {count} rows.", rows.len())
+    } else {
+        String::new()
     };
     Ok((count > 0).then(|| Picture {
         title: "Peak pressure, measured and simulated".to_owned(),

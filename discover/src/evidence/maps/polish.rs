@@ -2,9 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::error::Error;
-use crate::evidence::maps::simulate::{Misfit, Simulations};
-use crate::evidence::maps::sized::SizedEffects;
+use crate::error::Result;
+use crate::evidence::maps::simulate::{Misfit, Simulations, SizedEffects};
 
 /// Effects at their sizes and the misfit.
 #[derive(Clone)]
@@ -16,11 +15,7 @@ pub struct MapFit {
 }
 
 /// `errors` are those of the search, one per effect. They remain if a derivative cannot be solved.
-pub fn polish(
-    simulations: &Simulations,
-    active: &SizedEffects,
-    errors: &[f64],
-) -> Result<MapFit, Error> {
+pub fn polish(simulations: &Simulations, active: &SizedEffects, errors: &[f64]) -> Result<MapFit> {
     let mut fit = MapFit {
         active: active.clone(),
         errors: errors.to_vec(),

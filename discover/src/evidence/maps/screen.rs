@@ -1,14 +1,15 @@
-//! One screen of all effects: the misfit of each at its best size.
+//! One screen of all effects: the misfit of each at its best size, and the selection of the best.
 
 use std::collections::BTreeMap;
 
-use kufe::case::effects::{CATALOGUE, Growth};
+use kufe::case::effects::{CATALOGUE, Effect, Growth};
 
 use crate::evidence::maps::line::LineSearch;
-use crate::evidence::maps::simulate::{Misfit, Simulations};
-use crate::evidence::maps::sized::SizedEffects;
-use crate::finding::Detectable;
+use crate::evidence::maps::simulate::{Misfit, Simulations, SizedEffects};
+use crate::finding::{Detectable, Rival};
 use crate::options::Options;
+use crate::procedure::evidence::Selection;
+use crate::procedure::rivals::{NamedEffect, RivalRule};
 use crate::procedure::rules::Rules;
 
 /// Number of line searches that are continued at a time.
@@ -39,7 +40,7 @@ pub fn screen_maps(
     for effect in CATALOGUE.iter() {
         let name = effect.info().name;
         let on = active.iter().any(|(e, _)| e.info().name == name);
-        if on || !options.looks_for(name) || (!mapped && effect.search.needs_map) {
+        if on || !options.includes(name) || (!mapped && effect.search.needs_map) {
             continue;
         }
         progress(name);
@@ -84,4 +85,54 @@ pub fn detectable(lines: &[LineSearch], rules: &Rules) -> Vec<Detectable> {
         line.candidate.detectable(line.size_at(errors), 1.0, others)
     };
     lines.iter().enumerate().map(detectable).collect()
+}
+
+/// The first of `lines` as a selection; `before` is the sum of squares without it.
+pub fn select(
+    lines: &[LineSearch],
+    before: f64,
+    mean_square: f64,
+    rule: &RivalRule,
+) -> Selection<&'static Effect> {
+    let best = &lines[0];
+    let others = lines[1..].iter().map(|line| {
+        let excess = ((line.chi2() - best.chi2()) / mean_square).max(0.0);
+        let t = line.size() / line.error().max(1e-300);
+        Rival {
+            gain: before - line.chi2(),
+            correlation: best.correlation(line),
+            t_of_named_beyond: excess.sqrt(),
+            in_class: true,
+            ..line.candidate.rival(line.size(), t)
+        }
+    });
+    let drop = (before - best.chi2()) / mean_square;
+    let named = NamedEffect {
+        effect: &best.candidate.effect,
+        // The effect's t is the root of the drop of chi2.
+        t: drop.sqrt(),
+        gain: before - best.chi2(),
+        units: 1,
+    };
+    let (class, rivals) = rule.class(&named, others.collect());
+    let candidate = best.candidate.clone();
+    Selection {
+        class,
+        rivals,
+        // All effects were tried with free sizes: no randomisation was made.
+        p_value: (lines.len() as f64 * (-0.5 * drop).exp()).clamp(1e-12, 1.0),
+        ..Selection::new(candidate, best.size(), best.error(), ("", ("p", "Pa")))
+    }
+}
+
+/// The rows whose misfit falls, with the one where it falls most.
+pub fn place(simulations: &Simulations, before: &Misfit, after: &Misfit) -> String {
+    let gains = before.by_row.iter().zip(&after.by_row).map(|(a, b)| a - b);
+    let most = gains.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+    match most {
+        Some((row, _)) if simulations.rows.len() > 1 => {
+            format!("all maps, most in {}", simulations.rows[row].name)
+        }
+        _ => "the map".to_owned(),
+    }
 }

@@ -5,20 +5,25 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use kufe::case::effects::Map;
+use kufe::case::effects::{Effect, Map};
 use kufe_contact::solve;
 use rayon::prelude::*;
 
-use crate::error::Error;
-use crate::evidence::maps::measured::rows::Row;
+use crate::error::Result;
 use crate::evidence::maps::registration::{Film, Moments, Registered};
+use crate::evidence::maps::rows::Row;
 use crate::evidence::maps::sample::SolvedPressure;
-use crate::evidence::maps::sized::SizedEffects;
 use crate::procedure::rules::MapRules;
+
+/// Effects with their sizes, in the order in which they were found.
+pub type SizedEffects = Vec<(&'static Effect, f64)>;
 
 /// Measured pressure, in standard deviations of its noise, above which a pixel counts as in contact
 /// although the simulation has no contact there: less than one of a million by chance.
 const ABOVE_NOISE: f64 = 5.0;
+
+/// Pieces of the residuals over which misfits are compared.
+pub const PIECES: usize = 16;
 
 /// Solution of a row before the sensor: the pressure of a row with a map, or the peak alone.
 enum Simulated {
@@ -50,7 +55,9 @@ pub struct Misfit {
     pub in_contact: f64,
     /// Number of independent values in contact.
     pub count: f64,
-    /// Root mean square over pixels in contact [Pa].
+    /// Number of pixels in contact and of peaks.
+    values: f64,
+    /// Root mean square over these [Pa].
     pub rms: f64,
     /// Weighted residuals, row after row.
     pub residuals: Vec<f64>,
@@ -67,15 +74,61 @@ impl Misfit {
         (self.in_contact / (self.count - 1.0).max(1.0)).max(1.0)
     }
 
+    /// Adds the difference from a simulated peak [Pa]; `rms` is a sum of squares until all rows are
+    /// added.
+    fn add_peak(&mut self, row: &Row, simulated: f64) {
+        let r = row.p_max - simulated;
+        self.residuals.push(r / row.p_max_sd);
+        self.size += (simulated / row.p_max_sd).powi(2);
+        self.in_contact += (r / row.p_max_sd).powi(2);
+        self.count += 1.0;
+        self.values += 1.0;
+        self.rms += r * r;
+    }
+
+    /// Adds the differences from a simulated map, and the film's position in standard deviations.
+    fn add_map(
+        &mut self,
+        measured: &Map,
+        simulated: &Registered,
+        weights: &[f64],
+        rules: &MapRules,
+    ) {
+        let map = &simulated.map;
+        let (of_measured, of_simulated) = (Moments::of_map(measured), Moments::of_map(map));
+        let offset = |axis: usize| {
+            let shift = simulated.position.shift[axis];
+            (of_measured.middle[axis] - of_simulated.middle[axis] + shift)
+                / of_measured.spread[axis]
+        };
+        let spread = |axis: usize| (of_measured.spread[axis] / of_simulated.spread[axis]).ln();
+        let sum = (of_measured.sum / of_simulated.sum).ln();
+        let moments = [sum, offset(0), offset(1), spread(0), spread(1)];
+        self.moments.extend(moments);
+        let as_one = patch(measured, rules);
+        let mut in_contact = 0.0;
+        let pairs = measured.pressure.iter().zip(&map.pressure);
+        for ((m, s), weight) in pairs.zip(weights) {
+            self.residuals.push((m - s) * weight);
+            self.size += (s * weight).powi(2);
+            if *s > 0.0 || m * weight * as_one.sqrt() > ABOVE_NOISE {
+                in_contact += 1.0;
+                self.rms += (m - s).powi(2);
+                self.in_contact += ((m - s) * weight).powi(2);
+            }
+        }
+        // The prior's part of the sum of squares.
+        self.residuals.extend(simulated.z);
+        self.count += in_contact / as_one;
+        self.values += in_contact;
+    }
+
     /// Decrease of the sum of squares from this misfit to another one of the same rows, by piece of
     /// the residuals. Neighbouring pixels are correlated, so that the scatter is taken over pieces.
-    pub fn decreases(&self, other: &Self, pieces: usize) -> Vec<f64> {
-        let size = self.residuals.len().div_ceil(pieces).max(1);
-        let pieces = self
-            .residuals
-            .chunks(size)
-            .zip(other.residuals.chunks(size));
-        pieces
+    pub fn decreases(&self, other: &Self) -> Vec<f64> {
+        let size = self.residuals.len().div_ceil(PIECES).max(1);
+        let own = self.residuals.chunks(size);
+        own.zip(other.residuals.chunks(size))
             .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a * a - b * b).sum())
             .collect()
     }
@@ -84,13 +137,7 @@ impl Misfit {
 impl<'a> Simulations<'a> {
     /// Solves each row on two meshes; their difference is the discretisation error of every later
     /// comparison.
-    ///
-    /// Errors decrease at least as the first power of the cell near the rim. With n cells on the
-    /// coarse mesh and m on the fine one, the error of the fine solution is
-    /// `|difference| / (m / n - 1)`. The largest difference within a cell counts, since the two
-    /// solutions may agree at a pixel by chance where a rim lies between two nodes. Both are
-    /// evaluated in the film's position that fits the fine solution without effects.
-    pub fn new(rows: Vec<&'a Row>, rules: &MapRules) -> Result<Self, Error> {
+    pub fn new(rows: Vec<&'a Row>, rules: &MapRules) -> Result<Self> {
         let mut simulations = Simulations {
             rows,
             rules: *rules,
@@ -98,26 +145,13 @@ impl<'a> Simulations<'a> {
             solved: RefCell::default(),
         };
         let none = SizedEffects::new();
-        let (coarse, fine) = (
-            simulations.simulated(&none, rules.searching_cells)?,
-            simulations.simulated(&none, rules.reporting_cells)?,
-        );
-        let finer = rules.reporting_cells as f64 / rules.searching_cells as f64;
-        let factor = 1.0 / (finer - 1.0).max(1e-3);
+        let coarse = simulations.simulated(&none, rules.searching_cells)?;
+        let fine = simulations.simulated(&none, rules.reporting_cells)?;
         let pairs = coarse.iter().zip(fine.iter()).zip(&simulations.rows);
         simulations.weights = pairs
             .map(|((coarse, fine), row)| match (coarse, fine, &row.map) {
-                (Simulated::Pressure(a), Simulated::Pressure(b), Some(film)) => {
-                    let by_noise = weights(film, row.noise.iter().copied(), rules);
-                    let position = register(row, film, b, &by_noise, &none).position;
-                    let [coarse, fine] = [a, b].map(|solved| solved.on(film, &position).pressure);
-                    let both = coarse.iter().zip(&fine);
-                    let differences: Vec<f64> = both.map(|(a, b)| (a - b).abs()).collect();
-                    let [along, across] = a.smallest_cell();
-                    let cell = [along / film.dx, across / film.dy].map(|c| c.ceil() as usize);
-                    let largest = largest_within(&differences, [film.nx, film.ny], cell);
-                    let own = row.noise.iter().zip(largest);
-                    weights(film, own.map(|(sd, error)| sd.hypot(factor * error)), rules)
+                (Simulated::Pressure(coarse), Simulated::Pressure(fine), Some(film)) => {
+                    pixel_weights(row, film, [coarse, fine], rules)
                 }
                 _ => Vec::new(),
             })
@@ -126,34 +160,33 @@ impl<'a> Simulations<'a> {
     }
 
     /// Simulates every row with the effects, on the meshes of the search.
-    pub fn searching(&self, active: &SizedEffects) -> Result<Misfit, Error> {
+    pub fn searching(&self, active: &SizedEffects) -> Result<Misfit> {
         self.misfit(active, self.rules.searching_cells)
     }
 
     /// Simulates every row with the effects, on the finer meshes from which sizes are reported.
-    pub fn reporting(&self, active: &SizedEffects) -> Result<Misfit, Error> {
+    pub fn reporting(&self, active: &SizedEffects) -> Result<Misfit> {
         self.misfit(active, self.rules.reporting_cells)
     }
 
-    fn misfit(&self, active: &SizedEffects, cells: usize) -> Result<Misfit, Error> {
+    fn misfit(&self, active: &SizedEffects, cells: usize) -> Result<Misfit> {
         let registered = self.registered(active, cells)?;
         let peaks = self.peaks(active, cells)?;
         let mut out = Misfit::default();
-        let mut values = 0.0;
         for (k, row) in self.rows.iter().enumerate() {
             let from = out.residuals.len();
-            values += match (&row.map, &registered[k], peaks[k]) {
+            match (&row.map, &registered[k], peaks[k]) {
                 (Some(film), Some(simulated), _) => {
-                    compare(film, simulated, &self.weights[k], &self.rules, &mut out)
+                    out.add_map(film, simulated, &self.weights[k], &self.rules);
                 }
-                (_, _, Some(peak)) => compare_peak(row, peak, &mut out),
+                (_, _, Some(peak)) => out.add_peak(row, peak),
                 _ => unreachable!("a row has a map or a peak"),
-            };
-            let chi2: f64 = out.residuals[from..].iter().map(|r| r * r).sum();
+            }
+            let chi2 = out.residuals[from..].iter().map(|r| r * r).sum();
             out.by_row.push(chi2);
         }
         out.chi2 = out.by_row.iter().sum();
-        out.rms = (out.rms / f64::max(values, 1.0)).sqrt();
+        out.rms = (out.rms / out.values.max(1.0)).sqrt();
         out.size = out.size.sqrt();
         Ok(out)
     }
@@ -163,7 +196,7 @@ impl<'a> Simulations<'a> {
         &self,
         active: &SizedEffects,
         cells: usize,
-    ) -> Result<Vec<Option<Registered>>, Error> {
+    ) -> Result<Vec<Option<Registered>>> {
         let seen = self.simulated(active, cells)?;
         let rows = self.rows.par_iter().zip(seen.par_iter());
         Ok(rows
@@ -178,19 +211,23 @@ impl<'a> Simulations<'a> {
     }
 
     /// Simulated peaks of rows without a map, as read by the sensor [Pa]; `None` for the others.
-    pub fn peaks(&self, active: &SizedEffects, cells: usize) -> Result<Vec<Option<f64>>, Error> {
+    pub fn peaks(&self, active: &SizedEffects, cells: usize) -> Result<Vec<Option<f64>>> {
         let seen = self.simulated(active, cells)?;
         let pairs = seen.iter().zip(&self.rows);
         Ok(pairs
             .map(|(seen, row)| match seen {
                 Simulated::Pressure(_) => None,
-                Simulated::Peak(p_max) => Some(sensed_peak(row, *p_max, active)),
+                Simulated::Peak(p_max) => {
+                    let effects = row.sensor.iter().chain(active);
+                    let factors = effects.map(|(effect, size)| effect.peak_factor(*size));
+                    Some(p_max * factors.product::<f64>())
+                }
             })
             .collect())
     }
 
     /// Solutions of the rows with the effects, from the cache if possible.
-    fn simulated(&self, active: &SizedEffects, cells: usize) -> Result<Arc<Vec<Simulated>>, Error> {
+    fn simulated(&self, active: &SizedEffects, cells: usize) -> Result<Arc<Vec<Simulated>>> {
         let sizes = active
             .iter()
             .filter(|(e, v)| !e.is_of_the_sensor() && *v != 0.0)
@@ -199,11 +236,8 @@ impl<'a> Simulations<'a> {
         if let Some(seen) = self.solved.borrow().get(&key) {
             return Ok(seen.clone());
         }
-        let seen: Vec<Simulated> = self
-            .rows
-            .par_iter()
-            .map(|row| simulate(row, active, cells))
-            .collect::<Result<_, _>>()?;
+        let seen = self.rows.par_iter().map(|row| simulate(row, active, cells));
+        let seen: Vec<Simulated> = seen.collect::<Result<_, _>>()?;
         let seen = Arc::new(seen);
         self.solved.borrow_mut().insert(key, seen.clone());
         Ok(seen)
@@ -211,7 +245,7 @@ impl<'a> Simulations<'a> {
 }
 
 /// Solves one row with the effects.
-fn simulate(row: &Row, active: &SizedEffects, cells: usize) -> Result<Simulated, Error> {
+fn simulate(row: &Row, active: &SizedEffects, cells: usize) -> Result<Simulated> {
     let mut problem = row.problem.clone();
     for (effect, size) in active {
         effect.alter(*size, &mut problem);
@@ -226,6 +260,33 @@ fn simulate(row: &Row, active: &SizedEffects, cells: usize) -> Result<Simulated,
         Some(_) => Simulated::Pressure(SolvedPressure::new(&solution.surface, solution.bound())),
         None => Simulated::Peak(solution.p_max),
     })
+}
+
+/// Weight of each pixel of a film from the errors of sensor and discretisation [1/Pa], by the
+/// solutions on two meshes without effects.
+///
+/// Errors decrease at least as the first power of the cell near the rim. With n cells on the coarse
+/// mesh and m on the fine one, the error of the fine solution is `|difference| / (m / n - 1)`. The
+/// largest difference within a cell counts, since the two solutions may agree at a pixel by chance
+/// where a rim lies between two nodes. Both are evaluated in the film's position that fits the fine
+/// solution.
+fn pixel_weights(
+    row: &Row,
+    film: &Map,
+    [coarse, fine]: [&SolvedPressure; 2],
+    rules: &MapRules,
+) -> Vec<f64> {
+    let finer = rules.reporting_cells as f64 / rules.searching_cells as f64;
+    let factor = 1.0 / (finer - 1.0).max(1e-3);
+    let by_noise = weights(film, row.noise.iter().copied(), rules);
+    let position = register(row, film, fine, &by_noise, &SizedEffects::new()).position;
+    let [a, b] = [coarse, fine].map(|solved| solved.on(film, &position).pressure);
+    let differences: Vec<f64> = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).collect();
+    let [along, across] = coarse.smallest_cell();
+    let cell = [along / film.dx, across / film.dy].map(|pixels| pixels.ceil() as usize);
+    let largest = largest_within(&differences, [film.nx, film.ny], cell);
+    let own = row.noise.iter().zip(largest);
+    weights(film, own.map(|(sd, error)| sd.hypot(factor * error)), rules)
 }
 
 /// Running maximum within a rectangle of pixels around each pixel.
@@ -272,63 +333,6 @@ fn weights(map: &Map, deviations: impl Iterator<Item = f64>, rules: &MapRules) -
     deviations.map(|sd| 1.0 / (sd * root)).collect()
 }
 
-/// The peak as read by the sensor.
-fn sensed_peak(row: &Row, p_max: f64, active: &SizedEffects) -> f64 {
-    let all = row.sensor.iter().chain(active);
-    p_max * all.map(|(e, size)| e.peak_factor(*size)).product::<f64>()
-}
-
-/// Adds a peak's weighted residual and its square [Pa2] to a misfit; returns the number of values.
-fn compare_peak(row: &Row, simulated: f64, out: &mut Misfit) -> f64 {
-    let r = row.p_max - simulated;
-    out.residuals.push(r / row.p_max_sd);
-    out.size += (simulated / row.p_max_sd).powi(2);
-    out.in_contact += (r / row.p_max_sd).powi(2);
-    out.count += 1.0;
-    out.rms += r * r;
-    1.0
-}
-
-/// Adds a map's weighted residuals, the film's position in standard deviations, the number of
-/// independent values and the squares [Pa2] to a misfit; returns the number of pixels in contact.
-fn compare(
-    measured: &Map,
-    simulated: &Registered,
-    weights: &[f64],
-    rules: &MapRules,
-    out: &mut Misfit,
-) -> f64 {
-    let map = &simulated.map;
-    let (of_measured, of_simulated) = (Moments::of_map(measured), Moments::of_map(map));
-    let offset = |axis: usize| {
-        let shift = simulated.position.shift[axis];
-        (of_measured.middle[axis] - of_simulated.middle[axis] + shift) / of_measured.spread[axis]
-    };
-    out.moments.extend([
-        (of_measured.sum / of_simulated.sum).ln(),
-        offset(0),
-        offset(1),
-        (of_measured.spread[0] / of_simulated.spread[0]).ln(),
-        (of_measured.spread[1] / of_simulated.spread[1]).ln(),
-    ]);
-    let as_one = patch(measured, rules);
-    let mut in_contact = 0.0;
-    let pairs = measured.pressure.iter().zip(&map.pressure);
-    for ((m, s), weight) in pairs.zip(weights) {
-        out.residuals.push((m - s) * weight);
-        out.size += (s * weight).powi(2);
-        if *s > 0.0 || m * weight * as_one.sqrt() > ABOVE_NOISE {
-            in_contact += 1.0;
-            out.rms += (m - s).powi(2);
-            out.in_contact += ((m - s) * weight).powi(2);
-        }
-    }
-    // The prior's part of the sum of squares.
-    out.residuals.extend(simulated.z);
-    out.count += in_contact / as_one;
-    in_contact
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc as Shared;
@@ -338,7 +342,7 @@ mod tests {
     use kufe_mesh::Paraboloid;
 
     use super::*;
-    use crate::evidence::maps::measured::noise::deviations;
+    use crate::evidence::maps::noise::deviations;
     use crate::evidence::maps::polish::polish;
     use crate::evidence::maps::registration::FilmTolerance;
     use crate::null::random::{normal, stream};

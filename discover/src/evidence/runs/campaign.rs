@@ -8,7 +8,7 @@ use kufe_sled::{Inputs, Model};
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::Candidates;
-use crate::evidence::runs::contacts::found::FoundContacts;
+use crate::evidence::runs::contacts::selection::FoundContacts;
 use crate::evidence::runs::fit::estimate::Estimate;
 use crate::evidence::runs::fit::gauss_newton::{conditional_residuals, residuals};
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
@@ -103,7 +103,7 @@ pub struct RunFit {
     /// Final corrected estimates: base multipliers, amplitudes, installation errors.
     pub estimates: Vec<Estimate>,
     /// The model of the final estimates.
-    pub settled: ResidualModel,
+    pub final_model: ResidualModel,
     /// The same with the final estimates given the base as stated.
     pub base_as_given: Option<Box<RunFit>>,
     /// For each session its training runs and the model of the final estimates without it.
@@ -114,7 +114,7 @@ impl RunFit {
     /// A fit before estimates are made.
     pub fn new(residual_model: ResidualModel, whitener: Whitener, owners: Vec<usize>) -> Self {
         Self {
-            settled: residual_model.clone(),
+            final_model: residual_model.clone(),
             residual_model,
             held_out: OnceLock::new(),
             whitener,
@@ -176,6 +176,26 @@ impl<'a> Current<'a> {
 }
 
 impl Campaign<'_> {
+    /// Derivatives of a model's rows for candidates that act everywhere, without a tolerance of the
+    /// laws' form.
+    pub fn design<'d>(
+        &'d self,
+        residual_model: &'d ResidualModel,
+        whitener: &'d Whitener,
+        candidates: &'d [Candidate<Amplitude>],
+    ) -> Design<'d> {
+        Design {
+            residual_model,
+            whitener,
+            free_base: &self.free,
+            form: 0.0,
+            candidates,
+            local: &[],
+            windows: &[],
+            noise: None,
+        }
+    }
+
     /// A simulator of the training runs with a model.
     pub fn simulator(&self, residual_model: &ResidualModel) -> RunSimulator {
         RunSimulator::new(
@@ -221,30 +241,31 @@ impl Campaign<'_> {
     /// A remark on effects for which the training runs are too few; `None` if they suffice for all.
     pub fn too_few(&self) -> Option<String> {
         let (rules, least) = (self.rules(), self.least_p());
-        let alpha = rules.alpha;
-        let (what, limit) = match () {
-            () if least > alpha => ("an effect within runs", alpha),
-            () if least > rules.alpha_column => {
-                ("a column outside the catalogue", rules.alpha_column)
-            }
-            () => return None,
+        let (what, limit) = if least > rules.alpha {
+            ("an effect within runs", rules.alpha)
+        } else if least > rules.alpha_column {
+            ("a column outside the catalogue", rules.alpha_column)
+        } else {
+            return None;
         };
         let needed = (1.0 - limit.log2()).ceil();
         Some(format!(
             "with {} training {} no p-value by sign-flips can be below {least:.1e}; {what} must reach {limit}, so that only what exceeds the tolerances by itself can be selected: {needed} are needed in addition to the held-out ones",
             self.training.len(),
-            match self.data.segmented {
-                true => "segments",
-                false => "runs",
+            if self.data.segmented {
+                "segments"
+            } else {
+                "runs"
             }
         ))
     }
 
     /// Share of the significance level that remains after the first selected effect.
     pub fn share(&self, account: &Account) -> f64 {
-        match account.steps.is_empty() {
-            true => 1.0,
-            false => self.rules().alpha_again,
+        if account.steps.is_empty() {
+            1.0
+        } else {
+            self.rules().alpha_again
         }
     }
 
@@ -274,10 +295,9 @@ pub fn scale_of(rows: &[f64]) -> f64 {
 }
 
 /// Root mean square of one channel over all runs.
-pub fn gap_of(residual_model: &ResidualModel, frames: &[Frame], channel: usize) -> f64 {
-    let rows: Vec<f64> = residuals(residual_model, frames)
-        .into_iter()
-        .flat_map(|r| r[channel].clone())
-        .collect();
+pub fn channel_rms(residual_model: &ResidualModel, frames: &[Frame], channel: usize) -> f64 {
+    let runs = residuals(residual_model, frames);
+    let rows = runs.into_iter().flat_map(|rows| rows[channel].clone());
+    let rows: Vec<f64> = rows.collect();
     scale_of(&rows)
 }

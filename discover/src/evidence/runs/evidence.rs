@@ -5,8 +5,8 @@ use std::sync::Mutex;
 use kufe_sled::effects::{CATALOGUE, Effects, Kind, Level};
 use kufe_sled::{Model, Vehicle, refuse_effects};
 
-use crate::error::Error;
-use crate::evidence::runs::campaign::{Campaign, Current, RunFit, UnwrittenEffect, gap_of};
+use crate::error::{Error, Result};
+use crate::evidence::runs::campaign::{Campaign, Current, RunFit, UnwrittenEffect, channel_rms};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::catalogue::list;
 use crate::evidence::runs::channels::{channels_in_use, outside, remarks_on_channels};
@@ -15,14 +15,12 @@ use crate::evidence::runs::fit::gauss_newton::free_base;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::residual_model::{BASE, CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::outcome::bins::significant_bins;
-use crate::evidence::runs::outcome::by_run::by_run;
 use crate::evidence::runs::outcome::conclude::shared_faults;
-use crate::evidence::runs::outcome::gap::channels;
 use crate::evidence::runs::outcome::next_model::next_model;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::noise::sensors::NoiseFrom;
 use crate::evidence::runs::recordings::prepare::Data;
-use crate::finding::{HeldOut, Report};
+use crate::finding::{HeldOut, Report, Step};
 use crate::options::Options;
 use crate::procedure::evidence::{
     Account, Choice, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, Screen,
@@ -36,7 +34,7 @@ impl<'a> Campaign<'a> {
     ///
     /// # Errors
     /// [`Error::TooFew`] for fewer than two runs or segments to train on, [`Error::Effect`].
-    pub fn new(data: &'a Data, model: &'a Model, options: &'a Options) -> Result<Self, Error> {
+    pub fn new(data: &'a Data, model: &'a Model, options: &'a Options) -> Result<Self> {
         let mut own = Effects::from_tables(&model.effects)?;
         let contacts = Contacts::given(&mut own.active);
         let trial = own.clone();
@@ -103,7 +101,7 @@ impl Evidence for Campaign<'_> {
     type Act = Amplitude;
     type Fit = RunFit;
 
-    fn fit_base(&mut self, account: &mut Account) -> Result<RunFit, Error> {
+    fn fit_base(&mut self, account: &mut Account) -> Result<RunFit> {
         account.remarks.extend(self.options.restriction_remark());
         account.remarks.extend(self.too_few());
         let remarks = self.data.remarks.iter().chain(&self.outside);
@@ -120,9 +118,10 @@ impl Evidence for Campaign<'_> {
                 pushed.join(", ")
             ));
         }
-        let rough = match pushed.is_empty() {
-            true => rough,
-            false => self.roughly_fitted(&rough)?,
+        let rough = if pushed.is_empty() {
+            rough
+        } else {
+            self.roughly_fitted(&rough)?
         };
         self.scale_places(&rough);
         let start = self.roughly_fitted(&start)?;
@@ -138,7 +137,7 @@ impl Evidence for Campaign<'_> {
         Ok(base)
     }
 
-    fn screen(&mut self, fit: &RunFit, account: &mut Account) -> Result<Screen<Amplitude>, Error> {
+    fn screen(&mut self, fit: &RunFit, account: &mut Account) -> Result<Screen<Amplitude>> {
         self.runner_up = None;
         let residual_model = &fit.residual_model.with_fixed(false);
         let whitener = self.whitener(residual_model);
@@ -172,16 +171,16 @@ impl Evidence for Campaign<'_> {
         fit: &RunFit,
         selection: &Selection<Amplitude>,
         step: usize,
-    ) -> Result<ExtendedFit<RunFit>, Error> {
+    ) -> Result<ExtendedFit<RunFit>> {
         if let Some(found) = self.selected_contacts.take() {
-            return self.added_contacts(fit, found, step);
+            return self.add_contacts(fit, found, step);
         }
         let residual_model = &fit.residual_model;
         let channel = CHANNEL_NAMES.iter().position(|c| *c == selection.channel);
-        let gap = |residual_model: &ResidualModel| {
-            gap_of(residual_model, &self.training, channel.unwrap_or(1))
+        let rms = |residual_model: &ResidualModel| {
+            channel_rms(residual_model, &self.training, channel.unwrap_or(1))
         };
-        let before = gap(residual_model);
+        let before = rms(residual_model);
         if selection.candidate.act.carrier.is_some() {
             let mut next = fit.clone();
             next.unwritten = Some(UnwrittenEffect {
@@ -192,8 +191,8 @@ impl Evidence for Campaign<'_> {
             });
             return Ok(ExtendedFit {
                 fit: next,
-                written: false,
-                gap: [before, before],
+                is_writable: false,
+                rms: [before, before],
                 place: None,
             });
         }
@@ -212,10 +211,10 @@ impl Evidence for Campaign<'_> {
         let next = self.fitted_anew(&next, owners)?;
         let stretch = selection.candidate.act.track.is_some();
         Ok(ExtendedFit {
-            gap: [before, gap(&next.residual_model)],
+            rms: [before, rms(&next.residual_model)],
             place: stretch.then(|| selection.place.clone()),
             fit: next,
-            written: true,
+            is_writable: true,
         })
     }
 
@@ -225,58 +224,45 @@ impl Evidence for Campaign<'_> {
         (selection, added): SelectedFit<Amplitude, RunFit>,
         step: usize,
         account: &Account,
-    ) -> Result<SelectedFit<Amplitude, RunFit>, Error> {
+    ) -> Result<SelectedFit<Amplitude, RunFit>> {
         // The track channel, levels of runs and sessions, and contacts have their own screens.
         let within = selection.candidate.act.level == Level::Sample
             && selection.parameters.is_empty()
-            && added.written;
-        match within {
-            true => self.exchanged(before, (selection, added), step, account),
-            false => Ok((selection, added)),
+            && added.is_writable;
+        if within {
+            self.exchanged(before, (selection, added), step, account)
+        } else {
+            Ok((selection, added))
         }
     }
 
-    fn settle(&mut self, fit: RunFit, account: &mut Account) -> Result<RunFit, Error> {
+    fn remove_superfluous(&mut self, fit: RunFit, account: &mut Account) -> Result<RunFit> {
         self.with_significant_steps(fit, account)
     }
 
-    fn without(&mut self, fit: &RunFit, step: usize) -> Result<RunFit, Error> {
+    fn without(&mut self, fit: &RunFit, step: usize) -> Result<RunFit> {
         self.without_step(fit, step)
     }
 
-    fn misfit_decrease(&self, from: &RunFit, to: &RunFit) -> Result<Option<Decrease>, Error> {
-        Ok(self.decrease_between_fits(from, to))
+    fn misfit_decrease(&self, from: &RunFit, to: &RunFit) -> Result<Option<Decrease>> {
+        Ok(self.held_out_decrease(from, to))
     }
 
-    fn open(
-        &mut self,
-        base: &RunFit,
-        last: &RunFit,
-        account: &mut Account,
-    ) -> Result<HeldOutResults, Error> {
+    fn compare(&mut self, base: &RunFit, last: &RunFit, steps: &[Step]) -> Result<HeldOutResults> {
         let in_these = |model| self.installed_in(model, &self.held_out);
-        let [given, settled] = [&self.given_as_in(last), &last.settled].map(in_these);
-        let channels = channels(
-            &given,
-            &settled,
-            &self.held_out,
-            &self.simulator(&last.settled),
-            self.used,
-            self.rules().track_bin_m,
-        );
-        let shown = account
-            .steps
-            .first()
-            .map_or(CHANNEL_NAMES[1].0, |s| s.channel.as_str());
-        let one = channels
-            .iter()
-            .find(|c| c.channel == shown)
-            .or(channels.first());
+        let [given, last_model] = [&self.given_as_in(last), &last.final_model].map(in_these);
+        let simulator = self.simulator(&last.final_model);
+        let channels = self.channel_gaps(&given, &last_model, &self.held_out, &simulator);
+        let first = steps.first();
+        let shown = first.map_or(CHANNEL_NAMES[1].0, |step| step.channel.as_str());
+        let one = channels.iter().find(|c| c.channel == shown);
+        let one = one.or(channels.first());
         Ok(HeldOutResults {
             held_out: HeldOut {
-                what: match self.data.segmented {
-                    true => "segment".to_owned(),
-                    false => "run".to_owned(),
+                what: if self.data.segmented {
+                    "segment".to_owned()
+                } else {
+                    "run".to_owned()
                 },
                 runs: self.held_out.iter().map(|f| f.name.clone()).collect(),
                 gap_before: one.map_or(0.0, |c| c.before),
@@ -284,7 +270,7 @@ impl Evidence for Campaign<'_> {
                 unit: one.map_or(String::new(), |c| c.unit.clone()),
                 channels,
             },
-            closed: self.close(base, last, &account.steps),
+            closed: self.closed_shares(base, last, steps),
         })
     }
 
@@ -293,7 +279,7 @@ impl Evidence for Campaign<'_> {
         refitted: &RunFit,
         last: RunFit,
         account: &mut Account,
-    ) -> Result<Choice<RunFit>, Error> {
+    ) -> Result<Choice<RunFit>> {
         self.chosen(refitted, last, account)
     }
 
@@ -302,37 +288,27 @@ impl Evidence for Campaign<'_> {
         base: &RunFit,
         last: &RunFit,
         account: &mut Account,
-    ) -> Result<Description, Error> {
-        let next_runs = match self.options.quick {
-            true => Vec::new(),
-            false => self.next_runs(last, &account.steps)?,
+    ) -> Result<Description> {
+        let next_runs = if self.options.quick {
+            Vec::new()
+        } else {
+            self.next_runs(last, &account.steps)?
         };
-        let simulator = self.simulator(&last.settled);
+        let simulator = self.simulator(&last.final_model);
         let rules = &self.options.rules.runs;
-        let bins = |fit: &RunFit| {
-            significant_bins(
-                &fit.residual_model,
-                &fit.whitener,
-                &self.training,
-                self.options.seed,
-            )
-        };
+        let bins = |fit: &RunFit| significant_bins(fit, &self.training, self.options.seed);
         let bins_after = bins(last);
         let faults = shared_faults(&account.steps, &self.training, rules.alpha);
         account.depends.extend(faults);
-        let data = match self.data.segmented {
-            true => "one run, in segments",
-            false => "runs",
+        self.describe_contacts(last, &mut account.steps);
+        let base_parameters = self.base_parameters(last);
+        let data = if self.data.segmented {
+            "one run, in segments"
+        } else {
+            "runs"
         };
         let given = self.installed_in(&self.given_as_in(last), self.whole());
-        let training = channels(
-            &given,
-            &last.settled,
-            self.whole(),
-            &simulator,
-            self.used,
-            self.rules().track_bin_m,
-        );
+        let training = self.channel_gaps(&given, &last.final_model, self.whole(), &simulator);
         // With coloured or misstated noise bins are significant, too.
         let is_noise_stated = !matches!(
             self.data.noise_from,
@@ -352,25 +328,17 @@ impl Evidence for Campaign<'_> {
                 .concat(),
                 training,
                 within_tolerance: self.within_tolerance(last, account),
-                implausible: self.implausible(&self.base_parameters(last), account),
-                base: self.base_parameters(last),
+                implausible: self.implausible(&base_parameters, account),
+                base: base_parameters,
                 bins: bins(base),
                 clean: bins_after.iter().all(|b| b.p_value > rules.bin_unclean),
                 bins_after,
-                by_run: by_run(
-                    &base.residual_model,
-                    &last.residual_model,
-                    &self.training,
-                    self.used,
-                ),
+                by_run: self.by_run(&base.residual_model, &last.residual_model),
                 untestable: self.candidates.untestable.clone(),
                 next_runs,
                 ..Report::default()
             },
-            parameters: {
-                self.describe_contacts(last, &mut account.steps);
-                self.parameters(last, account.steps.len())
-            },
+            parameters: self.parameters(last, account.steps.len()),
             laws: self.laws(last, account.steps.len()),
             effects: CATALOGUE.iter().map(|e| Meaning::of(e.info())).collect(),
             nothing: self
@@ -380,7 +348,7 @@ impl Evidence for Campaign<'_> {
                     format!("Too few runs to find what acts within them: {few}.")
                 }),
             next_after_nothing: self.runs_to_halve(),
-            next_model: next_model(self.model, &last.settled, last.already()).to_toml(),
+            next_model: next_model(self.model, &last.final_model, last.already()).to_toml(),
             next_case: None,
         })
     }
@@ -396,7 +364,7 @@ pub fn search(
     model: &Model,
     options: &Options,
     progress: &(dyn Fn(&str) + Sync),
-) -> Result<Found, Error> {
+) -> Result<Found> {
     options.check_names(Some(model))?;
     let mut campaign = Campaign::new(data, model, options)?;
     let mut found = search_evidence(&mut campaign, options, progress)?;

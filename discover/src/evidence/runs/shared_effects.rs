@@ -2,7 +2,7 @@
 
 use kufe_sled::effects::Kind;
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::estimate::estimate;
@@ -45,12 +45,11 @@ impl SharesEffects for Campaign<'_> {
 
     fn amounts(&self, fit: &RunFit, step: usize) -> Vec<Amount> {
         let (after, already) = (&fit.residual_model, fit.already());
-        let estimates = match fit.estimates.is_empty() {
-            true => {
-                let model = after.with_fixed(false);
-                estimate(&self.fitting(), &model, &fit.whitener).estimates
-            }
-            false => fit.estimates.clone(),
+        let estimates = if fit.estimates.is_empty() {
+            let model = after.with_fixed(false);
+            estimate(&self.fitting(), &model, &fit.whitener).estimates
+        } else {
+            fit.estimates.clone()
         };
         let own = estimates.get(self.free.len()..).unwrap_or_default();
         let amplitudes = after.free().into_iter().zip(own);
@@ -78,7 +77,7 @@ impl SharesEffects for Campaign<'_> {
         fit: &RunFit,
         step: usize,
         amounts: &[Amount],
-    ) -> Result<RunFit, Error> {
+    ) -> Result<RunFit> {
         let already = fit.already();
         let mut model = fit.residual_model.clone();
         for (place, owner) in fit.owners.iter().enumerate() {
@@ -97,7 +96,7 @@ impl SharesEffects for Campaign<'_> {
         }
         let mut fixed = self.fitted(&model, fit.owners.clone())?;
         fixed.unwritten.clone_from(&fit.unwritten);
-        self.write(&mut fixed);
+        self.set_final_estimates(&mut fixed);
         Ok(fixed)
     }
 }

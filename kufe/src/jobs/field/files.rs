@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::fs::File;
 use std::io::{BufWriter, Write};
-use std::path::Path;
+use std::path::PathBuf;
 
 use kufe_contact::{PressureMap, Solution, pressure_maps};
 use kufe_lut::MatValue;
@@ -28,15 +28,14 @@ pub fn is_plain(name: &str) -> bool {
 }
 
 /// Files of a result in a temporary folder; the caller moves them to their final folder.
-#[derive(Clone, Copy)]
-pub struct NewFiles<'a> {
+pub struct NewFiles {
     /// The temporary folder.
-    pub hidden: &'a Path,
+    pub hidden: PathBuf,
     /// The final folder, which messages name.
-    pub named: &'a Path,
+    pub named: PathBuf,
 }
 
-impl NewFiles<'_> {
+impl NewFiles {
     /// Writes the file `name` with a function that takes the file.
     ///
     /// # Errors
@@ -56,12 +55,12 @@ impl NewFiles<'_> {
         file.sync_all().writable(&path)
     }
 
-    /// Writes a file of these bytes.
+    /// Writes a file of these bytes or this text.
     ///
     /// # Errors
     /// As [`write`](Self::write).
-    pub fn bytes(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
-        self.write(name, |mut file| file.write_all(bytes))
+    pub fn bytes(&self, name: &str, bytes: impl AsRef<[u8]>) -> Result<(), Failure> {
+        self.write(name, |mut file| file.write_all(bytes.as_ref()))
     }
 
     /// Writes a picture.
@@ -69,7 +68,7 @@ impl NewFiles<'_> {
     /// # Errors
     /// As [`write`](Self::write).
     pub fn picture(&self, name: &str, figure: &Figure) -> Result<(), Failure> {
-        self.bytes(name, &figure.png())
+        self.bytes(name, figure.png())
     }
 
     /// Writes a result as indented JSON.
@@ -77,7 +76,7 @@ impl NewFiles<'_> {
     /// # Errors
     /// As [`write`](Self::write).
     pub fn json(&self, name: &str, result: &impl Serialize) -> Result<(), Failure> {
-        self.bytes(name, pretty(result)?.as_bytes())
+        self.bytes(name, pretty(result)?)
     }
 }
 
@@ -113,7 +112,7 @@ fn title(solution: &Solution) -> String {
 /// # Errors
 /// [`Failure::BadInput`] with the file that cannot be written.
 pub fn write_contact(
-    output: NewFiles,
+    output: &NewFiles,
     pressed: &SolvedContact,
     mat: bool,
 ) -> Result<ContactResult, Failure> {
@@ -138,7 +137,7 @@ pub fn write_contact(
 
 /// Writes maps, fields and surfaces in parallel; returns the largest pressure of the map and the
 /// largest compressive stress of the field [Pa].
-fn fields(output: NewFiles, pressed: &SolvedContact) -> Result<(f64, Option<f64>), Failure> {
+fn fields(output: &NewFiles, pressed: &SolvedContact) -> Result<(f64, Option<f64>), Failure> {
     let bodies = || rayon::join(|| volumes(output, pressed), || surfaces(output, pressed));
     let (maps, (volumes, surfaces)) = rayon::join(|| maps(output, pressed), bodies);
     surfaces?;
@@ -146,7 +145,7 @@ fn fields(output: NewFiles, pressed: &SolvedContact) -> Result<(f64, Option<f64>
 }
 
 /// Writes the maps of the contact plane; returns the largest pressure [Pa].
-fn maps(output: NewFiles, pressed: &SolvedContact) -> Result<f64, Failure> {
+fn maps(output: &NewFiles, pressed: &SolvedContact) -> Result<f64, Failure> {
     let solution = &pressed.solution;
     let parts = pressure_maps(solution);
     let whole = (parts.len() > 1).then(|| PressureMap::of(solution));
@@ -176,7 +175,7 @@ fn maps(output: NewFiles, pressed: &SolvedContact) -> Result<f64, Failure> {
 
 /// Writes the fields in the volumes of ice and runner, where these were solved; returns the largest
 /// compressive stress -sigma_zz in the ice [Pa].
-fn volumes(output: NewFiles, pressed: &SolvedContact) -> Result<Option<f64>, Failure> {
+fn volumes(output: &NewFiles, pressed: &SolvedContact) -> Result<Option<f64>, Failure> {
     let shear = pressed.line.is_some();
     let solution = &pressed.solution;
     let Some(volume) = &solution.volume else {
@@ -198,7 +197,7 @@ fn volumes(output: NewFiles, pressed: &SolvedContact) -> Result<Option<f64>, Fai
 }
 
 /// Writes the patch, the sections of a runner that deforms, and the hull after approach and tilt.
-fn surfaces(output: NewFiles, pressed: &SolvedContact) -> Result<(), Failure> {
+fn surfaces(output: &NewFiles, pressed: &SolvedContact) -> Result<(), Failure> {
     let solution = &pressed.solution;
     output.write("contact.vtp", |mut file| {
         vtk::write_contact(&mut file, &solution.surface, solution.fz)

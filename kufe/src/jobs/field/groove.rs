@@ -19,7 +19,7 @@ const COMMENTS: &str = "depth: plastic depth of the ice [m]. Column i, row j of 
 /// # Errors
 /// [`Failure::BadInput`] with the file that cannot be written.
 pub(super) fn write_sliding(
-    output: NewFiles,
+    output: &NewFiles,
     pressed: &SolvedContact,
     map: &PressureMap,
     slid: &SolvedSliding,

@@ -169,7 +169,7 @@ mod tests {
     /// Together with scans of the true shape with noise of their own: their peaks scatter as much,
     /// and more noise moves the peak by more.
     #[test]
-    fn what_noise_is_said_to_move_holds_scans_of_the_true_shape()
+    fn the_stated_effect_of_noise_covers_scans_of_the_true_shape()
     -> Result<(), Box<dyn std::error::Error>> {
         let shape = Paraboloid::new(2.0, 0.01)?;
         let patch = [4.0 * 7e-3, 4.0 * 3e-4];
@@ -203,12 +203,12 @@ mod tests {
                 let error = noise_error(&pressed, || Some(&scans)).ok_or("no error")?;
                 Ok(error.p_max)
             };
-            let said = peak_moved(noise)?;
-            covered += u64::from(off <= said);
-            stated.push(said);
+            let printed = peak_moved(noise)?;
+            covered += u64::from(off <= printed);
+            stated.push(printed);
             if trial == 0 {
                 let more = peak_moved(3.0 * noise)?;
-                assert!(more > 1.3 * said, "{more} {said}");
+                assert!(more > 1.3 * printed, "{more} {printed}");
             }
         }
         stated.sort_by(f64::total_cmp);

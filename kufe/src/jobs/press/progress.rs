@@ -115,13 +115,12 @@ mod tests {
         [load]\nfz_n = 500.0\n[accuracy]\np_max = 0.002\n";
 
     #[test]
-    fn a_fourth_mesh_is_told_before_it_is_solved_with_the_error_of_three_which_is_more_than_asked()
-    {
+    fn a_fourth_mesh_is_reported_before_it_is_solved_with_the_error_of_three_meshes() {
         let reported = Arc::new(Mutex::new(Vec::new()));
         let lines = reported.clone();
-        let tell = move |line: String| lines.lock().expect("lines").push(line);
+        let report = move |line: String| lines.lock().expect("lines").push(line);
         let loaded = LoadedCase::parse("luge", Path::new(""), LUGE).expect("a case");
-        let options = with_progress(Options::default(), &loaded.case, tell);
+        let options = with_progress(Options::default(), &loaded.case, report);
         let contact = Contact::from(loaded).options(options);
         contact.best(&Watch::default()).expect("an answer");
         let reported = reported.lock().expect("lines");
@@ -138,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wait_is_told_as_a_range_and_only_where_it_matters() {
+    fn remaining_time_is_a_range_and_appears_only_after_a_while() {
         assert_eq!(time_left([0.4, 2.9]), None);
         assert_eq!(
             time_left([0.2, 4.2]).as_deref(),

@@ -250,7 +250,7 @@ fn read_line(line: &[u8]) -> Result<(Origin, Solve), String> {
 /// Checks that stored results were made by this version for this case.
 ///
 /// # Errors
-/// [`Failure::BadInput`] with `place`, which says where the results are stored.
+/// [`Failure::BadInput`] with `place`, which states where the results are stored.
 pub fn same_origin(place: &str, stored: &Origin, now: &Origin) -> Result<(), Failure> {
     for (what, stored, now) in [
         ("version", stored.version(), now.version()),

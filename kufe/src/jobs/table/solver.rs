@@ -534,7 +534,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_that_no_mesh_comes_near_is_an_error() {
+    fn a_point_that_every_mesh_misses_is_an_error() {
         let tiny = Options {
             max_dofs: 100,
             p_max_tolerance: 1e-4,

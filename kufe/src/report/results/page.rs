@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn figures_have_names_and_units_and_errors_stand_beside_them() {
+    fn figures_have_names_units_and_errors() {
         let page = page(json!({
             "p_max_pa": 1.395e8, "p_max_error_pa": 1.1e6, "mu": 0.00412345, "left_out": [], "left_out_as_fitted": [], "solver_rounds": 12, "cells": 7, "faces": 8, "stopped": null,
             "points": [{ "v_mps": 5.0, "mu": 4.1e-3, "mu_error": 2e-5 }, { "v_mps": 10.0, "note": "x & <y>" }],

@@ -1,7 +1,7 @@
 //! Candidates that the data can test.
 
 use kufe_sled::effects::{
-    CATALOGUE, Custom, Effect, Effects, Judged, Kind, Level, Reading, Sensor,
+    CATALOGUE, Custom, Effect, Effects, Info, Judged, Kind, Level, Reading, Sensor,
 };
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
@@ -11,6 +11,7 @@ use crate::options::{OUTSIDE_CATALOGUE, Options};
 use crate::procedure::candidate::Candidate;
 
 /// All candidates by the way in which they are tested.
+#[derive(Default)]
 pub struct Candidates {
     /// Within runs, everywhere.
     pub regular: Vec<Candidate<Amplitude>>,
@@ -25,40 +26,14 @@ pub struct Candidates {
 
 /// Lists the effects of the catalogue and custom effects that the recorded columns allow.
 pub fn list(data: &Data, model: &Effects, along: bool, options: &Options) -> Candidates {
-    let mut out = Candidates {
-        regular: Vec::new(),
-        local: Vec::new(),
-        levels: Vec::new(),
-        track: Vec::new(),
-        untestable: Vec::new(),
-    };
+    let mut out = Candidates::default();
     for effect in CATALOGUE.iter() {
         let info = effect.info();
-        if !options.looks_for(info.name) {
+        if !options.includes(info.name) {
             continue;
         }
-        let missing: Vec<&str> = info
-            .needs
-            .iter()
-            .filter(|column| !data.available.contains(column))
-            .map(|column| column.name())
-            .collect();
-        if !missing.is_empty() {
-            let why = format!(
-                "needs {}, which is not recorded or does not vary",
-                missing.join(", ")
-            );
-            out.untestable.push((info.name.to_owned(), why));
-            continue;
-        }
-        if !along && info.acts_only_along() {
-            let why = "acts along the sled, and that channel is not used".to_owned();
-            out.untestable.push((info.name.to_owned(), why));
-            continue;
-        }
-        if matches!(info.level(), Level::Session | Level::Run) && data.segmented {
-            let why = "needs several runs; there is one".to_owned();
-            out.untestable.push((info.name.to_owned(), why));
+        if let Some(reason) = untestable_reason(info, data, along) {
+            out.untestable.push((info.name.to_owned(), reason));
             continue;
         }
         for (index, parameter) in info.parameters.iter().enumerate() {
@@ -88,22 +63,36 @@ pub fn list(data: &Data, model: &Effects, along: bool, options: &Options) -> Can
             }
         }
     }
-    if options.looks_for(OUTSIDE_CATALOGUE) && !data.segmented {
+    if options.includes(OUTSIDE_CATALOGUE) && !data.segmented {
         out.levels.extend(covariates(data, along));
     }
     for effect in &model.active {
         if let Kind::Custom(custom) = &effect.kind
             && effect.values[0] == 0.0
-            && options.looks_for(&effect.name)
+            && options.includes(&effect.name)
         {
-            out.regular.push(custom_candidate(
-                &effect.name,
-                custom.clone(),
-                &effect.track,
-            ));
+            let candidate = custom_candidate(&effect.name, custom.clone(), &effect.track);
+            out.regular.push(candidate);
         }
     }
     out
+}
+
+/// Why an effect cannot be tested; `None` if it can.
+fn untestable_reason(info: &Info, data: &Data, along: bool) -> Option<String> {
+    let missing = info.needs.iter().filter(|c| !data.available.contains(c));
+    let missing: Vec<&str> = missing.map(|column| column.name()).collect();
+    if !missing.is_empty() {
+        let missing = missing.join(", ");
+        return Some(format!(
+            "needs {missing}, which is not recorded or does not vary"
+        ));
+    }
+    if !along && info.acts_only_along() {
+        return Some("acts along the sled, and that channel is not used".to_owned());
+    }
+    let is_of_runs = matches!(info.level(), Level::Session | Level::Run);
+    (is_of_runs && data.segmented).then(|| "needs several runs; there is one".to_owned())
 }
 
 /// Whether the track channel can confuse an error of the speed or of the longitudinal accelerometer

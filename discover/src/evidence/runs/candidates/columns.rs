@@ -5,36 +5,51 @@ use std::collections::BTreeMap;
 use kufe_sled::effects::{Channel, Column, Custom, Expression, Level};
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::recordings::frame::further_columns;
+use crate::evidence::runs::recordings::frame::{Frame, further_columns};
 use crate::evidence::runs::recordings::prepare::Data;
 use crate::procedure::candidate::Candidate;
+
+/// A column of the model: its name, the recorded column that it needs, and its samples.
+type KnownColumn = (&'static str, Column, fn(&Frame) -> &[f64]);
+
+/// Columns of the model that friction and grip may depend on.
+const KNOWN: [KnownColumn; 9] = [
+    ("v_mps", Column::Speed, |f| &f.v),
+    ("fz_n", Column::Load, |f| &f.acceleration[2]),
+    ("alpha_rad", Column::Slip, |f| &f.slip),
+    ("delta_rad", Column::Steering, |f| &f.steer),
+    ("gamma_rad", Column::RollSplit, |f| &f.roll_split),
+    ("roll_rate_radps", Column::RollRate, |f| &f.rate[0]),
+    ("roll_acceleration_radps2", Column::RollRate, |f| {
+        &f.rate_slope[0]
+    }),
+    ("pitch_rate_radps", Column::PitchRate, |f| &f.rate[1]),
+    ("t_s", Column::Time, |f| &f.t),
+];
 
 /// Dependences on single columns outside the catalogue: linear and quadratic terms of friction and
 /// grip, and a side force.
 ///
 /// Columns outside the model are carriers: they are tested, but simulations cannot use them.
 pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>> {
-    let known = [
-        ("v_mps", Column::Speed),
-        ("fz_n", Column::Load),
-        ("alpha_rad", Column::Slip),
-        ("delta_rad", Column::Steering),
-        ("gamma_rad", Column::RollSplit),
-        ("roll_rate_radps", Column::RollRate),
-        ("roll_acceleration_radps2", Column::RollRate),
-        ("pitch_rate_radps", Column::PitchRate),
-        ("t_s", Column::Time),
-    ];
-    let mut columns: Vec<(String, Option<String>)> = known
-        .iter()
-        .filter(|(_, column)| data.available.contains(column))
-        .map(|(name, _)| ((*name).to_owned(), None))
-        .collect();
+    let known = KNOWN.iter().filter(|(_, c, _)| data.available.contains(c));
+    let known = known.map(|(name, _, of)| {
+        // The load is approximated by mass times vertical acceleration.
+        let unit = if *name == "fz_n" { mass } else { 1.0 };
+        (
+            (*name).to_owned(),
+            None,
+            mean_and_sd(data, |f| Some(of(f)), unit),
+        )
+    });
     let carried = further_columns(&data.frames, true).into_iter();
-    columns.extend(carried.map(|name| (name.clone(), Some(name))));
+    let carried = carried.map(|name| {
+        let moments = mean_and_sd(data, |f| f.extra.get(&name).map(Vec::as_slice), 1.0);
+        (name.clone(), Some(name), moments)
+    });
     let mut out = Vec::new();
-    for (name, carrier) in columns {
-        let Some((centre, scale)) = mean_and_sd(data, mass, &name) else {
+    for (name, carrier, moments) in known.chain(carried) {
+        let Some((centre, scale)) = moments else {
             continue;
         };
         let x = Expression::quoted(&name);
@@ -60,19 +75,10 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>>
             let Some(custom) = Custom::new(channel, &text, carrier.as_deref()) else {
                 continue;
             };
-            let limit = if channel == Channel::Lateral {
-                1e5
-            } else {
-                10.0
-            };
-            let sizes = [typical, limit];
-            out.push(Candidate::law(
-                &[&name],
-                custom,
-                carrier.clone(),
-                unit,
-                sizes,
-            ));
+            let is_force = channel == Channel::Lateral;
+            let sizes = [typical, if is_force { 1e5 } else { 10.0 }];
+            let law = Candidate::law(&[&name], custom, carrier.clone(), unit, sizes);
+            out.push(law);
         }
     }
     out
@@ -82,7 +88,9 @@ pub fn unknown(data: &Data, mass: f64, along: bool) -> Vec<Candidate<Amplitude>>
 pub fn covariates(data: &Data, along: bool) -> Vec<Candidate<Amplitude>> {
     let mut out = Vec::new();
     for name in further_columns(&data.frames, false) {
-        let Some((centre, scale)) = mean_and_sd(data, 1.0, &name) else {
+        let Some((centre, scale)) =
+            mean_and_sd(data, |f| f.extra.get(&name).map(Vec::as_slice), 1.0)
+        else {
             continue;
         };
         let mut of_session = BTreeMap::new();
@@ -101,9 +109,10 @@ pub fn covariates(data: &Data, along: bool) -> Vec<Candidate<Amplitude>> {
                 continue;
             };
             let mut law = Candidate::law(&[&name], custom, Some(name.clone()), "", [typical, 10.0]);
-            law.act.level = match varies_in_sessions {
-                true => Level::Run,
-                false => Level::Session,
+            law.act.level = if varies_in_sessions {
+                Level::Run
+            } else {
+                Level::Session
             };
             out.push(law);
         }
@@ -111,24 +120,16 @@ pub fn covariates(data: &Data, along: bool) -> Vec<Candidate<Amplitude>> {
     out
 }
 
-/// Mean and standard deviation of a column over the training samples; `None` if it is not recorded
-/// or constant. The load is approximated by mass times vertical acceleration.
-fn mean_and_sd(data: &Data, mass: f64, name: &str) -> Option<(f64, f64)> {
+/// Mean and standard deviation of a column over the training samples, in units of `1 / unit`;
+/// `None` if it is not recorded or constant.
+fn mean_and_sd(
+    data: &Data,
+    column: impl Fn(&Frame) -> Option<&[f64]>,
+    unit: f64,
+) -> Option<(f64, f64)> {
     let mut all: Vec<f64> = Vec::new();
     for frame in data.training() {
-        let column: &[f64] = match name {
-            "v_mps" => &frame.v,
-            "fz_n" => &frame.acceleration[2],
-            "alpha_rad" => &frame.slip,
-            "delta_rad" => &frame.steer,
-            "gamma_rad" => &frame.roll_split,
-            "roll_rate_radps" => &frame.rate[0],
-            "pitch_rate_radps" => &frame.rate[1],
-            "roll_acceleration_radps2" => &frame.rate_slope[0],
-            "t_s" => &frame.t,
-            other => frame.extra.get(other)?,
-        };
-        let unit = if name == "fz_n" { mass } else { 1.0 };
+        let column = column(frame)?;
         all.extend(frame.samples().map(|i| unit * column[i]));
     }
     let n = all.len() as f64;

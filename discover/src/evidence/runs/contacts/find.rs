@@ -11,6 +11,9 @@
 //! A place is also found if no run is significant alone but the mean square over the runs exceeds
 //! that of other places.
 
+use std::collections::BTreeSet;
+use std::ops::Range;
+
 use kufe_sled::scatter;
 use rayon::prelude::*;
 
@@ -52,9 +55,7 @@ pub fn stretches(
     rules: &ContactRules,
     seed: Option<u64>,
 ) -> Vec<Stretch> {
-    let mut tracks: Vec<&str> = frames.iter().map(|f| f.track.as_str()).collect();
-    tracks.sort_unstable();
-    tracks.dedup();
+    let tracks: BTreeSet<&str> = frames.iter().map(|f| f.track.as_str()).collect();
     let on = |track: &str| -> Vec<(&Frame, &[f64])> {
         let both = frames.iter().zip(side_n);
         both.filter(|(f, _)| f.track == track)
@@ -82,23 +83,9 @@ fn on_track(
     if runs.len() < MIN_RUNS || !(SUM + 1..=MAX_CELLS).contains(&cells) {
         return Vec::new();
     }
-    let mut rows: Vec<Vec<f64>> = runs
-        .iter()
-        .map(|(frame, y)| means(frame, y, low, cells))
-        .collect();
-    for cell in 0..cells {
-        let mut here: Vec<f64> = rows
-            .iter()
-            .map(|r| r[cell])
-            .filter(|x| x.is_finite())
-            .collect();
-        here.sort_by(f64::total_cmp);
-        let middle = match here.len() {
-            0 => f64::NAN,
-            n => 0.5 * (here[(n - 1) / 2] + here[n / 2]),
-        };
-        rows.iter_mut().for_each(|row| row[cell] -= middle);
-    }
+    let of_runs = runs.iter().map(|(frame, y)| means(frame, y, low, cells));
+    let mut rows: Vec<Vec<f64>> = of_runs.collect();
+    subtract_median(&mut rows, cells);
     let sums: Vec<Vec<f64>> = rows
         .iter()
         .map(|row| row.windows(SUM).map(|w| w.iter().sum()).collect())
@@ -107,23 +94,18 @@ fn on_track(
     if unit <= 0.0 {
         return Vec::new();
     }
-    let mut differs = vec![false; cells];
-    let within = |z: &f64| z.abs() > rules.ends * unit;
-    for row in &sums {
-        let mut start = 0;
-        for group in row.chunk_by(|a, b| within(a) == within(b)) {
-            let end = start + group.len();
-            if group.iter().any(|z| z.abs() > rules.differs * unit) {
-                // Marks the cells in the middle of a sum.
-                differs[start + 1..(end + SUM - 2).min(cells)].fill(true);
-            }
-            start = end;
-        }
-    }
     let squares = squares(&sums, unit);
     let roots = joint_differences(&squares);
-    for (start, end) in exceeding(&deviations_from_median(&roots), rules.together) {
-        differs[start + 1..(end + SUM - 2).min(cells)].fill(true);
+    let away = deviations_from_median(&roots);
+    let together = exceeding(&away, rules.together, 0.7 * rules.together);
+    let alone = sums.iter().flat_map(|row| {
+        let sizes: Vec<f64> = row.iter().map(|z| z.abs()).collect();
+        exceeding(&sizes, rules.differs * unit, rules.ends * unit)
+    });
+    let mut differs = vec![false; cells];
+    for sums in alone.chain(together) {
+        // The cells in the middle of a sum.
+        differs[sums.start + 1..(sums.end + SUM - 2).min(cells)].fill(true);
     }
     let all = || sums.iter().flatten().filter(|z| z.is_finite());
     let exceeding = all().filter(|z| z.abs() > rules.differs * unit).count();
@@ -156,11 +138,28 @@ fn on_track(
     found
 }
 
+/// Subtracts the median over the runs from each cell.
+fn subtract_median(rows: &mut [Vec<f64>], cells: usize) {
+    for cell in 0..cells {
+        let values = rows.iter().map(|row| row[cell]);
+        let mut here: Vec<f64> = values.filter(|x| x.is_finite()).collect();
+        here.sort_by(f64::total_cmp);
+        let middle = match here.len() {
+            0 => f64::NAN,
+            n => 0.5 * (here[(n - 1) / 2] + here[n / 2]),
+        };
+        rows.iter_mut().for_each(|row| row[cell] -= middle);
+    }
+}
+
 /// Squares of sums in units of their scatter, clipped at six deviations.
 fn squares(sums: &[Vec<f64>], unit: f64) -> Vec<Vec<f64>> {
-    let square = |z: &f64| match z.is_finite() {
-        true => (z / unit).abs().min(MAX_DEVIATION).powi(2),
-        false => f64::NAN,
+    let square = |z: &f64| {
+        if z.is_finite() {
+            (z / unit).abs().min(MAX_DEVIATION).powi(2)
+        } else {
+            f64::NAN
+        }
     };
     let of_run = |row: &Vec<f64>| row.iter().map(square).collect();
     sums.iter().map(of_run).collect()
@@ -188,9 +187,10 @@ fn mean_of_others(squares: &[Vec<f64>], shifts: &[usize], w: usize) -> f64 {
             (n, sum, most) = (n + 1.0, sum + q, most.max(q));
         }
     }
-    match 2.0 * n > squares.len() as f64 && n > 1.0 {
-        true => (sum - most) / (n - 1.0),
-        false => f64::NAN,
+    if 2.0 * n > squares.len() as f64 && n > 1.0 {
+        (sum - most) / (n - 1.0)
+    } else {
+        f64::NAN
     }
 }
 
@@ -219,16 +219,16 @@ fn null_distribution(squares: &[Vec<f64>], seed: u64) -> Vec<f64> {
     largest
 }
 
-/// Intervals where the values exceed `threshold`, extended as far as they exceed 70 % of it.
-fn exceeding(away: &[f64], threshold: f64) -> Vec<(usize, usize)> {
+/// Intervals of values of which one exceeds `threshold`, each as long as they exceed `end`.
+fn exceeding(values: &[f64], threshold: f64, end: f64) -> Vec<Range<usize>> {
     let mut found = Vec::new();
     let mut start = 0;
-    for group in away.chunk_by(|a, b| (*a > 0.7 * threshold) == (*b > 0.7 * threshold)) {
-        let end = start + group.len();
-        if group.iter().any(|away| *away > threshold) {
-            found.push((start, end));
+    for group in values.chunk_by(|a, b| (*a > end) == (*b > end)) {
+        let next = start + group.len();
+        if group.iter().any(|value| *value > threshold) {
+            found.push(start..next);
         }
-        start = end;
+        start = next;
     }
     found
 }
@@ -281,8 +281,8 @@ mod tests {
         assert!(by_chance.count() <= 5, "the stated rate of false positives");
         let hit = (0..200).filter(|draw| {
             let away = deviations_from_median(&roots(&sums(*draw, 100..105)));
-            let there = exceeding(&away, rules.together);
-            there.iter().any(|(from, to)| *from >= 99 && *to <= 106)
+            let there = exceeding(&away, rules.together, 0.7 * rules.together);
+            there.iter().any(|sums| sums.start >= 99 && sums.end <= 106)
         });
         let hit = hit.count();
         assert!(hit >= 150, "{hit} of 200");

@@ -5,7 +5,7 @@
 
 use kufe_sled::scatter;
 
-use crate::evidence::runs::contacts::own::residuals_without;
+use crate::evidence::runs::contacts::run_contacts::residuals_without;
 use crate::evidence::runs::model::residual_model::{BASE, ChannelRows, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::levels::group;
@@ -103,9 +103,12 @@ mod tests {
         let mut residual = residuals_without(&slippery, frames);
         // A push of 200 N over 10 m.
         let from = frames[0].s[frames[0].len() / 2];
-        let wave = |s: f64| match (0.0..10.0).contains(&(s - from)) {
-            true => 200.0 * (std::f64::consts::PI * (s - from) / 10.0).sin(),
-            false => 0.0,
+        let wave = |s: f64| {
+            if (0.0..10.0).contains(&(s - from)) {
+                200.0 * (std::f64::consts::PI * (s - from) / 10.0).sin()
+            } else {
+                0.0
+            }
         };
         let before = [1, 2].map(|c| apart(&residual, c));
         let mut pushed = residual.clone();

@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 use crate::evidence::runs::contacts::MIN_HITS;
 use crate::evidence::runs::contacts::find::stretches;
-use crate::evidence::runs::contacts::model::at_place;
-use crate::evidence::runs::contacts::own::set_own_of;
+use crate::evidence::runs::contacts::model::at_stretch;
+use crate::evidence::runs::contacts::run_contacts::set_contacts_of;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::rules::ContactRules;
 
@@ -36,8 +36,7 @@ pub fn hit(
 ) -> Option<HitPlaces> {
     let (mut places, mut p_values) = (Vec::new(), Vec::new());
     for s in stretches(runs, side_n, rules, Some(seed)) {
-        let values = [0.0, s.from_m, s.to_m, 0.0, 0.0, 1.0, 0.0];
-        places.push(at_place(effect, &s.track, values));
+        places.push(at_stretch(effect, &s));
         p_values.push(s.p_value);
     }
     let mut frames = runs.to_vec();
@@ -46,7 +45,7 @@ pub fn hit(
     // run hits.
     for round in 0..3 {
         let both = frames.par_iter_mut().zip(side_n);
-        both.for_each(|(frame, side_n)| set_own_of(frame, side_n, &places));
+        both.for_each(|(frame, side_n)| set_contacts_of(frame, side_n, &places));
         let stretches = std::mem::take(&mut places).into_iter();
         let stretches = stretches.zip(std::mem::take(&mut p_values)).enumerate();
         for (k, (stretch, p_value)) in stretches {

@@ -4,11 +4,10 @@
 use kufe_sled::WallContact;
 use kufe_sled::effects::Active;
 
-use crate::evidence::runs::contacts::of_run::OwnContact;
-use crate::evidence::runs::contacts::own::beneath;
+use crate::evidence::runs::contacts::run_contacts::{OwnContact, is_in_contact};
 use crate::evidence::runs::model::residual_model::ChannelRows;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::finding::Interval;
+use crate::finding::{Interval, symmetric};
 use crate::null::random::{below, stream};
 
 /// Standard errors above which a contact is strong: its selection bias is then a thirtieth.
@@ -33,6 +32,10 @@ pub struct Excess {
     noise: [f64; 2],
 }
 
+fn add(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] + b[0], a[1] + b[1]]
+}
+
 /// The excess of all places. The longitudinal balance is signed by the side of the contact, so that
 /// friction always brakes.
 pub fn excess(
@@ -53,13 +56,10 @@ pub fn excess(
             0 => -place.values[0].signum(),
             _ => 1.0,
         };
-        let is_unpushed = |f: &Frame| {
-            !f.pushed
-                .iter()
-                .any(|[from, to]| wave.s_m < *to && *from < wave.s_m + wave.length_m)
-        };
+        let end_m = wave.s_m + wave.length_m;
+        let is_apart = |[from, to]: &[f64; 2]| wave.s_m >= *to || *from >= end_m;
         let there: Vec<usize> = (0..frames.len())
-            .filter(|i| place.acts_on(&frames[*i].track) && is_unpushed(&frames[*i]))
+            .filter(|i| place.acts_on(&frames[*i].track) && frames[*i].pushed.iter().all(is_apart))
             .collect();
         let shifted = |by_m: f64| -> Option<Vec<Amplitudes>> {
             let of_run = |i: &usize| amplitudes(&frames[*i], &residual[*i], balance, &wave, by_m);
@@ -68,9 +68,9 @@ pub fn excess(
             Some(all.into_iter().map(|[x, y]| [x, sign * y]).collect())
         };
         let Some(here) = shifted(0.0) else { continue };
-        for (i, [x, y]) in there.iter().zip(here) {
-            let run = &mut excess.runs[*i];
-            (run[0], run[1]) = (run[0] + x * x, run[1] + x * y);
+        let products = |[x, y]: Amplitudes| [x * x, x * y];
+        for (i, here) in there.iter().zip(here) {
+            excess.runs[*i] = add(excess.runs[*i], products(here));
         }
         let ends = there.iter().filter_map(|i| {
             let s = &frames[*i].s;
@@ -84,10 +84,7 @@ pub fn excess(
         let elsewhere: Vec<[f64; 2]> = elsewhere
             .filter(|by_m| by_m.abs() > wave.length_m)
             .filter_map(shifted)
-            .map(|all| {
-                all.iter()
-                    .fold([0.0; 2], |a, [x, y]| [a[0] + x * x, a[1] + x * y])
-            })
+            .map(|all| all.into_iter().map(products).fold([0.0; 2], add))
             .collect();
         for (sum, which) in excess.noise.iter_mut().zip([0, 1]) {
             *sum += trimmed(elsewhere.iter().map(|e| e[which]).collect());
@@ -121,21 +118,24 @@ fn amplitudes(
     wave: &WallContact,
     by_m: f64,
 ) -> Option<Amplitudes> {
+    let amplitude = |rows: &[f64]| {
+        let [wy, ww] = products(frame, rows, wave, by_m);
+        (ww > 0.0).then(|| wy / ww.sqrt())
+    };
+    Some([amplitude(&residual[1])?, amplitude(&residual[balance])?])
+}
+
+/// Sums of w y and w^2 over the samples of a half wave w that is shifted by `by_m`, with the
+/// residual y.
+fn products(frame: &Frame, y: &[f64], wave: &WallContact, by_m: f64) -> [f64; 2] {
     let from = wave.s_m + by_m;
     let first = frame.s.partition_point(|s| *s < from);
-    let rows = frame
-        .s
-        .iter()
-        .zip(residual[1].iter().zip(&residual[balance]));
-    let [mut ww, mut wx, mut wy] = [0.0; 3];
-    for (s, (x, y)) in rows.skip(first) {
-        if *s > from + wave.length_m {
-            break;
-        }
+    let rows = frame.s.iter().zip(y).skip(first);
+    let there = rows.take_while(|(s, _)| **s <= from + wave.length_m);
+    there.fold([0.0; 2], |sums, (s, y)| {
         let w = wave.force_at(s - by_m);
-        (ww, wx, wy) = (ww + w * w, wx + w * x, wy + w * y);
-    }
-    (ww > 0.0).then(|| [wx / ww.sqrt(), wy / ww.sqrt()])
+        add(sums, [w * y, w * w])
+    })
 }
 
 fn subtract_median(mut all: Vec<Amplitudes>) -> Vec<Amplitudes> {
@@ -169,10 +169,7 @@ fn trimmed(mut values: Vec<f64>) -> f64 {
 /// The interval is a jackknife interval over runs.
 pub fn ratio(excess: &Excess, interval: f64) -> Interval {
     let n = excess.runs.len() as f64;
-    let total = excess
-        .runs
-        .iter()
-        .fold([0.0; 2], |a, r| [a[0] + r[0], a[1] + r[1]]);
+    let total = excess.runs.iter().copied().fold([0.0; 2], add);
     let ratio = |sums: [f64; 2], share: f64| {
         let [xx, xy] = [0, 1].map(|k| sums[k] - share * excess.noise[k]);
         xy / xx.max(1e-300)
@@ -183,11 +180,7 @@ pub fn ratio(excess: &Excess, interval: f64) -> Interval {
         (ratio(residual, (n - 1.0) / n) - value).powi(2)
     });
     let half = interval * ((n - 1.0) / n * without.sum::<f64>()).sqrt();
-    Interval {
-        value,
-        low: value - half,
-        high: value + half,
-    }
+    symmetric(value, half)
 }
 
 /// The ratio by strong contacts alone, each with its own half wave; `None` if they are few.
@@ -221,19 +214,13 @@ pub fn ratio_of_strong(
             contacts.push([force * force * ww, force * wy]);
         }
     }
-    let [xx, xy] = contacts
-        .iter()
-        .fold([0.0; 2], |a, [xx, xy]| [a[0] + xx, a[1] + xy]);
+    let [xx, xy] = contacts.iter().copied().fold([0.0; 2], add);
     let n = contacts.len() as f64;
     (contacts.len() >= MIN_STRONG && xx > 0.0).then(|| {
         let value = xy / xx;
         let away = contacts.iter().map(|[xx, xy]| (xy - value * xx).powi(2));
         let half = interval * (away.sum::<f64>() * n / (n - 1.0)).sqrt() / xx;
-        Interval {
-            value,
-            low: value - half,
-            high: value + half,
-        }
+        symmetric(value, half)
     })
 }
 
@@ -266,7 +253,7 @@ pub fn shared_with_side(frames: &[Frame], residual: &[ChannelRows], balance: usi
                 (both, squares) = (both + x * y, squares + x * x);
                 (wave.s_m, x, y) = (s, 0.0, 0.0);
             }
-            if !beneath(frame, s) {
+            if !is_in_contact(frame, s) {
                 let w = wave.force_at(s);
                 (x, y) = (x + w * residual[1][i], y + w * residual[balance][i]);
             }
@@ -292,45 +279,24 @@ pub fn subtract_side_noise(residual: &[ChannelRows], shared_m: f64) -> Vec<Vec<f
 /// (sum F w y)^2 / sum F^2 w^2
 /// ```
 pub fn yaw_p_value(frames: &[Frame], yaw: &[Vec<f64>], trials: u64, seed: u64) -> f64 {
-    let products = |frame: &Frame, yaw: &[f64], by_m: f64, k: usize| {
-        let c = frame.contacts[k].contact;
-        let from = c.s_m + by_m;
-        let first = frame.s.partition_point(|s| *s < from);
-        let [mut ww, mut wy] = [0.0; 2];
-        for (s, y) in frame.s[first..].iter().zip(&yaw[first..]) {
-            if *s > from + c.length_m {
-                break;
-            }
-            let w = c.force_at(s - by_m);
-            (ww, wy) = (ww + w * w, wy + w * y);
-        }
-        [wy, ww]
-    };
-    let gain = |sums: [f64; 2]| {
-        if sums[1] > 0.0 {
-            sums[0] * sums[0] / sums[1]
-        } else {
-            0.0
-        }
-    };
-    let add = |a: [f64; 2], b: [f64; 2]| [a[0] + b[0], a[1] + b[1]];
+    let gain = |[wy, ww]: [f64; 2]| if ww > 0.0 { wy * wy / ww } else { 0.0 };
     let each = || {
         frames
             .iter()
             .zip(yaw)
             .filter(|(f, _)| !f.contacts.is_empty())
     };
-    let observed = each()
-        .flat_map(|(f, l)| (0..f.contacts.len()).map(move |k| products(f, l, 0.0, k)))
-        .fold([0.0; 2], add);
-    let observed = gain(observed);
+    let here = each().flat_map(|(frame, yaw)| {
+        let own = frame.contacts.iter();
+        own.map(move |own| products(frame, yaw, &own.contact, 0.0))
+    });
+    let observed = gain(here.fold([0.0; 2], add));
     let mut above = 1;
     for trial in 0..trials {
         let mut rng = stream(seed, 0xC0_17AC, trial);
         let mut sums = [0.0; 2];
         for (frame, yaw) in each() {
-            for k in 0..frame.contacts.len() {
-                let c = frame.contacts[k].contact;
+            for OwnContact { contact: c, .. } in &frame.contacts {
                 // A few draws find a free interval; the last one is used in any case.
                 let mut by_m = 0.0;
                 for _ in 0..20 {
@@ -345,7 +311,7 @@ pub fn yaw_p_value(frames: &[Frame], yaw: &[Vec<f64>], trials: u64, seed: u64) -
                         break;
                     }
                 }
-                sums = add(sums, products(frame, yaw, by_m, k));
+                sums = add(sums, products(frame, yaw, c, by_m));
             }
         }
         above += u64::from(gain(sums) >= observed);

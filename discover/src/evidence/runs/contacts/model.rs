@@ -3,6 +3,7 @@
 use kufe_sled::effects::{Active, CATALOGUE, Effect, Kind};
 use kufe_sled::{as_expected, as_of_run, hits_of};
 
+use crate::evidence::runs::contacts::find::Stretch;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::finding::Interval;
 
@@ -53,12 +54,12 @@ pub fn wall() -> Option<&'static Effect> {
         .find(|e| e.info.name == "wall-contact")
 }
 
-/// A contact at a place with these parameters, in the catalogue's order.
-pub fn at_place(effect: &'static Effect, track: &str, values: [f64; 7]) -> Active {
+/// The effect on an interval of a track, without a force yet.
+pub fn at_stretch(effect: &'static Effect, stretch: &Stretch) -> Active {
     Active {
         name: effect.info.name.to_owned(),
         kind: Kind::Catalogue(effect),
-        values: values.to_vec(),
-        track: Some(track.to_owned()),
+        values: vec![0.0, stretch.from_m, stretch.to_m, 0.0, 0.0, 1.0, 0.0],
+        track: Some(stretch.track.clone()),
     }
 }

@@ -6,8 +6,10 @@ use rayon::prelude::*;
 use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::contacts::MIN_HITS;
 use crate::evidence::runs::contacts::find::{Stretch, stretches};
-use crate::evidence::runs::contacts::model::{at_place, wall};
-use crate::evidence::runs::contacts::own::{own_contacts, residuals_without, without_contacts};
+use crate::evidence::runs::contacts::model::{at_stretch, wall};
+use crate::evidence::runs::contacts::run_contacts::{
+    contacts_of, residuals_without, without_contacts,
+};
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
 
@@ -34,13 +36,9 @@ impl Campaign<'_> {
         let all: Vec<Frame> = self.whole().iter().chain(&self.held_out).cloned().collect();
         let residual = residuals_without(model, &all);
         let side: Vec<Vec<f64>> = residual.iter().map(|l| l[1].clone()).collect();
-        let pushes = |seen: usize| -> Vec<Push> {
-            self.pushes(
-                effect,
-                (&all[..seen], &side[..seen]),
-                learned,
-                is_selectable,
-            )
+        let pushes = |seen: usize| {
+            let runs = (&all[..seen], &side[..seen]);
+            self.pushes(effect, runs, learned, is_selectable)
         };
         let of_training = pushes(learned);
         for push in pushes(all.len()) {
@@ -52,17 +50,13 @@ impl Campaign<'_> {
         let mut frames = all;
         frames.truncate(learned);
         let mut descriptions = Vec::new();
-        for Push {
-            run,
-            stretch: Stretch { from_m, to_m, .. },
-            force_n,
-        } in of_training
-        {
-            let frame = &mut frames[run];
+        for push in of_training {
+            let Stretch { from_m, to_m, .. } = push.stretch;
+            let frame = &mut frames[push.run];
             frame.pushed.push([from_m, to_m]);
+            let (name, force_n) = (&frame.name, push.force_n);
             descriptions.push(format!(
-                "{} ({force_n:.0} N, s {from_m:.0}-{to_m:.0} m)",
-                frame.name
+                "{name} ({force_n:.0} N, s {from_m:.0}-{to_m:.0} m)"
             ));
         }
         if !descriptions.is_empty() {
@@ -84,12 +78,11 @@ impl Campaign<'_> {
         let rules = self.options.rules.runs.contacts;
         let mut pushes = Vec::new();
         for stretch in stretches(frames, side, &rules, None) {
-            let values = [0.0, stretch.from_m, stretch.to_m, 0.0, 0.0, 1.0, 0.0];
-            let place = [at_place(effect, &stretch.track, values)];
+            let place = [at_stretch(effect, &stretch)];
             let own: Vec<_> = frames
                 .par_iter()
                 .zip(side)
-                .map(|(frame, y)| own_contacts(frame, y, &place))
+                .map(|(frame, y)| contacts_of(frame, y, &place))
                 .collect();
             let hit: Vec<usize> = (0..own.len()).filter(|i| !own[*i].is_empty()).collect();
             let on = |f: &&Frame| f.track == stretch.track;
@@ -99,8 +92,10 @@ impl Campaign<'_> {
             } else {
                 runs / 2
             };
-            let few = hit.iter().filter(|run| **run < learned).count() <= most;
-            pushes.extend(hit.into_iter().filter(|_| few).map(|run| Push {
+            if hit.iter().filter(|run| **run < learned).count() > most {
+                continue;
+            }
+            pushes.extend(hit.into_iter().map(|run| Push {
                 run,
                 stretch: stretch.clone(),
                 force_n: own[run][0].contact.force_n,

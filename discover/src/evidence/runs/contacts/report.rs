@@ -1,5 +1,7 @@
 //! Report of contacts by place, run and driver.
 
+use std::collections::BTreeSet;
+
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::recordings::frame::Frame;
@@ -54,11 +56,8 @@ impl Campaign<'_> {
         let mut tracks: Vec<&str> = places.iter().map(|p| p.track.as_str()).collect();
         tracks.dedup();
         let picture = |track: &str| {
-            let mut own: Vec<&RunContact> = places
-                .iter()
-                .filter(|p| p.track == track)
-                .flat_map(|p| &p.contacts)
-                .collect();
+            let own = places.iter().filter(|p| p.track == track);
+            let mut own: Vec<&RunContact> = own.flat_map(|p| &p.contacts).collect();
             own.sort_by(|a, b| (a.from_m + a.to_m).total_cmp(&(b.from_m + b.to_m)));
             (own.len() >= MIN_CONTACTS).then(|| Picture {
                 title: format!("wall-contact by run on track {track}"),
@@ -68,7 +67,7 @@ impl Campaign<'_> {
                     x_name: "distance along the track [m]".to_owned(),
                     y_name: "force [N]".to_owned(),
                     x: own.iter().map(|c| 0.5 * (c.from_m + c.to_m)).collect(),
-series: vec![Series {
+                    series: vec![Series {
                         name: "a run's contact".to_owned(),
                         y: own.iter().map(|c| c.force_n).collect(),
                         sd: own.iter().map(|c| c.error_n).collect(),
@@ -100,9 +99,7 @@ fn contact_places(contacts: &Contacts, frames: &[&Frame]) -> Vec<ContactPlace> {
                 })
             })
             .collect();
-        let mut names: Vec<&str> = there.iter().map(|f| f.driver.as_str()).collect();
-        names.sort_unstable();
-        names.dedup();
+        let names: BTreeSet<&str> = there.iter().map(|f| f.driver.as_str()).collect();
         let drivers = names.into_iter().map(|driver| {
             let mine: Vec<&RunContact> = own.iter().filter(|c| c.driver == driver).collect();
             let [force_n, _] = mean_and_spread(&mine);

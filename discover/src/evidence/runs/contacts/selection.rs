@@ -3,22 +3,21 @@
 
 use kufe_sled::effects::{Active, Kind, Level};
 
-use crate::error::Error;
-use crate::evidence::runs::campaign::{Campaign, RunFit, gap_of};
+use crate::error::Result;
+use crate::evidence::runs::campaign::{Campaign, RunFit, channel_rms};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::contacts::MIN_HITS;
-use crate::evidence::runs::contacts::found::FoundContacts;
 use crate::evidence::runs::contacts::grip::subtract_grip;
 use crate::evidence::runs::contacts::hit::hit;
 use crate::evidence::runs::contacts::levers::{
     excess, ratio, ratio_of_strong, shared_with_side, subtract_side_noise, yaw_p_value,
 };
 use crate::evidence::runs::contacts::model::{Contacts, wall};
-use crate::evidence::runs::contacts::own::{
-    residuals_without, set_own, set_own_of, without_contacts,
+use crate::evidence::runs::contacts::run_contacts::{
+    residuals_without, set_contacts, set_contacts_of, without_contacts,
 };
 use crate::evidence::runs::fit::gauss_newton::residuals;
-use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ChannelRows, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::null::combined_p_value;
 use crate::procedure::candidate::Candidate;
@@ -27,6 +26,18 @@ use crate::procedure::evidence::{ExtendedFit, Selection};
 /// Random displacements of the contacts for the null distribution of the yaw residual.
 const TRIALS: u64 = 999;
 
+/// Contacts found by a screen, before a fit.
+#[derive(Clone)]
+pub struct FoundContacts {
+    pub contacts: Contacts,
+    /// All training runs with their own contacts.
+    pub frames: Vec<Frame>,
+    /// p-value by the yaw residual.
+    pub p_value: f64,
+    /// Reduction of the lateral sum of squares, in units of its variance.
+    pub gain: f64,
+}
+
 impl Campaign<'_> {
     /// The contacts of the training runs given a model.
     pub fn find_contacts(&self, model: &ResidualModel) -> Option<FoundContacts> {
@@ -34,7 +45,7 @@ impl Campaign<'_> {
         if !lateral || model.contacts.is_some() || self.data.segmented {
             return None;
         }
-        let effect = wall().filter(|e| self.options.looks_for(e.info.name))?;
+        let effect = wall().filter(|e| self.options.includes(e.info.name))?;
         let whole = self.whole();
         let unchanged = residuals_without(model, whole);
         let mut residual = unchanged.clone();
@@ -42,30 +53,10 @@ impl Campaign<'_> {
         let side: Vec<Vec<f64>> = residual.iter().map(|l| l[1].clone()).collect();
         let rules = &self.options.rules.runs;
         let hit = hit(effect, whole, &side, &rules.contacts, self.options.seed)?;
-        let (mut places, mut frames) = (hit.places, hit.frames);
-        // Places are found after removal of grip variation. Forces are estimated from the full
-        // residual, as in the held-out runs. A place without hits then has neither a force nor an
-        // interval and is dropped.
-        loop {
-            for (frame, residual) in frames.iter_mut().zip(&unchanged) {
-                set_own_of(frame, &residual[1], &places);
-            }
-            let hits = |k: usize| {
-                let own = frames.iter().flat_map(|f| &f.contacts);
-                own.filter(|own| own.place == k).count()
-            };
-            let hit: Vec<Active> = (0..places.len())
-                .filter(|k| hits(*k) >= MIN_HITS)
-                .map(|k| places[k].clone())
-                .collect();
-            if hit.is_empty() {
-                return None;
-            }
-            let all = hit.len() == places.len();
-            places = hit;
-            if all {
-                break;
-            }
+        let mut frames = hit.frames;
+        let mut places = hit_places(hit.places, &mut frames, &unchanged);
+        if places.is_empty() {
+            return None;
         }
         let interval = self.options.rules.search.interval;
         let shared_m = shared_with_side(&frames, &residual, 2);
@@ -111,9 +102,10 @@ impl Campaign<'_> {
 
     /// The training runs with all samples.
     pub fn whole(&self) -> &[Frame] {
-        match self.whole.is_empty() {
-            true => &self.training,
-            false => &self.whole,
+        if self.whole.is_empty() {
+            &self.training
+        } else {
+            &self.whole
         }
     }
 
@@ -159,13 +151,13 @@ impl Campaign<'_> {
     }
 
     /// Fits base and effects without the samples during contacts, with new installation errors;
-    /// then the contacts given these.
+    /// then the contacts given these. Compares the root mean square of the yaw residual.
     pub fn add_contacts(
         &mut self,
         fit: &RunFit,
         found: FoundContacts,
         step: usize,
-    ) -> Result<RunFit, Error> {
+    ) -> Result<ExtendedFit<RunFit>> {
         self.whole = found.frames;
         self.training = self.whole.iter().map(without_contacts).collect();
         let base = self.fitted(&fit.residual_model, fit.owners.clone())?;
@@ -180,39 +172,56 @@ impl Campaign<'_> {
             contacts = again.contacts;
         }
         contacts.step = Some(step);
-        let mut fit = self.fitted_anew(&base.residual_model, fit.owners.clone())?;
-        set_own(&mut self.held_out, &fit.residual_model, &contacts.places);
-        for model in [&mut fit.residual_model, &mut fit.settled] {
+        let mut next = self.fitted_anew(&base.residual_model, fit.owners.clone())?;
+        set_contacts(&mut self.held_out, &next.residual_model, &contacts.places);
+        for model in [&mut next.residual_model, &mut next.final_model] {
             model.contacts = Some(contacts.clone());
         }
-        Ok(fit)
-    }
-
-    /// The fit with contacts, and the root mean square of the yaw residual before and after.
-    pub fn added_contacts(
-        &mut self,
-        fit: &RunFit,
-        found: FoundContacts,
-        step: usize,
-    ) -> Result<ExtendedFit<RunFit>, Error> {
-        let next = self.add_contacts(fit, found, step)?;
-        let gap = |model: &ResidualModel| gap_of(model, self.whole(), 2);
+        let yaw = 2;
+        let rms = |fit: &RunFit| channel_rms(&fit.residual_model, self.whole(), yaw);
         Ok(ExtendedFit {
-            gap: [gap(&fit.residual_model), gap(&next.residual_model)],
-            place: next.residual_model.contacts.as_ref().map(places_in_words),
+            rms: [rms(fit), rms(&next)],
+            place: Some(places_in_words(&contacts)),
             fit: next,
-            written: true,
+            is_writable: true,
         })
     }
 
     /// Adopts the places of contacts of the given model, and estimates the contacts of every run
     /// there.
     pub fn given_contacts(&mut self, contacts: Contacts) {
-        set_own(&mut self.training, &self.given, &contacts.places);
+        set_contacts(&mut self.training, &self.given, &contacts.places);
         self.whole.clone_from(&self.training);
         self.training = self.whole.iter().map(without_contacts).collect();
-        set_own(&mut self.held_out, &self.given, &contacts.places);
+        set_contacts(&mut self.held_out, &self.given, &contacts.places);
         self.given.contacts = Some(contacts);
+    }
+}
+
+/// The places that several runs hit. Sets the contacts of the runs there.
+///
+/// Places are found after removal of grip variation. Forces are estimated from the full residual, as
+/// in the held-out runs. A place without hits then has neither a force nor an interval and is
+/// dropped.
+fn hit_places(
+    mut places: Vec<Active>,
+    frames: &mut [Frame],
+    residual: &[ChannelRows],
+) -> Vec<Active> {
+    loop {
+        for (frame, residual) in frames.iter_mut().zip(residual) {
+            set_contacts_of(frame, &residual[1], &places);
+        }
+        let is_hit = |k: usize| {
+            let own = frames.iter().flat_map(|f| &f.contacts);
+            own.filter(|own| own.place == k).count() >= MIN_HITS
+        };
+        let count = places.len();
+        let hit = places.into_iter().enumerate().filter(|(k, _)| is_hit(*k));
+        places = hit.map(|(_, place)| place).collect();
+        if places.is_empty() || places.len() == count {
+            return places;
+        }
     }
 }
 
@@ -252,7 +261,7 @@ fn set_parameters(
 }
 
 /// The places in words.
-pub fn places_in_words(contacts: &Contacts) -> String {
+fn places_in_words(contacts: &Contacts) -> String {
     let names = contacts.places.iter().map(|place| {
         let v = &place.values;
         let track = place.track.as_deref().unwrap_or("every track");

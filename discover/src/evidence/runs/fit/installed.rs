@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, RunFit, locked};
-use crate::evidence::runs::contacts::own::without_contacts;
+use crate::evidence::runs::contacts::run_contacts::without_contacts;
 use crate::evidence::runs::fit::gauss_newton::{Fitting, TOLERANCE, residuals};
 use crate::evidence::runs::model::discrepancy::Discrepancy;
 use crate::evidence::runs::model::installation::Installation;

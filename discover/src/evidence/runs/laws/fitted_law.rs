@@ -4,10 +4,9 @@ use kufe_sled::effects::{Channel, Custom, Kind};
 
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::laws::formulas::formula::Formula;
-use crate::evidence::runs::laws::formulas::shape::unit;
-use crate::evidence::runs::laws::formulas::shapes::rounded;
-use crate::evidence::runs::laws::judged::SmoothLaw;
+use crate::evidence::runs::laws::formula::Formula;
+use crate::evidence::runs::laws::shape::{rounded, unit};
+use crate::evidence::runs::laws::smooth_laws::SmoothLaw;
 use crate::evidence::runs::laws::sums::LawSums;
 use crate::evidence::runs::laws::term::KNOWN;
 use crate::evidence::runs::laws::terms::Terms;
@@ -41,7 +40,7 @@ impl FittedLaw {
 impl LawFitter<'_> {
     /// The simplest formula of a smooth law.
     pub fn simplest(&self, law: &SmoothLaw) -> Option<FittedLaw> {
-        let formula = self.campaign.simplest(self.terms, self.channels, law)?;
+        let formula = self.simplest_formula(law)?;
         let sums = self.terms.sums(std::slice::from_ref(&formula.term), &[1.0]);
         let sums = sums.into_iter().next()?;
         let part = sums.over(&[0], 0..sums.m.len());
@@ -57,47 +56,33 @@ impl LawFitter<'_> {
 
     /// The formula as a custom effect; `None` if it is not admissible or already in the model.
     fn effect(&self, formula: &Formula, size: f64) -> Option<Candidate<Amplitude>> {
+        if !size.is_finite() || size == 0.0 {
+            return None;
+        }
+        let (terms, shape) = (self.terms, &formula.term.shape);
+        let text = shape.text(&terms.names);
+        let mut known = self.at.residual_model.effects.active.iter();
+        if known.any(|e| matches!(&e.kind, Kind::Custom(own) if own.text == text)) {
+            return None;
+        }
+        let columns = shape.columns();
+        let outside = columns.iter().find(|x| **x >= KNOWN);
+        let carrier = outside.map(|x| terms.names[*x].clone());
         let channel = self.channels[formula.term.channel];
-        let shape = &formula.term.shape;
-        let text = shape.text(&self.terms.names);
-        let columns = &formula.columns;
-        let named = shape.columns();
-        let outside = named.iter().find(|x| **x >= KNOWN);
-        let carrier = outside.map(|x| self.terms.names[*x].clone());
         let custom = Custom::new(channel, &text, carrier.as_deref())?;
-        let per: Vec<&str> = shape
-            .per()
-            .iter()
-            .map(|x| self.terms.names[*x].as_str())
-            .collect();
         let own = match channel {
             Channel::Lateral | Channel::Longitudinal => "N",
             Channel::Yaw => "N m",
             _ => "",
         };
-        let unit = unit(own, &per);
-        if !size.is_finite() || size == 0.0 {
-            return None;
-        }
-        let limit = rounded(100.0 * size.abs(), 1);
-        let known = self.at.residual_model.effects.active.iter();
-        let already = known
-            .filter_map(|e| match &e.kind {
-                Kind::Custom(own) => Some(&own.text),
-                Kind::Catalogue(_) => None,
-            })
-            .any(|known| *known == text);
-        let columns: Vec<&str> = columns
-            .iter()
-            .map(|x| self.terms.names[*x].as_str())
-            .collect();
-        let sizes = [size.abs(), limit];
-        (!already).then(|| Candidate::law(&columns, custom, carrier, &unit, sizes))
+        let unit = unit(own, &terms.names_of(&shape.per()));
+        let sizes = [size.abs(), rounded(100.0 * size.abs(), 1)];
+        let columns = terms.names_of(&formula.columns);
+        Some(Candidate::law(&columns, custom, carrier, &unit, sizes))
     }
 }
 
 /// The name of a law of these columns.
-pub fn name(columns: &[usize], names: &[String]) -> String {
-    let of: Vec<&str> = columns.iter().map(|x| names[*x].as_str()).collect();
-    format!("unknown:{}", of.join("*"))
+pub fn name(columns: &[usize], terms: &Terms) -> String {
+    format!("unknown:{}", terms.names_of(columns).join("*"))
 }

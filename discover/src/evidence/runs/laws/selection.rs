@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::laws::fitted_law::{FittedLaw, LawFitter, name};
-use crate::evidence::runs::laws::judged::SmoothLaw;
+use crate::evidence::runs::laws::smooth_laws::SmoothLaw;
 use crate::evidence::runs::laws::sums::{LawSums, difference, total};
 use crate::evidence::runs::laws::terms::Terms;
 use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
@@ -111,9 +111,10 @@ impl Campaign<'_> {
         [more, error]: [f64; 2],
     ) -> bool {
         let (rules, search) = (&self.rules().laws, &self.options.rules.search);
-        let (errors, min_gain) = match selection.candidate.is_column() {
-            true => (-rules.as_good, f64::NEG_INFINITY),
-            false => (search.clear, search.material * explained),
+        let (errors, min_gain) = if selection.candidate.is_column() {
+            (-rules.as_good, f64::NEG_INFINITY)
+        } else {
+            (search.clear, search.material * explained)
         };
         more > errors * error && more > min_gain
     }
@@ -140,7 +141,7 @@ impl LawFitter<'_> {
     ) -> Vec<&'l SmoothLaw> {
         let column = selection.filter(|c| c.candidate.is_column());
         let is_selected = |law: &SmoothLaw| {
-            column.is_some_and(|c| c.candidate.effect == name(&law.columns, &self.terms.names))
+            column.is_some_and(|c| c.candidate.effect == name(&law.columns, self.terms))
         };
         let selected = smooth.iter().filter(|law| is_selected(law));
         let enough = selected
@@ -172,30 +173,25 @@ impl LawFitter<'_> {
 
     /// The law's name, then the names of laws that the data cannot distinguish from it.
     fn class(&self, law: &FittedLaw, smooth: &[SmoothLaw]) -> Vec<String> {
-        let own = &law.candidate.effect;
+        let (own, own_columns) = (&law.candidate.effect, &law.formula.columns);
         let alike = self.campaign.rules().laws.alike;
         let alike = |[more, error]: [f64; 2]| more <= alike * error;
         // If no law is significant by itself, as with unknown noise, all laws of equal gain count.
         let any = !smooth.iter().any(|other| other.significant);
-        let single = smooth
-            .iter()
-            .filter(|other| (other.significant || any) && other.columns.len() == 1)
+        let tested = smooth.iter().filter(|other| other.significant || any);
+        let single = tested
+            .clone()
+            .filter(|other| other.columns.len() == 1)
             .filter(|other| total(&other.gains) > 0.0)
             .filter(|other| alike(difference(&law.formula.gains, &other.gains)))
             .map(|other| &other.columns);
         // A product with the law's own column is included if it explains more.
-        let products = smooth
-            .iter()
-            .filter(|other| (other.significant || any) && other.columns.len() == 2)
-            .filter(|other| {
-                law.formula
-                    .columns
-                    .iter()
-                    .all(|x| other.columns.contains(x))
-            })
+        let products = tested
+            .filter(|other| other.columns.len() == 2)
+            .filter(|other| own_columns.iter().all(|x| other.columns.contains(x)))
             .filter(|other| total(&other.gains) > total(&law.formula.gains))
             .map(|other| &other.columns);
-        let named = |columns: &Vec<usize>| name(columns, &self.terms.names);
+        let named = |columns: &Vec<usize>| name(columns, self.terms);
         let alone = single.chain(products).map(named);
         let others = alone.filter(|other| !within(own, other));
         let mut class = vec![own.clone()];

@@ -3,7 +3,7 @@
 use kufe_sled::effects::{Active, Channel, Custom, Kind, State};
 use nalgebra::DMatrix;
 
-use crate::evidence::runs::laws::formulas::shape::Shape;
+use crate::evidence::runs::laws::shape::Shape;
 use crate::evidence::runs::model::design::Design;
 use crate::evidence::runs::model::on_run::ModelOnRun;
 use crate::evidence::runs::model::residual_model::BALANCES;

@@ -62,6 +62,11 @@ impl<'a> Terms<'a> {
         }
     }
 
+    /// Names of some columns.
+    pub fn names_of(&self, columns: &[usize]) -> Vec<&str> {
+        columns.iter().map(|x| self.names[*x].as_str()).collect()
+    }
+
     /// All values of a column, sorted.
     pub fn sorted(&self, column: usize) -> Vec<f64> {
         let mut all: Vec<f64> = self
@@ -106,10 +111,8 @@ impl<'a> Terms<'a> {
         shares
             .iter()
             .map(|share| {
-                let runs: Vec<DMatrix<f64>> = products
-                    .iter()
-                    .map(|[plain, noise]| plain - noise * *share)
-                    .collect();
+                let runs = products.iter().map(|[plain, noise]| plain - noise * *share);
+                let runs: Vec<DMatrix<f64>> = runs.collect();
                 LawSums::new(&runs, OWN_LEVELS, &prior)
             })
             .collect()

@@ -16,16 +16,19 @@
 //! ([`replays`](crate::evidence::runs::outcome::replays)); grip is refitted if the replays are then
 //! better than with the grip as given.
 
+use std::cmp::Ordering;
+
 use rayon::prelude::*;
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::evidence::runs::campaign::{Campaign, RunFit};
-use crate::evidence::runs::contacts::own::without_pushes;
+use crate::evidence::runs::contacts::run_contacts::without_pushes;
 use crate::evidence::runs::fit::row_noise::expected;
 use crate::evidence::runs::model::residual_model::{
     BALANCES, BASE_NAMES, CHANNEL_NAMES, ResidualModel,
 };
-use crate::evidence::runs::outcome::misfit_decrease::with_whole_side;
+use crate::evidence::runs::outcome::conclude::base_value;
+use crate::evidence::runs::outcome::held_out_misfit::with_whole_side;
 use crate::evidence::runs::outcome::replays::Squares;
 use crate::finding::{Baseline, Fitted, ModelKind, Rival, Withheld};
 use crate::procedure::evidence::{Account, Choice, Evidence, NO_SIZE};
@@ -37,7 +40,8 @@ use crate::procedure::shared_effects::{Amount, SharesEffects};
 /// uncorrelated.
 pub const PIECE_ROWS: usize = 40;
 
-/// Mean squares by which models are compared.
+/// Mean squares by which models are compared; empty for a model that cannot be simulated.
+#[derive(Default)]
 struct Performance {
     /// Residuals of the balances on the held-out runs.
     channels: Vec<Squares>,
@@ -55,32 +59,24 @@ impl Performance {
     /// Sum of the logarithms of the mean squares of the replays, or of the channels if nothing was
     /// replayed.
     fn misfit(&self) -> f64 {
-        let squares = match self.replays.is_empty() {
-            true => &self.channels,
-            false => &self.replays,
+        let squares = if self.replays.is_empty() {
+            &self.channels
+        } else {
+            &self.replays
         };
         squares.iter().map(|squares| squares.mean().ln()).sum()
     }
 
     /// The quantities that are worse than with `other`, in words.
     fn worse_than(&self, other: &Self, rules: &SearchRules) -> Vec<String> {
-        worse(self.all(), other.all(), rules)
+        let describe = |(after, before): (&Squares, &Squares)| {
+            is_larger(after, before, rules).then(|| {
+                let [a, b] = [after, before].map(|s| kufe::plot::quantity(s.rms(), s.unit));
+                format!("{} {a}, as given {b}", after.name)
+            })
+        };
+        self.all().zip(other.all()).filter_map(describe).collect()
     }
-}
-
-/// The quantities that are worse with `after` than with `before`, in words.
-fn worse<'a>(
-    after: impl Iterator<Item = &'a Squares>,
-    before: impl Iterator<Item = &'a Squares>,
-    rules: &SearchRules,
-) -> Vec<String> {
-    let describe = |(after, before): (&Squares, &Squares)| {
-        is_larger(after, before, rules).then(|| {
-            let [a, b] = [after, before].map(|s| kufe::plot::quantity(s.rms(), s.unit));
-            format!("{} {a}, as given {b}", after.name)
-        })
-    };
-    after.zip(before).filter_map(describe).collect()
 }
 
 /// Whether the mean square of `after` exceeds that of `before` by more than scatter, noise and the
@@ -91,165 +87,107 @@ fn worse<'a>(
 fn is_larger(after: &Squares, before: &Squares, rules: &SearchRules) -> bool {
     let both = after.pieces.iter().zip(&before.pieces);
     let decreases: Vec<f64> = both.map(|(a, b)| b[0] - a[0]).collect();
-    let Some(decrease) = Decrease::over(&decreases, 0.0) else {
+    let Some(decrease) = Decrease::over(&decreases) else {
         return false;
     };
     let n = decreases.len() as f64;
     let sum: f64 = before.pieces.iter().map(|p| p[0]).sum();
-    let error = match decreases.len() {
-        ..3 => decrease.error.max(sum * (2.0 / n).sqrt()),
-        _ => decrease.error,
+    let error = if decreases.len() < 3 {
+        decrease.error.max(sum * (2.0 / n).sqrt())
+    } else {
+        decrease.error
     };
     let share = (1.0 + rules.material).powi(2);
     -decrease.by > rules.interval * error && after.mean() > share * before.mean() + before.noise
 }
 
 /// A model that may be written, and the reasons against writing it.
-struct Tried {
+struct Trial {
     fit: RunFit,
     performance: Option<Performance>,
     reasons: Vec<String>,
 }
 
-impl Tried {
-    /// Orders models without a reason against them first, then by misfit.
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        let rank = |tried: &Self| {
-            let misfit = tried.performance.as_ref().map(Performance::misfit);
-            (!tried.reasons.is_empty(), misfit.unwrap_or(f64::INFINITY))
-        };
-        let ((refused, misfit), (other_refused, other_misfit)) = (rank(self), rank(other));
-        refused
-            .cmp(&other_refused)
-            .then(misfit.total_cmp(&other_misfit))
+impl Trial {
+    /// Sum of the logarithms of the mean squares; infinite for a model that cannot be simulated.
+    fn misfit(&self) -> f64 {
+        let misfit = self.performance.as_ref().map(Performance::misfit);
+        misfit.unwrap_or(f64::INFINITY)
     }
+
+    /// Orders models without a reason against them first, then by misfit.
+    fn cmp(&self, other: &Self) -> Ordering {
+        let [own, its] = [self, other].map(|trial| !trial.reasons.is_empty());
+        let by_misfit = || self.misfit().total_cmp(&other.misfit());
+        own.cmp(&its).then_with(by_misfit)
+    }
+}
+
+/// The models with effects, without the steps that make other runs worse.
+struct WithEffects {
+    /// The last fit, before the choice of its base.
+    last: RunFit,
+    /// The model that may be written; `None` if all are worse than the model as given.
+    accepted: Option<RunFit>,
+    /// Of the accepted model, or of the last one that was worse; `None` without effects.
+    performance: Option<Performance>,
 }
 
 impl Campaign<'_> {
     /// The model to write: one of these two fits or the model as given.
     ///
     /// # Errors
-    /// [`Error::BaseFit`] if a fit with one effect less has a residual that is not finite.
+    /// [`Error::BaseFit`](crate::error::Error::BaseFit) if a fit with one effect less has a residual that is not finite.
     pub fn chosen(
         &mut self,
         refitted: &RunFit,
-        mut last: RunFit,
+        last: RunFit,
         account: &mut Account,
-    ) -> Result<Choice<RunFit>, Error> {
+    ) -> Result<Choice<RunFit>> {
         let as_given = self.as_given(refitted);
-        let given = match self.performance(&as_given, None) {
-            Ok(performance) => performance,
-            Err(reason) => {
-                account.remarks.push(format!(
-                    "the model as given cannot be compared on other runs: {reason}"
-                ));
-                Performance {
-                    channels: Vec::new(),
-                    replays: Vec::new(),
-                    replayed: Vec::new(),
-                }
-            }
-        };
-        let has_effects = |fit: &RunFit| {
-            let contacts = fit.settled.contacts.as_ref();
-            !fit.owners.is_empty() || contacts.is_some_and(|contacts| contacts.step.is_some())
-        };
-        let with_effect = has_effects(&last);
-        let mut with_effects: Option<Performance> = None;
+        let given = self.performance(&as_given, None).unwrap_or_else(|reason| {
+            account.remarks.push(format!(
+                "the model as given cannot be compared on other runs: {reason}"
+            ));
+            Performance::default()
+        });
         let mut withheld = Vec::new();
-        let mut chosen = None;
-        let mut next = with_effect.then(|| self.tried(&last, &given));
-        while let Some(tried) = next.take() {
-            // With the base as stated a size may be within its error.
-            let insignificant = self.insignificant_step(&tried.fit, &account.steps);
-            if let (Some(step), true) = (insignificant, tried.reasons.is_empty()) {
-                account.remove_step(step, NO_SIZE);
-                let fit = self.without_step(&last, step)?;
-                last = self.with_significant_steps(fit, account)?;
-                next = (!account.steps.is_empty()).then(|| self.tried(&last, &given));
-                continue;
-            }
-            if tried.reasons.is_empty() {
-                with_effects = tried.performance;
-                chosen = Some((ModelKind::WithEffect, tried.fit));
-                break;
-            }
-            let reason = tried.reasons.join("; ");
-            let fit = &tried.fit;
-            let effects = fit.residual_model.effects.active[fit.already()..].iter();
-            withheld.push(Withheld {
-                model: ModelKind::WithEffect,
-                effects: effects.map(|e| e.effect_name().to_owned()).collect(),
-                reason: reason.clone(),
-            });
-            // A dependence that simulations cannot include stays; of the others the step is removed
-            // without which other runs are simulated best.
-            let kept = last.unwritten.as_ref().map(|unwritten| unwritten.step);
-            let all = 0..account.steps.len();
-            let steps: Vec<usize> = all.filter(|step| Some(*step) != kept).collect();
-            let without = |step: &usize| -> Result<(usize, RunFit, Tried), Error> {
-                let mut fit = self.without_step(&last, *step)?;
-                self.write(&mut fit);
-                let tried = self.tried(&fit, &given);
-                Ok((*step, fit, tried))
-            };
-            let shorter = match steps.len() {
-                ..2 => Vec::new(),
-                _ => steps.iter().map(without).collect::<Result<_, Error>>()?,
-            };
-            match shorter.into_iter().min_by(|(_, _, a), (_, _, b)| a.cmp(b)) {
-                Some((step, fit, tried)) => {
-                    account.remove_step(step, &format!("made other runs worse ({reason})"));
-                    let remaining = account.steps.len();
-                    last = self.with_significant_steps(fit, account)?;
-                    next = match account.steps.len() {
-                        n if n == remaining => Some(tried),
-                        0 => None,
-                        _ => Some(self.tried(&last, &given)),
-                    };
-                }
-                None => {
-                    with_effects = tried.performance;
-                    account.withhold(&steps, &reason);
-                    if let Some(unwritten) = &mut last.unwritten {
-                        unwritten.step = 0;
-                    }
-                }
-            }
-        }
-        if let (Some((ModelKind::WithEffect, fit)), Some(own)) = (&chosen, &with_effects) {
+        let with_effects = self.without_worse_steps(last, &given, &mut withheld, account)?;
+        if let WithEffects {
+            accepted: Some(fit),
+            performance: Some(own),
+            ..
+        } = &with_effects
+        {
             self.join_better_rivals((refitted, fit), (own, &given), account)?;
         }
-        let mut base = self.tried(refitted, &given);
-        let misfit = base.performance.as_ref().map(Performance::misfit);
-        if misfit.is_some_and(|misfit| misfit > given.misfit()) {
-            base.reasons
-                .push("other runs are not replayed better".to_owned());
+        let mut base = self.trial(refitted, &given);
+        if base.performance.is_some() && base.misfit() > given.misfit() {
+            let reason = "other runs are not replayed better".to_owned();
+            base.reasons.push(reason);
         }
-        if base.reasons.is_empty() {
-            chosen.get_or_insert((ModelKind::Refitted, base.fit));
-        } else if chosen.is_none() {
+        let refusal = base.reasons.join("; ");
+        let (mut written, mut fit) = match with_effects.accepted {
+            Some(fit) => (ModelKind::WithEffect, fit),
+            None if base.reasons.is_empty() => (ModelKind::Refitted, base.fit),
+            None => (ModelKind::AsGiven, as_given),
+        };
+        // A dependence that simulations cannot include is reported with any model.
+        if written != ModelKind::WithEffect {
+            fit.unwritten = with_effects.last.unwritten;
+        }
+        if written == ModelKind::AsGiven {
+            account.remarks.push(format!(
+                "a refit of friction and grip is not better ({refusal}): model.next.toml is the model as given"
+            ));
             withheld.push(Withheld {
                 model: ModelKind::Refitted,
                 effects: Vec::new(),
-                reason: base.reasons.join("; "),
+                reason: refusal,
             });
         }
-        let (mut written, mut fit) = chosen.unwrap_or((ModelKind::AsGiven, as_given));
-        // A dependence that simulations cannot include is reported with any model.
-        if written != ModelKind::WithEffect {
-            fit.unwritten = last.unwritten;
-        }
-        if written == ModelKind::Refitted && fit.settled.base == self.given.base {
+        if written == ModelKind::Refitted && fit.final_model.base == self.given.base {
             written = ModelKind::AsGiven;
-        }
-        if written == ModelKind::AsGiven
-            && let Some(of_base) = withheld.iter().find(|w| w.model == ModelKind::Refitted)
-        {
-            account.remarks.push(format!(
-                "a refit of friction and grip is not better ({}): model.next.toml is the model as given",
-                of_base.reason
-            ));
         }
         let rms = |performance: &Option<Performance>, k: usize| {
             performance.as_ref()?.all().nth(k).map(Squares::rms)
@@ -259,7 +197,7 @@ impl Campaign<'_> {
             unit: squares.unit.to_owned(),
             as_given: squares.rms(),
             refitted: rms(&base.performance, k),
-            with_effect: rms(&with_effects, k),
+            with_effect: rms(&with_effects.performance, k),
         });
         Ok(Choice {
             fit,
@@ -267,6 +205,97 @@ impl Campaign<'_> {
             baselines: baselines.collect(),
             withheld,
         })
+    }
+
+    /// Removes steps until the model is not worse than the given one, or none can be removed; adds
+    /// the models that are worse to `withheld`.
+    fn without_worse_steps(
+        &self,
+        mut last: RunFit,
+        given: &Performance,
+        withheld: &mut Vec<Withheld>,
+        account: &mut Account,
+    ) -> Result<WithEffects> {
+        let contacts = last.final_model.contacts.as_ref();
+        let has_contacts = contacts.is_some_and(|contacts| contacts.step.is_some());
+        let has_effects = has_contacts || !last.owners.is_empty();
+        let mut next = has_effects.then(|| self.trial(&last, given));
+        while let Some(trial) = next.take() {
+            if trial.reasons.is_empty() {
+                // With the base as stated a size may be within its error.
+                let Some(step) = self.insignificant_step(&trial.fit, &account.steps) else {
+                    return Ok(WithEffects {
+                        last,
+                        accepted: Some(trial.fit),
+                        performance: trial.performance,
+                    });
+                };
+                account.remove_step(step, NO_SIZE);
+                let fit = self.without_step(&last, step)?;
+                last = self.with_significant_steps(fit, account)?;
+                next = (!account.steps.is_empty()).then(|| self.trial(&last, given));
+                continue;
+            }
+            let reason = trial.reasons.join("; ");
+            let effects = &trial.fit.residual_model.effects;
+            let added = effects.active[trial.fit.already()..].iter();
+            withheld.push(Withheld {
+                model: ModelKind::WithEffect,
+                effects: added.map(|e| e.effect_name().to_owned()).collect(),
+                reason: reason.clone(),
+            });
+            // A dependence that simulations cannot include stays.
+            let kept = last.unwritten.as_ref().map(|unwritten| unwritten.step);
+            let all = 0..account.steps.len();
+            let steps: Vec<usize> = all.filter(|step| Some(*step) != kept).collect();
+            let Some((step, fit, shorter)) = self.best_without_a_step(&last, &steps, given)? else {
+                account.withhold(&steps, &reason);
+                if let Some(unwritten) = &mut last.unwritten {
+                    unwritten.step = 0;
+                }
+                return Ok(WithEffects {
+                    last,
+                    accepted: None,
+                    performance: trial.performance,
+                });
+            };
+            account.remove_step(step, &format!("made other runs worse ({reason})"));
+            let remaining = account.steps.len();
+            last = self.with_significant_steps(fit, account)?;
+            next = match account.steps.len() {
+                n if n == remaining => Some(shorter),
+                0 => None,
+                _ => Some(self.trial(&last, given)),
+            };
+        }
+        Ok(WithEffects {
+            last,
+            accepted: None,
+            performance: None,
+        })
+    }
+
+    /// The one of these steps without which other runs are simulated best, with the fit without it;
+    /// `None` for fewer than two steps.
+    fn best_without_a_step(
+        &self,
+        fit: &RunFit,
+        steps: &[usize],
+        given: &Performance,
+    ) -> Result<Option<(usize, RunFit, Trial)>> {
+        let mut best: Option<(usize, RunFit, Trial)> = None;
+        for step in steps.iter().filter(|_| steps.len() > 1) {
+            let mut without = self.without_step(fit, *step)?;
+            self.set_final_estimates(&mut without);
+            let trial = self.trial(&without, given);
+            if best
+                .as_ref()
+                .is_none_or(|(_, _, best)| trial.cmp(best).is_lt())
+            {
+                best = Some((*step, without, trial));
+            }
+        }
+        Ok(best)
     }
 
     /// Adds to the class of each effect the rivals whose models are better on other runs.
@@ -279,7 +308,7 @@ impl Campaign<'_> {
         (refitted, fit): (&RunFit, &RunFit),
         (own, given): (&Performance, &Performance),
         account: &mut Account,
-    ) -> Result<(), Error> {
+    ) -> Result<()> {
         /// Largest number of rivals of an effect that are fitted.
         const MAX_RIVALS: usize = 3;
         let last = account.steps.len().saturating_sub(1);
@@ -290,22 +319,16 @@ impl Campaign<'_> {
                     0 => refitted.clone(),
                     _ => self.without_step(fit, number)?,
                 };
-                let amount = Amount {
-                    effect: rival.effect.clone(),
-                    key: rival.parameter.clone(),
-                    unit: rival.unit.clone(),
-                    value: rival.size,
-                    error: f64::NAN,
-                };
+                let amount = Amount::of_rival(rival, f64::NAN);
                 let Some(selection) = self.select(&without, &amount) else {
                     continue;
                 };
                 let mut other = self.add(&without, &selection, last)?.fit;
-                self.write(&mut other);
-                let tried = self.tried(&other, given);
+                self.set_final_estimates(&mut other);
+                let trial = self.trial(&other, given);
                 let rules = &self.options.rules.search;
                 let better = |other: &Performance| !own.worse_than(other, rules).is_empty();
-                if !tried.performance.as_ref().is_some_and(better) {
+                if !trial.performance.as_ref().is_some_and(better) {
                     break;
                 }
                 rival.in_class = true;
@@ -321,16 +344,16 @@ impl Campaign<'_> {
     }
 
     /// The better base of a fit, refitted or as stated, each with the friction of the replays.
-    fn tried(&self, fit: &RunFit, given: &Performance) -> Tried {
+    fn trial(&self, fit: &RunFit, given: &Performance) -> Trial {
         let mut bases = vec![fit.clone()];
         if let Some(other) = &fit.base_as_given {
-            let settled = self.installed_in(&other.settled, &self.training);
+            let final_model = self.installed_in(&other.final_model, &self.training);
             bases.push(RunFit {
-                settled,
+                final_model,
                 ..(**other).clone()
             });
         }
-        let tried = bases.into_iter().map(|fit| {
+        let trial = bases.into_iter().map(|fit| {
             let fit = self.with_replayed_friction(fit, &given.replayed);
             let (performance, reasons) = match self.performance(&fit, Some(&given.replayed)) {
                 Ok(performance) => {
@@ -339,20 +362,20 @@ impl Campaign<'_> {
                 }
                 Err(reason) => (None, vec![reason]),
             };
-            Tried {
+            Trial {
                 fit,
                 performance,
                 reasons,
             }
         });
-        tried.min_by(Tried::cmp).expect("a refitted base")
+        trial.min_by(Trial::cmp).expect("a refitted base")
     }
 
     /// Base parameters that the refit changes by more than the plausible factor.
     pub fn implausible(&self, base: &[Fitted], account: &mut Account) -> Vec<Fitted> {
         let max_factor = self.options.rules.search.plausible;
         let implausible = |(b, fitted): (&usize, &Fitted)| {
-            let given = super::conclude::base_value(self.model, *b);
+            let given = base_value(self.model, *b);
             let factor = fitted.value / given;
             let is_implausible = !(1.0 / max_factor..=max_factor).contains(&factor);
             is_implausible.then(|| {
@@ -369,8 +392,8 @@ impl Campaign<'_> {
     /// The model as given, with the discrepancy and the model error of a fit.
     pub fn given_as_in(&self, fit: &RunFit) -> ResidualModel {
         ResidualModel {
-            discrepancy: fit.settled.discrepancy.clone(),
-            model_error: fit.settled.model_error,
+            discrepancy: fit.final_model.discrepancy.clone(),
+            model_error: fit.final_model.model_error,
             ..self.given.clone()
         }
     }
@@ -378,14 +401,14 @@ impl Campaign<'_> {
     /// The fit of the model as given: the estimates of a refit, restated as the given values.
     fn as_given(&self, refitted: &RunFit) -> RunFit {
         let model = self.given_as_in(refitted);
-        let settled = self.installed_in(&model, &self.training);
+        let final_model = self.installed_in(&model, &self.training);
         let mut estimates = refitted.estimates.clone();
         for (b, estimate) in self.free.iter().zip(&mut estimates) {
-            *estimate = estimate.stated_as(settled.base[*b]);
+            *estimate = estimate.stated_as(final_model.base[*b]);
         }
         RunFit {
             estimates,
-            settled,
+            final_model,
             left_out: Vec::new(),
             ..refitted.clone()
         }
@@ -396,7 +419,7 @@ impl Campaign<'_> {
     /// Replays the stated `runs`, or all that are possible.
     fn performance(&self, fit: &RunFit, runs: Option<&[usize]>) -> Result<Performance, String> {
         let read = |model: &ResidualModel| self.read_back(model, fit.already());
-        let mut vehicles = vec![read(&fit.settled)?];
+        let mut vehicles = vec![read(&fit.final_model)?];
         // Index of the vehicle that each run is replayed with.
         let mut vehicle_index = vec![0; self.data.runs.len()];
         for (session, model) in &fit.left_out {
@@ -407,7 +430,7 @@ impl Campaign<'_> {
         }
         let vehicle_of = |run: usize| &vehicles[vehicle_index[run]];
         let (replayed, replays) = self.replay_squares(vehicle_of, runs)?;
-        let held_out = self.installed_in(&fit.settled, &self.held_out);
+        let held_out = self.installed_in(&fit.final_model, &self.held_out);
         Ok(Performance {
             channels: self.channel_squares(&held_out),
             replays,

@@ -5,17 +5,19 @@ use kufe_sled::effects::{Active, Kind};
 
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
-use crate::evidence::runs::model::design::Design;
-use crate::evidence::runs::model::residual_model::{BASE_NAMES, CHANNEL_NAMES, ResidualModel};
+use crate::evidence::runs::candidates::catalogue::Candidates;
+use crate::evidence::runs::model::residual_model::{
+    BASE_NAMES, CHANNEL_NAMES, ResidualModel, TRACK,
+};
 use crate::evidence::runs::outcome::bins::significant_bins;
-use crate::evidence::runs::outcome::explained::explainable_closed;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::channel::TrackChannel;
-use crate::finding::{Bin, Fitted, Interval, Step};
+use crate::finding::{Bin, Fitted, Interval, Step, undetermined_share};
 use crate::null::clusters::session_numbers;
+use crate::options::OUTSIDE_CATALOGUE;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::Dependence;
-use crate::procedure::rules::RunRules;
+use crate::procedure::shared_effects::Amount;
 
 impl Campaign<'_> {
     /// Parameters of the added effects with their intervals, by step. The error of a window's edges
@@ -52,14 +54,8 @@ impl Campaign<'_> {
             });
         }
         if let Some(unwritten) = &last.unwritten {
-            let half = quantile * unwritten.error;
-            parameters[unwritten.step].push(Fitted {
-                name: unwritten.candidate.key.clone(),
-                value: unwritten.size,
-                low: unwritten.size - half,
-                high: unwritten.size + half,
-                unit: unwritten.candidate.unit.clone(),
-            });
+            let amount = Amount::of(&unwritten.candidate, unwritten.size, unwritten.error);
+            parameters[unwritten.step].push(amount.fitted(quantile));
         }
         self.contact_parameters(last, &mut parameters);
         parameters
@@ -70,10 +66,8 @@ impl Campaign<'_> {
         let mut laws = vec![None; steps];
         let own = last.residual_model.effects.active[last.already()..].iter();
         for (active, step) in own.zip(&last.owners) {
-            if let (Kind::Custom(custom), "unknown") = (
-                &active.kind,
-                active.name.split(':').next().unwrap_or_default(),
-            ) {
+            let is_outside = active.name.split(':').next() == Some(OUTSIDE_CATALOGUE);
+            if let (Kind::Custom(custom), true) = (&active.kind, is_outside) {
                 laws[*step] = Some(custom.text.clone());
             }
         }
@@ -92,122 +86,89 @@ impl Campaign<'_> {
             .zip(&last.estimates)
             .map(|(b, est)| {
                 let scale = base_value(self.model, *b);
+                let is_stiffness = BASE_NAMES[*b].ends_with("rad");
                 Fitted {
                     name: BASE_NAMES[*b].to_owned(),
                     value: est.value * scale,
                     low: est.low * scale,
                     high: est.high * scale,
-                    unit: if BASE_NAMES[*b].ends_with("rad") {
-                        "N/rad"
-                    } else {
-                        ""
-                    }
-                    .to_owned(),
+                    unit: if is_stiffness { "N/rad" } else { "" }.to_owned(),
                 }
             })
             .collect()
     }
 
     /// Closed share of the explainable misfit on the held-out runs, by step.
-    pub fn close(&self, base: &RunFit, last: &RunFit, steps: &[Step]) -> Vec<Interval> {
+    pub fn closed_shares(&self, base: &RunFit, last: &RunFit, steps: &[Step]) -> Vec<Interval> {
         if steps.is_empty() || base.whitener.count() == 0 || self.held_out.is_empty() {
             return Vec::new();
         }
         let [base_model, last_model] = [base, last].map(|fit| self.compared(fit));
         let simulator = self.simulator(last_model.training);
-        let locals: Vec<Candidate<Amplitude>> = last.residual_model.effects.active
-            [last.already()..]
+        let Candidates {
+            regular,
+            local,
+            levels,
+            ..
+        } = &self.candidates;
+        let added = last.residual_model.effects.active[last.already()..].iter();
+        let found_locals = added.filter_map(|active| as_candidate(active, local));
+        let is_found = |c: &&Candidate<Amplitude>| steps.iter().any(|step| step.effect == c.effect);
+        let everywhere = regular
             .iter()
-            .filter_map(|e| as_candidate(e, &self.candidates.local))
-            .collect();
-        let found_levels = self
-            .candidates
-            .levels
-            .iter()
-            .filter(|c| steps.iter().any(|s| s.effect == c.effect));
-        let directions: Vec<Candidate<Amplitude>> = self
-            .candidates
-            .regular
-            .iter()
-            .chain(found_levels)
-            .chain(&locals)
-            .cloned()
-            .collect();
+            .chain(levels.iter().filter(is_found))
+            .cloned();
+        let directions: Vec<Candidate<Amplitude>> = everywhere.chain(found_locals).collect();
         let models = [base_model.training, base_model.held_out];
         let models = models.map(ResidualModel::without_discrepancy);
-        let designs = models.each_ref().map(|residual_model| Design {
-            residual_model,
-            whitener: &base.whitener,
-            free_base: &self.free,
-            form: 0.0,
-            candidates: &directions,
-            local: &[],
-            windows: &[],
-            noise: None,
-        });
-        let closed = explainable_closed(
-            designs.each_ref(),
-            last_model.held_out,
-            [&self.training, &self.held_out],
-            &simulator,
-            self.rules(),
-            self.options.seed,
-        );
+        let designs = models
+            .each_ref()
+            .map(|model| self.design(model, &base.whitener, &directions));
+        let after = last_model.held_out;
+        let closed = self.explainable_closed(designs.each_ref(), after, &simulator);
         let held_out = [base_model.held_out, last_model.held_out];
-        let by_track = || track_closed(held_out, &self.held_out, self.rules());
-        let track = CHANNEL_NAMES[3].0;
-        let contacts = last.settled.contacts.as_ref().and_then(|c| c.step);
-        steps
-            .iter()
-            .enumerate()
-            .map(|(k, step)| match step.channel == track {
+        let by_track = || self.track_closed(held_out);
+        let track = CHANNEL_NAMES[TRACK].0;
+        let contacts = last.final_model.contacts.as_ref().and_then(|c| c.step);
+        let of_step = |(k, step): (usize, &Step)| {
+            if step.channel == track {
                 // Without significance in the forces the share is that of the track's bins, of
                 // which these runs have few.
-                true => by_track(),
-                false if contacts == Some(k) => self.contacts_closed(&last_model),
-                false => closed,
-            })
-            .collect()
+                by_track()
+            } else if contacts == Some(k) {
+                self.contacts_closed(&last_model)
+            } else {
+                closed
+            }
+        };
+        steps.iter().enumerate().map(of_step).collect()
+    }
+
+    /// Closed share of the track channel's mean square on the held-out runs, less its scatter;
+    /// without an interval.
+    fn track_closed(&self, models: [&ResidualModel; 2]) -> Interval {
+        let [before, after] = models.map(|model| {
+            let channel = TrackChannel::new(model, &self.held_out, self.rules());
+            channel.map(|channel| channel.closure().powi(2))
+        });
+        undetermined_share(match (before, after) {
+            (Some(before), Some(after)) if before > 0.0 => (1.0 - after / before).clamp(-1.0, 1.0),
+            _ => 0.0,
+        })
     }
 
     /// Whether bins are significant that are not so in any simulated run: noisy inputs bias bins in
     /// every run alike.
     pub fn has_significant_bins(&self, last: &RunFit, bins: &[Bin]) -> bool {
-        let simulator = self.simulator(&last.settled);
-        let rules = self.rules();
-        let strong = |bins: &[Bin]| bins.iter().any(|b| b.p_value <= rules.alpha_levels);
-        strong(bins)
-            && (0..6).all(|k| {
-                let model = &last.residual_model;
-                let simulated = simulator.simulated(&self.training, model, 5_000_011 + k);
-                !strong(&significant_bins(
-                    model,
-                    &last.whitener,
-                    &simulated,
-                    self.options.seed,
-                ))
-            })
-    }
-}
-
-/// Closed share of the track channel's mean square on other runs, less its scatter; without an
-/// interval.
-fn track_closed(
-    [before, after]: [&ResidualModel; 2],
-    frames: &[Frame],
-    rules: &RunRules,
-) -> Interval {
-    let of = |residual_model: &ResidualModel| {
-        TrackChannel::new(residual_model, frames, rules).map(|c| c.closure().powi(2))
-    };
-    let value = match (of(before), of(after)) {
-        (Some(b), Some(a)) if b > 0.0 => (1.0 - a / b).clamp(-1.0, 1.0),
-        _ => 0.0,
-    };
-    Interval {
-        value,
-        low: -1.0,
-        high: 1.0,
+        let simulator = self.simulator(&last.final_model);
+        let limit = self.rules().alpha_levels;
+        let are_strong = |bins: &[Bin]| bins.iter().any(|b| b.p_value <= limit);
+        let by_noise = |k: u64| {
+            let model = &last.residual_model;
+            let simulated = simulator.simulated(&self.training, model, 5_000_011 + k);
+            are_strong(&significant_bins(last, &simulated, self.options.seed))
+        };
+        are_strong(bins) && !(0..6).any(by_noise)
     }
 }
 

@@ -4,69 +4,79 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
+use crate::evidence::runs::campaign::Campaign;
 use crate::evidence::runs::fit::noise_products::noise_products;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::finding::Interval;
+use crate::finding::{Interval, undetermined_share};
 use crate::null::random::{below, stream};
 use crate::procedure::rules::RunRules;
 use crate::regression::prior::Prior;
 use crate::regression::scores::studentised;
 
-/// Share of the explainable misfit that is closed.
-///
-/// f is the part of the initial residual that the candidates' columns explain, with coefficients
-/// fitted to the training runs ([`explained`]). On other runs, whose noise is independent of f, `f
-/// . r_before` measures the explainable part and `f . r_after` the part of it that remains. The
-/// bias of noisy inputs in both is determined from simulated runs and subtracted. The interval is a
-/// bootstrap interval over runs; it is -1 to 1 if the explainable part is too small.
-///
-/// `learned` and `before` are designs of the initial model on the training runs and on the others;
-/// `after` is the final model on the others.
-pub fn explainable_closed(
-    [learned, before]: [&Design; 2],
-    after: &ResidualModel,
-    [training, others]: [&[Frame]; 2],
-    simulator: &RunSimulator,
-    rules: &RunRules,
-    seed: u64,
-) -> Interval {
-    let prior = learned.prior();
-    let products = learned.products(training);
-    let noise = noise_products(learned, training, simulator, 3_000_017);
-    let grams: Vec<_> = products
-        .iter()
-        .zip(&noise)
-        .map(|(x, d)| {
-            let m = x.full.ncols() - OWN_LEVELS;
-            (&x.full - d)
-                .view((OWN_LEVELS, OWN_LEVELS), (m, m))
-                .into_owned()
-        })
-        .collect();
-    let m = grams[0].ncols();
-    let coefficients = explained(&grams, &prior, rules);
-    let pair = |frame: &Frame| -> (f64, f64) {
-        let x = before.columns(frame);
-        let f: DVector<f64> = x.columns(OWN_LEVELS, m - 1) * &coefficients;
-        let r_before = x.column(m + OWN_LEVELS - 1).into_owned();
-        let r_after = DVector::from_vec(before.whitener.apply(frame, &after.residuals(frame)));
-        (f.dot(&r_before), f.dot(&r_after))
-    };
-    let measured: Vec<(f64, f64)> = others
-        .par_iter()
-        .enumerate()
-        .map(|(i, frame)| {
-            let (b, a) = pair(frame);
-            // A simulation of the final model has no effect to find: both products are bias.
-            let simulated = simulator.pair(frame, after, 3_000_017, i);
-            let bias = 0.5 * (pair(&simulated.plus).1 + pair(&simulated.minus).1)
-                - pair(&simulated.truth).1;
-            (b - bias, a - bias)
-        })
-        .collect();
+impl Campaign<'_> {
+    /// Share of the explainable misfit that is closed.
+    ///
+    /// f is the part of the initial residual that the candidates' columns explain, with
+    /// coefficients fitted to the training runs ([`explained`]). On the held-out runs, whose noise
+    /// is independent of f, `f . r_before` measures the explainable part and `f . r_after` the part
+    /// of it that remains. The bias of noisy inputs in both is determined from simulated runs and
+    /// subtracted. The interval is a bootstrap interval over runs; it is -1 to 1 if the explainable
+    /// part is too small.
+    ///
+    /// `learned` and `before` are designs of the initial model on the training runs and on the
+    /// held-out ones; `after` is the final model on the latter.
+    pub fn explainable_closed(
+        &self,
+        [learned, before]: [&Design; 2],
+        after: &ResidualModel,
+        simulator: &RunSimulator,
+    ) -> Interval {
+        let training = &self.training;
+        let prior = learned.prior();
+        let products = learned.products(training);
+        let noise = noise_products(learned, training, simulator, 3_000_017);
+        let grams: Vec<_> = products
+            .iter()
+            .zip(&noise)
+            .map(|(x, d)| {
+                let m = x.full.ncols() - OWN_LEVELS;
+                (&x.full - d)
+                    .view((OWN_LEVELS, OWN_LEVELS), (m, m))
+                    .into_owned()
+            })
+            .collect();
+        let m = grams[0].ncols();
+        let coefficients = explained(&grams, &prior, self.rules());
+        let pair = |frame: &Frame| -> (f64, f64) {
+            let x = before.columns(frame);
+            let f: DVector<f64> = x.columns(OWN_LEVELS, m - 1) * &coefficients;
+            let r_before = x.column(m + OWN_LEVELS - 1).into_owned();
+            let r_after = DVector::from_vec(before.whitener.apply(frame, &after.residuals(frame)));
+            (f.dot(&r_before), f.dot(&r_after))
+        };
+        let measured: Vec<(f64, f64)> = self
+            .held_out
+            .par_iter()
+            .enumerate()
+            .map(|(i, frame)| {
+                let (b, a) = pair(frame);
+                // A simulation of the final model has no effect to find: both products are bias.
+                let simulated = simulator.pair(frame, after, 3_000_017, i);
+                let bias = 0.5 * (pair(&simulated.plus).1 + pair(&simulated.minus).1)
+                    - pair(&simulated.truth).1;
+                (b - bias, a - bias)
+            })
+            .collect();
+        bootstrap(&measured, self.options.seed)
+    }
+}
+
+/// The closed share with its bootstrap interval over runs, by the products `f . r_before` and `f .
+/// r_after` of each run.
+fn bootstrap(measured: &[(f64, f64)], seed: u64) -> Interval {
     // Clipped to [-1, 1]; NaN if nothing is explainable.
     let closed = |picked: &mut dyn Iterator<Item = usize>| -> f64 {
         let (b, a) = picked.fold((0.0, 0.0), |(b, a), i| {
@@ -101,11 +111,7 @@ pub fn explainable_closed(
         .collect();
     // If the explainable part vanishes in one draw of forty, the share is unbounded.
     if value.is_nan() || values.iter().filter(|v| v.is_nan()).count() > 49 {
-        return Interval {
-            value: if value.is_nan() { 0.0 } else { value },
-            low: -1.0,
-            high: 1.0,
-        };
+        return undetermined_share(if value.is_nan() { 0.0 } else { value });
     }
     values.retain(|v| !v.is_nan());
     values.sort_by(f64::total_cmp);

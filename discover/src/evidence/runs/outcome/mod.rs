@@ -2,16 +2,15 @@
 
 pub(crate) mod adequacy;
 pub(crate) mod bins;
-pub(crate) mod by_run;
 pub(crate) mod choose;
 pub(crate) mod conclude;
-pub(crate) mod driven;
+pub(crate) mod experimental_design;
 pub(crate) mod explained;
-pub(crate) mod gap;
-pub(crate) mod misfit_decrease;
+pub(crate) mod final_estimates;
+pub(crate) mod held_out_misfit;
+pub(crate) mod insignificant_steps;
+pub(crate) mod misfits;
 pub(crate) mod next_model;
 pub(crate) mod pictures;
-pub(crate) mod planned;
 pub(crate) mod replays;
-pub(crate) mod superfluous;
-pub(crate) mod written;
+pub(crate) mod run_plans;

@@ -1,7 +1,6 @@
 //! The model with the effects found.
 
 use kufe_sled::Model;
-use kufe_sled::effects::Active;
 
 use crate::evidence::runs::model::residual_model::ResidualModel;
 
@@ -26,7 +25,7 @@ pub fn next_model(model: &Model, residual_model: &ResidualModel, already: usize)
     }
     for (index, active) in residual_model.effects.active.iter().enumerate() {
         if index >= already || next.effects.contains_key(&active.name) {
-            next.effects.insert(active.name.clone(), table(active));
+            next.effects.insert(active.name.clone(), active.table());
         }
     }
     if let Some(contacts) = &residual_model.contacts
@@ -39,21 +38,16 @@ pub fn next_model(model: &Model, residual_model: &ResidualModel, already: usize)
                 k += 1;
                 name = format!("{}@{k}", place.name);
             }
-            next.effects.insert(name, table(place));
+            next.effects.insert(name, place.table());
         }
     }
     next
 }
 
-/// An active effect as its `[effects.NAME]` table.
-pub fn table(active: &Active) -> toml::Table {
-    active.table()
-}
-
 #[cfg(test)]
 mod tests {
     use kufe_sled::Vehicle;
-    use kufe_sled::effects::{CATALOGUE, Effects, Kind};
+    use kufe_sled::effects::{Active, CATALOGUE, Effects, Kind};
 
     use super::*;
 
@@ -68,9 +62,12 @@ mod tests {
         for effect in CATALOGUE.iter() {
             for share in [0.0, 0.137, 1.0] {
                 let parameters = effect.info.parameters.iter();
-                let values = parameters.map(|p| match p.is_amplitude() {
-                    true => p.low + share * (p.high - p.low),
-                    false => p.default,
+                let values = parameters.map(|p| {
+                    if p.is_amplitude() {
+                        p.low + share * (p.high - p.low)
+                    } else {
+                        p.default
+                    }
                 });
                 let active = Active {
                     name: format!("{}@2", effect.info.name),

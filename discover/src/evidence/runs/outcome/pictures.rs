@@ -40,7 +40,7 @@ impl Campaign<'_> {
     ) -> Vec<Picture> {
         let frames: Vec<Frame> = self.whole().iter().chain(&self.held_out).cloned().collect();
         let parts = [self.whole(), &self.held_out];
-        let models = [given, &last.settled].map(|model| {
+        let models = [given, &last.final_model].map(|model| {
             let held_out = self.installed_in(model, &self.held_out);
             [model.clone(), held_out]
         });
@@ -51,15 +51,9 @@ impl Campaign<'_> {
         let rows = models.each_ref().map(rows_of);
         let shown = shown_channels(steps, gaps);
         let mut pictures = strips(last, &shown, &frames, &rows);
-        let settled = &last.settled;
-        for (e, active) in settled
-            .effects
-            .active
-            .iter()
-            .enumerate()
-            .skip(last.already())
-        {
-            let step = &steps[last.owners[e - last.already()]];
+        let active = last.final_model.effects.active.iter().enumerate();
+        for ((e, active), owner) in active.skip(last.already()).zip(&last.owners) {
+            let step = &steps[*owner];
             let channel = CHANNEL_NAMES.iter().position(|c| c.0 == step.channel);
             if let (None, Some(channel)) = (window(active), channel) {
                 let without = models[1].clone().map(|mut model| {
@@ -67,7 +61,7 @@ impl Campaign<'_> {
                     model
                 });
                 let rows = [&rows_of(&without), &rows[1]];
-                pictures.extend(driven(active.effect_name(), channel, &frames, rows));
+                pictures.extend(effect_picture(active.effect_name(), channel, &frames, rows));
             }
         }
         pictures
@@ -82,7 +76,7 @@ fn strips(
     rows: &[Vec<ChannelRows>; 2],
 ) -> Vec<Picture> {
     let tracks: BTreeSet<&str> = frames.iter().map(|f| f.track.as_str()).collect();
-    let added = &last.settled.effects.active[last.already()..];
+    let added = &last.final_model.effects.active[last.already()..];
     let mut strips = Vec::new();
     for &c in shown {
         for track in &tracks {
@@ -118,7 +112,7 @@ fn strips(
                     discrepancy: {
                         let count = ((to - from) / step_m).ceil() as usize;
                         let at = (0..count).map(|k| from + step_m * (k as f64 + 0.5));
-                        let discrepancy = &last.settled.discrepancy;
+                        let discrepancy = &last.final_model.discrepancy;
                         discrepancy.along(track, c, at).unwrap_or_default()
                     },
                     runs: on
@@ -145,9 +139,11 @@ fn shown_channels(steps: &[Step], gaps: &[ChannelGap]) -> Vec<usize> {
         shown.extend(place(&step.channel).filter(|c| !shown.contains(c)));
     }
     if shown.is_empty() {
-        let above = |gap: &&ChannelGap| gap.before / gap.noise;
-        let most = gaps.iter().max_by(|a, b| above(a).total_cmp(&above(b)));
-        shown.extend(most.and_then(|gap| place(&gap.channel)));
+        let above = |misfit: &&ChannelGap| misfit.before / misfit.noise;
+        // The ratio of a channel without rows is NaN.
+        let known = gaps.iter().filter(|misfit| !above(misfit).is_nan());
+        let most = known.max_by(|a, b| above(a).total_cmp(&above(b)));
+        shown.extend(most.and_then(|misfit| place(&misfit.channel)));
     }
     shown.truncate(MAX_CHANNELS);
     shown
@@ -185,21 +181,25 @@ fn means_along(s: &[f64], rows: &[f64], from: f64, step: f64, to: f64) -> Vec<f6
 ///
 /// The column is the one of [`COLUMNS`] and [`STATED`] with the largest correlation ratio: the
 /// share of the contribution's variance between its bins.
-fn driven(
+fn effect_picture(
     effect: &str,
     channel: usize,
     frames: &[Frame],
     [partial, with]: [&Vec<ChannelRows>; 2],
 ) -> Option<Picture> {
     let recorded = COLUMNS.iter().filter(|(name, _)| *name != "s_m");
-    let recorded = recorded.map(|(name, of)| (*name, each(frames, |f| of(f).to_vec())));
-    let stated = STATED.map(|name| (name, each(frames, |f| f.condition(name))));
+    let recorded = recorded.map(|(name, of)| -> (_, Vec<Vec<f64>>) {
+        (*name, frames.iter().map(|f| f.rows(of(f))).collect())
+    });
+    let stated = STATED.map(|name| -> (_, Vec<Vec<f64>>) {
+        let rows = frames.iter().map(|f| f.rows(&f.condition(name)));
+        (name, rows.collect())
+    });
     let (name, bins) = recorded
         .chain(stated)
         .filter_map(|(name, columns)| {
             let mut rows: Vec<Row> = Vec::new();
-            for (i, (frame, column)) in frames.iter().zip(&columns).enumerate() {
-                let x = frame.rows(column);
+            for (i, x) in columns.iter().enumerate() {
                 for ((x, partial), with) in
                     x.iter().zip(&partial[i][channel]).zip(&with[i][channel])
                 {
@@ -217,7 +217,10 @@ fn driven(
         })
         .max_by(|a, b| between(&a.1).total_cmp(&between(&b.1)))?;
     let (quantity, unit) = CHANNEL_NAMES[channel];
-    let x: Vec<f64> = bins.iter().map(|b| mean(b.iter().map(|r| r.x))).collect();
+    let means = |of: fn(&Row) -> f64| -> Vec<f64> {
+        bins.iter().map(|bin| mean(bin.iter().map(of))).collect()
+    };
+    let x = means(|row| row.x);
     Some(Picture {
         title: format!("{effect} over {name}"),
         caption: format!(
@@ -230,26 +233,16 @@ fn driven(
             x: x.clone(),
             series: vec![Series {
                 name: "measured".to_owned(),
-                y: bins
-                    .iter()
-                    .map(|b| mean(b.iter().map(|r| r.partial)))
-                    .collect(),
+                y: means(|row| row.partial),
                 sd: bins.iter().map(|b| error_over_runs(b)).collect(),
             }],
             curve: Some(Curve {
                 name: "the effect".to_owned(),
-                y: bins
-                    .iter()
-                    .map(|b| mean(b.iter().map(|r| r.contribution)))
-                    .collect(),
+                y: means(|row| row.contribution),
                 x,
             }),
         }),
     })
-}
-
-fn each(frames: &[Frame], of: impl Fn(&Frame) -> Vec<f64>) -> Vec<Vec<f64>> {
-    frames.iter().map(of).collect()
 }
 
 struct Row {
@@ -307,6 +300,24 @@ mod tests {
         assert_eq!(means[0], 2.0);
         assert!(means[1].is_nan());
         assert_eq!(means[2], 6.0);
+    }
+
+    #[test]
+    fn without_steps_the_channel_farthest_above_its_noise_is_shown_and_none_without_rows() {
+        let misfit = |c: usize, before: f64, noise: f64| ChannelGap {
+            channel: CHANNEL_NAMES[c].0.to_owned(),
+            unit: String::new(),
+            before,
+            after: before,
+            noise,
+        };
+        let gaps = [
+            misfit(0, 3.0, 2.0),
+            misfit(1, 5.0, 2.0),
+            misfit(3, 0.0, 0.0),
+        ];
+        assert_eq!(shown_channels(&[], &gaps), [1]);
+        assert!(shown_channels(&[], &gaps[2..]).is_empty());
     }
 
     /// The means of two runs differ by 2: the standard error is 1, however many rows there are.

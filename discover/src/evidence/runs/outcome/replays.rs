@@ -66,6 +66,21 @@ impl Squares {
     }
 }
 
+/// A replay of one run by column of [`REPLAYED`].
+struct ReplayedRun {
+    /// Mean squares of the differences from the recorded run.
+    mean_squares: [f64; 3],
+    /// Standard deviations of the differences by the noise of the sensors.
+    noise_sd: [f64; 3],
+}
+
+/// Factor on friction at which runs are replayed best.
+struct FrictionFactor<'a> {
+    by: f64,
+    /// The factor without each session.
+    without: BTreeMap<&'a str, f64>,
+}
+
 impl Campaign<'_> {
     /// The vehicle of a model for replays, read back from its text by the readers of the simulation
     /// commands.
@@ -107,42 +122,12 @@ impl Campaign<'_> {
             runs.filter(|i| sessions.len() > 1 || !fitted(i)).collect()
         };
         let runs: Vec<usize> = stated.map_or_else(possible, <[usize]>::to_vec);
-        let of_run = |i: &usize| -> Result<([f64; 3], [f64; 3]), String> {
-            let (run, vehicle) = (&all[*i], vehicle_of(*i));
-            let track = shapes.iter().find(|(t, _)| t.name == run.entry.track);
+        let of_run = |i: &usize| {
+            let track = shapes.iter().find(|(t, _)| t.name == all[*i].entry.track);
             let (track, shape) = track.expect("runs without a track are filtered out");
-            let failed = |error: kufe_sled::Error| {
-                format!("run {} cannot be replayed with it: {error}", run.entry.run)
-            };
-            let inputs = self.replay_inputs(*i, vehicle, track).map_err(failed)?;
-            let options = SimulateOptions {
-                step_s: STEP_S,
-                rate_hz: RATE_HZ,
-                conditions: run.entry.conditions,
-                ..SimulateOptions::default()
-            };
-            let replay = replay(&inputs, vehicle, shape, &options).map_err(failed)?;
-            if let Some(stopped) = replay.stopped {
-                return Err(format!(
-                    "run {} stops in its replay: {stopped}",
-                    run.entry.run
-                ));
-            }
-            let mean_square = REPLAYED.map(|(column, _)| {
-                let difference = replay.differences.iter().find(|d| d.column == column);
-                difference.map_or(0.0, |d| d.rms * d.rms)
-            });
-            // An error of the speed shifts the time of passing.
-            let time_sd: f64 = run.columns.get("v_mps").map_or(0.0, |speeds| {
-                let moving = speeds.iter().filter(|v| **v > REST_MPS);
-                moving.map(|v| run.dt_s * inputs.noise_sd[0] / v).sum()
-            });
-            Ok((
-                mean_square,
-                [time_sd, inputs.noise_sd[0], inputs.noise_sd[2]],
-            ))
+            self.replay_of(*i, vehicle_of(*i), track, shape)
         };
-        let tried: Vec<Result<_, String>> = runs.par_iter().map(of_run).collect();
+        let tried: Vec<Result<ReplayedRun, String>> = runs.par_iter().map(of_run).collect();
         let (mut replayed, mut each) = (Vec::new(), Vec::new());
         for (run, tried) in runs.into_iter().zip(tried) {
             match tried {
@@ -155,25 +140,60 @@ impl Campaign<'_> {
             }
         }
         let sessions = members(replayed.iter().map(|i| all[*i].entry.session.as_str()));
-        let of_column = |(k, (column, unit)): (usize, &(&str, &'static str))| Squares {
-            name: format!("replay {column}"),
-            unit,
-            noise: each.iter().map(|(_, noise)| noise[k].powi(2)).sum::<f64>()
-                / each.len().max(1) as f64,
-            pieces: sessions
-                .values()
-                .map(|runs| {
-                    let squares = runs.iter().map(|run| each[*run].0[k]);
-                    [squares.sum(), runs.len() as f64]
-                })
-                .collect(),
+        let of_column = |(k, (column, unit)): (usize, &(&str, &'static str))| {
+            let variances = each.iter().map(|one| one.noise_sd[k].powi(2));
+            let of_session = |runs: &Vec<usize>| {
+                let squares = runs.iter().map(|run| each[*run].mean_squares[k]);
+                [squares.sum(), runs.len() as f64]
+            };
+            Squares {
+                name: format!("replay {column}"),
+                unit,
+                noise: variances.sum::<f64>() / each.len().max(1) as f64,
+                pieces: sessions.values().map(of_session).collect(),
+            }
         };
-        let columns = if each.is_empty() {
-            Vec::new()
-        } else {
-            REPLAYED.iter().enumerate().map(of_column).collect()
-        };
+        let columns = REPLAYED.iter().enumerate().filter(|_| !each.is_empty());
+        let columns = columns.map(of_column).collect();
         Ok((replayed, columns))
+    }
+
+    /// The replay of a run with a vehicle.
+    fn replay_of(
+        &self,
+        index: usize,
+        vehicle: &Vehicle,
+        track: &Track,
+        shape: &TrackShape,
+    ) -> Result<ReplayedRun, String> {
+        let run = &self.data.runs[index];
+        let name = &run.entry.run;
+        let failed =
+            |error: kufe_sled::Error| format!("run {name} cannot be replayed with it: {error}");
+        let inputs = self.replay_inputs(index, vehicle, track).map_err(failed)?;
+        let options = SimulateOptions {
+            step_s: STEP_S,
+            rate_hz: RATE_HZ,
+            conditions: run.entry.conditions,
+            ..SimulateOptions::default()
+        };
+        let replay = replay(&inputs, vehicle, shape, &options).map_err(failed)?;
+        if let Some(stopped) = replay.stopped {
+            return Err(format!("run {name} stops in its replay: {stopped}"));
+        }
+        let [speed_sd, _, yaw_rate_sd, _] = inputs.noise_sd;
+        // An error of the speed shifts the time of passing.
+        let time_sd: f64 = run.columns.get("v_mps").map_or(0.0, |speeds| {
+            let moving = speeds.iter().filter(|v| **v > REST_MPS);
+            moving.map(|v| run.dt_s * speed_sd / v).sum()
+        });
+        Ok(ReplayedRun {
+            mean_squares: REPLAYED.map(|(column, _)| {
+                let difference = replay.differences.iter().find(|d| d.column == column);
+                difference.map_or(0.0, |d| d.rms * d.rms)
+            }),
+            noise_sd: [time_sd, speed_sd, yaw_rate_sd],
+        })
     }
 
     /// The inputs of a run's replay, with the vehicle's effects on sensors taken out.
@@ -195,32 +215,22 @@ impl Campaign<'_> {
         Ok(inputs)
     }
 
-    /// The fit with the friction at which the training runs among `replayed` are replayed best,
-    /// shrunk towards the stated friction by the scatter between sessions.
-    ///
-    /// Unchanged if friction is not fitted or a run cannot be replayed.
-    pub fn with_replayed_friction(&self, mut fit: RunFit, replayed: &[usize]) -> RunFit {
-        let training = &self.data.locked.training;
-        let learned = |run: &usize| training.contains(run);
-        let runs: Vec<usize> = replayed.iter().copied().filter(learned).collect();
-        if !self.free.contains(&0) || runs.is_empty() {
-            return fit;
-        }
-        let squares = |by: f64| -> Result<Vec<[f64; 2]>, String> {
-            let mut model = fit.settled.clone();
-            model.base[0] *= by;
-            let vehicle = self.read_back(&model, fit.already())?;
-            let (_, replays) = self.replay_squares(|_| &vehicle, Some(&runs))?;
-            Ok(replays[SPEED].pieces.clone())
-        };
-        let session_of = |run: usize| self.data.runs[run].entry.session.as_str();
-        let sessions = members(runs.iter().map(|run| session_of(*run)));
+    /// The factor on friction at which these runs are replayed best, by Newton's method; `squares` are
+    /// the squares of the speed's difference at a factor, by session. `None` if a run cannot be
+    /// replayed or the squares have no minimum.
+    fn friction_factor(
+        &self,
+        runs: &[usize],
+        squares: impl Fn(f64) -> Result<Vec<[f64; 2]>, String>,
+    ) -> Option<FrictionFactor<'_>> {
+        let of_run = |run: &usize| self.data.runs[*run].entry.session.as_str();
+        let sessions = members(runs.iter().map(of_run));
         let mut by = 1.0;
         let mut without = BTreeMap::new();
         for _ in 0..FRICTION_ROUNDS {
             let step = FRICTION_STEP * by;
-            let [Ok(below), Ok(here), Ok(above)] = [by - step, by, by + step].map(squares) else {
-                return fit;
+            let [Ok(below), Ok(here), Ok(above)] = [by - step, by, by + step].map(&squares) else {
+                return None;
             };
             // First and second differences of a session's squares.
             let of_session = |((below, here), above): ((&[f64; 2], &[f64; 2]), &[f64; 2])| {
@@ -234,7 +244,7 @@ impl Campaign<'_> {
             let [slope, curvature] =
                 [0, 1].map(|k| differences.iter().map(|one| one[k]).sum::<f64>());
             if curvature <= 0.0 {
-                return fit;
+                return None;
             }
             let best = |slope: f64, curvature: f64| by - step * slope / curvature;
             // A single session cannot be left out.
@@ -250,7 +260,31 @@ impl Campaign<'_> {
                 break;
             }
         }
-        let (own, stated) = (fit.settled.base[0], self.given.base[0]);
+        Some(FrictionFactor { by, without })
+    }
+
+    /// The fit with the friction at which the training runs among `replayed` are replayed best,
+    /// shrunk towards the stated friction by the scatter between sessions.
+    ///
+    /// Unchanged if friction is not fitted or a run cannot be replayed.
+    pub fn with_replayed_friction(&self, mut fit: RunFit, replayed: &[usize]) -> RunFit {
+        let training = &self.data.locked.training;
+        let learned = |run: &usize| training.contains(run);
+        let runs: Vec<usize> = replayed.iter().copied().filter(learned).collect();
+        if !self.free.contains(&0) || runs.is_empty() {
+            return fit;
+        }
+        let squares = |by: f64| -> Result<Vec<[f64; 2]>, String> {
+            let mut model = fit.final_model.clone();
+            model.base[0] *= by;
+            let vehicle = self.read_back(&model, fit.already())?;
+            let (_, replays) = self.replay_squares(|_| &vehicle, Some(&runs))?;
+            Ok(replays[SPEED].pieces.clone())
+        };
+        let Some(FrictionFactor { by, without }) = self.friction_factor(&runs, squares) else {
+            return fit;
+        };
+        let (own, stated) = (fit.final_model.base[0], self.given.base[0]);
         let n = without.len() as f64;
         let mean = without.values().sum::<f64>() / n;
         let squares: f64 = without.values().map(|by| (by - mean).powi(2)).sum();
@@ -261,12 +295,14 @@ impl Campaign<'_> {
             (stated + off * share).clamp(BOUNDS[0], BOUNDS[1])
         };
         for (of_session, model) in &mut fit.left_out {
-            let run = of_session.first().map(|run| training[*run]);
-            let by_others = run.and_then(|run| without.get(session_of(run)));
+            let run = of_session
+                .first()
+                .map(|run| &self.data.runs[training[*run]]);
+            let by_others = run.and_then(|run| without.get(run.entry.session.as_str()));
             model.base[0] = written(model.base[0] * by_others.copied().unwrap_or(by));
         }
         let friction = written(own * by);
-        fit.settled.base[0] = friction;
+        fit.final_model.base[0] = friction;
         let number = self.free.iter().position(|b| *b == 0);
         if let Some(estimate) = number.and_then(|k| fit.estimates.get_mut(k)) {
             *estimate = estimate.stated_as(friction);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use kufe_sled::Sled;
 use kufe_sled::effects::Sensor;
 
-use crate::evidence::runs::contacts::of_run::OwnContact;
+use crate::evidence::runs::contacts::run_contacts::OwnContact;
 use crate::evidence::runs::recordings::place_scales::PlaceScales;
 use crate::evidence::runs::recordings::smooth::Kernel;
 

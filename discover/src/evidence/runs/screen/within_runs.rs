@@ -87,7 +87,7 @@ impl Campaign<'_> {
                 detectable,
             };
         }
-        let searches_outside = self.options.looks_for(OUTSIDE_CATALOGUE);
+        let searches_outside = self.options.includes(OUTSIDE_CATALOGUE);
         let law = searches_outside.then(|| self.law(at, selection.as_ref(), &options));
         let selection = match law.flatten() {
             Some(Law::Instead(law)) => {
@@ -109,7 +109,7 @@ impl Campaign<'_> {
     /// The global candidates that are not in the model, those outside the catalogue last.
     pub fn everywhere(&self, model: &ResidualModel) -> Vec<Candidate<Amplitude>> {
         let mut regular = self.fresh(model, &self.candidates.regular);
-        if self.options.looks_for(OUTSIDE_CATALOGUE) {
+        if self.options.includes(OUTSIDE_CATALOGUE) {
             regular.extend(unknown(self.data, self.model.sled.mass_kg, self.used[0]));
         }
         // A custom effect may have such a name, too.

@@ -1,11 +1,11 @@
-//! No result is taken for another's: whatever is asked counts, and the version of the numerics.
+//! Results of other settings or of another version of the numerics are not used again.
 
 use kufe_contact::NUMERICS;
 use kufe_files::sha256;
 
 use crate::kufe::{Bench, CASE, errors, json};
 
-/// What a case may say otherwise, each in place of another line.
+/// Changes of a case: a line and its replacement.
 const EDITS: [(&str, &str); 9] = [
     ("p_max = 0.02", "p_max = 0.015"),
     ("poissons_ratio = 0.33", "poissons_ratio = 0.31"),
@@ -34,12 +34,12 @@ const SERIES: [&str; 7] = [
     "-q",
 ];
 
-fn said(bench: &Bench) -> String {
+fn printed(bench: &Bench) -> String {
     bench.succeeds(&SERIES[..6])
 }
 
 #[test]
-fn a_step_is_solved_again_when_anything_else_is_asked() {
+fn a_step_is_solved_again_when_any_setting_changes() {
     let bench = Bench::new();
     bench.write("case.toml", CASE);
     bench.succeeds(&SERIES);
@@ -47,16 +47,19 @@ fn a_step_is_solved_again_when_anything_else_is_asked() {
         let edited = CASE.replacen(line, other, 1);
         assert_ne!(edited, CASE, "{line}");
         bench.write("case.toml", edited);
-        let again = said(&bench);
+        let again = printed(&bench);
         assert!(!again.contains("there already"), "{other}: {again}");
         bench.write("case.toml", CASE);
         bench.succeeds(&SERIES);
-        assert!(said(&bench).contains("2 of them there already"), "{other}");
+        assert!(
+            printed(&bench).contains("2 of them there already"),
+            "{other}"
+        );
     }
 }
 
 #[test]
-fn shards_are_refused_when_anything_else_is_asked_but_what_the_axes_say() {
+fn shards_of_other_settings_are_refused_except_for_other_axes() {
     let table = "case = \"case.toml\"\n[axes]\nfz_n = { values = [800.0, 1000.0] }\ncurvature_1pm = { values = [0.0] }\n\
                  [accuracy]\nchecks = 0\n";
     let bench = Bench::new();
@@ -108,7 +111,7 @@ fn results_of_another_version_of_the_numerics_or_of_the_program_are_solved_again
         let recorded = std::fs::read_to_string(&record).expect("a record");
         let [before, after] = [&text, &edited].map(|text| sha256(text.as_bytes()));
         std::fs::write(&record, recorded.replace(&before, &after)).expect("a writable file");
-        let again = said(&bench);
+        let again = printed(&bench);
         assert!(again.contains("1 of them there already"), "{key}: {again}");
         assert_eq!(json(&path)[key], result[key]);
     }

@@ -1,4 +1,4 @@
-//! An import that is killed, or meets a full disk, leaves everything or nothing.
+//! An import that is killed, or fills the disk, writes everything or nothing.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -104,7 +104,7 @@ fn twenty_kills_over_an_import_leave_the_old_the_new_or_no_index() {
             true if files(&folder) == old => 1,
             true => 2,
         }] += 1;
-        // And the next one goes through.
+        // And the next one succeeds.
         if kill % 5 == 4 {
             import(&bench, "mapping.toml", "runs");
             assert!(files(&folder) == new, "after kill {kill}");

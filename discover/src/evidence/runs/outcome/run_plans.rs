@@ -54,23 +54,26 @@ fn usual(training: &[Frame]) -> Conditions {
     };
     let stated =
         |frame: &Frame, name: &str| frame.condition(name).iter().sum::<f64>() / frame.len() as f64;
-    let humidity = mean(&|f| stated(f, "humidity_pct"));
     Conditions {
         ice_c: mean(&|f| stated(f, "ice_c")),
         air_c: mean(&|f| f.air_c),
         air_pa: mean(&|f| f.air_pa),
-        humidity_pct: humidity,
+        humidity_pct: mean(&|f| stated(f, "humidity_pct")),
         distance_m: 0.0,
         mass_kg: f64::NAN,
     }
 }
 
+/// A condition changed by each of these steps, within limits; nothing if it is not stated (NaN).
+fn changed(usual: f64, steps: [f64; 2], [low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
+    let steps = steps.into_iter().filter(move |_| !usual.is_nan());
+    steps.map(move |step| (usual + step).clamp(low, high))
+}
+
 /// Plans for each track: unchanged conditions, then one change each.
 pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
-    let mut speeds: Vec<f64> = training
-        .iter()
-        .filter_map(|f| f.v.first().copied())
-        .collect();
+    let first = training.iter().filter_map(|frame| frame.v.first());
+    let mut speeds: Vec<f64> = first.copied().collect();
     speeds.sort_by(f64::total_cmp);
     let speed = speeds.get(speeds.len() / 2).copied().unwrap_or(10.0);
     let conditions = usual(training);
@@ -105,17 +108,12 @@ pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
                 p.conditions.mass_kg = mass;
             });
         }
-        for step in ICE_K {
-            let ice = (conditions.ice_c + step).min(-0.5);
+        for ice in changed(conditions.ice_c, ICE_K, [f64::NEG_INFINITY, -0.5]) {
             let change = format!("on ice of {ice:.1} °C instead of {:.1}", conditions.ice_c);
             add(change, &|p| p.conditions.ice_c = ice);
         }
-        for step in HUMIDITY_PCT {
-            let usual = conditions.humidity_pct;
-            if usual.is_nan() {
-                continue;
-            }
-            let humidity = (usual + step).clamp(5.0, 100.0);
+        let usual = conditions.humidity_pct;
+        for humidity in changed(usual, HUMIDITY_PCT, [5.0, 100.0]) {
             let change = format!("in air of {humidity:.0} % humidity instead of {usual:.0}");
             add(change, &|p| p.conditions.humidity_pct = humidity);
         }
@@ -123,7 +121,9 @@ pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
             let change = format!("at {:+.0} hPa of air pressure", 0.01 * step);
             add(change, &|p| p.conditions.air_pa += step);
         }
-        for (instrument, noise) in instruments(model.noise) {
+        for (instrument, reduce) in INSTRUMENTS {
+            let Some(mut noise) = model.noise else { break };
+            reduce(&mut noise);
             let change = format!("with {instrument} of a quarter of the noise");
             add(change, &|p| p.noise = Some(noise));
         }
@@ -131,28 +131,18 @@ pub fn plans(data: &Data, training: &[Frame], model: &Model) -> Vec<Plan> {
     plans
 }
 
-/// Each sensor with less noise; empty if the noise is not stated.
-fn instruments(noise: Option<Noise>) -> Vec<(&'static str, Noise)> {
-    let Some(noise) = noise else {
-        return Vec::new();
-    };
-    let with = |reduce: fn(&mut Noise)| {
-        let mut better = noise;
-        reduce(&mut better);
-        better
-    };
-    vec![
-        ("an accelerometer", with(|n| n.accel_mps2 *= NOISE_RATIO)),
-        ("a gyroscope", with(|n| n.rate_radps *= NOISE_RATIO)),
-        ("a speed sensor", with(|n| n.speed_mps *= NOISE_RATIO)),
-        ("a slip sensor", with(|n| n.slip_rad *= NOISE_RATIO)),
-        ("a steering sensor", with(|n| n.steer_rad *= NOISE_RATIO)),
-        (
-            "a roll-split sensor",
-            with(|n| n.roll_split_rad *= NOISE_RATIO),
-        ),
-    ]
-}
+/// A sensor's name, and the change of the noise by a better one.
+type Instrument = (&'static str, fn(&mut Noise));
+
+/// Sensors that plans improve.
+const INSTRUMENTS: [Instrument; 6] = [
+    ("an accelerometer", |n| n.accel_mps2 *= NOISE_RATIO),
+    ("a gyroscope", |n| n.rate_radps *= NOISE_RATIO),
+    ("a speed sensor", |n| n.speed_mps *= NOISE_RATIO),
+    ("a slip sensor", |n| n.slip_rad *= NOISE_RATIO),
+    ("a steering sensor", |n| n.steer_rad *= NOISE_RATIO),
+    ("a roll-split sensor", |n| n.roll_split_rad *= NOISE_RATIO),
+];
 
 impl Plan {
     /// The plan with its expected evidence.
@@ -176,7 +166,7 @@ impl Plan {
 }
 
 /// A simulated run of a plan, processed as a recorded one; `None` if it cannot be simulated.
-pub fn driven(
+pub fn simulated_run(
     campaign: &Campaign,
     model: &ResidualModel,
     plan: &Plan,
@@ -203,4 +193,16 @@ pub fn driven(
     let surveys = Surveys::from([(plan.track.name.clone(), profile)]);
     let rules = &campaign.rules().recordings;
     frame(&run, &signal_kernel(run.dt_s, rules), &surveys, rules).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_condition_that_is_not_stated_is_not_changed() {
+        let limits = [f64::NEG_INFINITY, -0.5];
+        assert!(changed(-4.0, ICE_K, limits).eq([-9.0, -0.5]));
+        assert_eq!(changed(f64::NAN, ICE_K, limits).count(), 0);
+    }
 }

@@ -24,7 +24,9 @@ use crate::evidence::runs::campaign::{Campaign, RunFit, UnwrittenEffect};
 use crate::evidence::runs::contacts::grip::subtract_grip;
 use crate::evidence::runs::contacts::likelihood::{correlated_rows, log_likelihood_ratio};
 use crate::evidence::runs::contacts::model::Contacts;
-use crate::evidence::runs::contacts::own::{residuals_without, rows_beneath, without_pushes};
+use crate::evidence::runs::contacts::run_contacts::{
+    residuals_without, rows_in_contact, without_pushes,
+};
 use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::fit::row_noise::expected;
 use crate::evidence::runs::model::residual_model::{
@@ -32,10 +34,9 @@ use crate::evidence::runs::model::residual_model::{
 };
 use crate::evidence::runs::model::whiten::Whitener;
 use crate::evidence::runs::outcome::choose::PIECE_ROWS;
-use crate::evidence::runs::outcome::gap::comparison_rows;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::track::bins::{numbered_rates, rates};
-use crate::finding::Interval;
+use crate::finding::{Interval, undetermined_share};
 use crate::procedure::misfit_decrease::Decrease;
 
 /// Upper limit of [`log_likelihood_ratio`] under noise alone, at the probability that a normal
@@ -62,10 +63,11 @@ impl Campaign<'_> {
         }
     }
 
-    /// Decrease of the held-out misfit from `from` to `to`.
-    pub fn decrease_between_fits(&self, from: &RunFit, to: &RunFit) -> Option<Decrease> {
+    /// Decrease of the held-out misfit from `from` to `to`; `None` without held-out runs.
+    pub fn held_out_decrease(&self, from: &RunFit, to: &RunFit) -> Option<Decrease> {
         let [before, after] = [from, to].map(|fit| self.compared(fit));
-        let decrease = self.decrease_between(&before, &after, to.unwritten.as_ref())?;
+        let comparison = Comparison::new(self, [&before, &after], to.unwritten.as_ref());
+        let decrease = comparison.decrease([&before, &after])?;
         let [distance, distance_after] =
             [&before, &after].map(|model| model.held_out.installation.penalty());
         Some(Decrease {
@@ -92,127 +94,9 @@ impl Campaign<'_> {
 
     /// Rows of the training runs and their whitening.
     fn training_rows(&self, model: &ResidualModel) -> (Vec<ChannelRows>, Whitener) {
-        let learned = comparison_rows(model, &self.training, self.rules().track_bin_m);
+        let learned = self.comparison_rows(model, &self.training);
         let whitener = Whitener::estimate(&self.training, &learned, self.used);
         (learned, whitener)
-    }
-
-    /// The decrease for two models; the second may contain an effect outside simulations.
-    fn decrease_between(
-        &self,
-        before: &ComparedModel,
-        after: &ComparedModel,
-        unwritten: Option<&UnwrittenEffect>,
-    ) -> Option<Decrease> {
-        let rules = self.rules();
-        let width = rules.track_bin_m;
-        let in_training = [before.training, after.training];
-        let in_held_out = [before.held_out, after.held_out];
-        let [before, after] = in_training;
-        let (learned, mut whitener) = self.training_rows(before);
-        // A contact is subtracted from one balance but not from the other: their residuals then do
-        // not share noise as whitening assumes.
-        if before.contacts.is_some() || after.contacts.is_some() {
-            whitener = whitener.uncorrelated();
-        }
-        let alike = |contacts: &Contacts| {
-            let rows: Vec<ChannelRows> = (self.training.iter().zip(&learned))
-                .map(|(frame, rows)| whitener.rows(frame, rows))
-                .collect();
-            correlated_rows(contacts, &self.training, &rows)
-        };
-        let alike = [before, after].map(|model| model.contacts.as_ref().map_or(1.0, alike));
-        // With a large effect, the noise of the better model applies to both.
-        let model_error: [f64; BALANCES] =
-            std::array::from_fn(|c| before.model_error[c].min(after.model_error[c]));
-        // If only one model has contacts, they are tested by the predictions of other runs.
-        let by_contacts = before.contacts.is_some() != after.contacts.is_some();
-        let of_run = |frame: &Frame, [before, after]: [&ResidualModel; 2]| {
-            let few = without_pushes(frame);
-            // A delay in one model alone changes the phase of the noise: rows at one phase only
-            // would differ by chance.
-            let frame = &few.at_every_sample();
-            let shares = shares(&few, frame);
-            let mut rows = compared_rows(before, frame, width, &whitener);
-            // Less weight of the measurements lowers the residual without explaining more.
-            let [noise, noise_after] = [before, after].map(|model| {
-                let alike = ResidualModel {
-                    model_error,
-                    ..model.clone()
-                };
-                expected(&alike, frame)
-            });
-            let sd = std::array::from_fn(|c| {
-                let ratio = noise_after[(c, c)] / noise[(c, c)];
-                let known = ratio.is_finite() && ratio > 0.0;
-                whitener.sd[c] * if known { ratio.sqrt() } else { 1.0 }
-            });
-            let mut after_rows = compared_rows(after, frame, width, &whitener.with_sd(sd));
-            if let Some(UnwrittenEffect {
-                candidate, size, ..
-            }) = unwritten
-            {
-                let direction = self.direction(after, &whitener, candidate, frame);
-                for (rows, direction) in after_rows.iter_mut().zip(&direction) {
-                    for (row, change) in rows.iter_mut().zip(direction) {
-                        *row -= change * size / candidate.typical;
-                    }
-                }
-            }
-            if by_contacts {
-                let most = rules.contacts.most_of_a_row;
-                for row in rows[1].iter_mut().chain(&mut after_rows[1]) {
-                    *row = row.clamp(-most, most);
-                }
-            }
-            let pieces = (few.row_count() as f64 / PIECE_ROWS as f64).ceil() as usize;
-            let decreases = decreases(&rows, &after_rows, &shares, pieces.max(1));
-            // The residual that a contact was estimated from is no evidence of it: contacts of
-            // other runs predict it.
-            let observed = |model: &ResidualModel, alike: f64| {
-                let contacts = model.contacts.as_ref().filter(|_| by_contacts)?;
-                let mut own = residuals_without(model, std::slice::from_ref(frame));
-                subtract_grip(model, std::slice::from_ref(frame), &mut own);
-                let sd = whitener.sd[1];
-                let side: Vec<f64> = frame.rows(&own[0][1]).iter().map(|y| y / sd).collect();
-                Some(log_likelihood_ratio(
-                    contacts,
-                    frame,
-                    &side,
-                    sd,
-                    shares[1] / alike,
-                ))
-            };
-            let [own, next] = [(before, alike[0]), (after, alike[1])]
-                .map(|(model, alike)| observed(model, alike).unwrap_or_default());
-            (decreases, next - own)
-        };
-        let held_out = self.held_out.par_iter();
-        let each: Vec<(Vec<[f64; CHANNELS]>, f64)> =
-            held_out.map(|run| of_run(run, in_held_out)).collect();
-        let decreases: Vec<[f64; CHANNELS]> = each
-            .iter()
-            .flat_map(|(decreases, _)| decreases.clone())
-            .collect();
-        let observed: f64 = each.iter().map(|(_, observed)| observed).sum();
-        if !by_contacts {
-            let training = self.training.par_iter();
-            let learned = training.map(|run| sum(&of_run(run, in_training).0));
-            let names = CHANNEL_NAMES.map(|(name, _)| name);
-            return Decrease::over_channels(names, &decreases, &learned.collect::<Vec<_>>());
-        }
-        // The evidence under noise alone has a known bound and needs no scatter over runs. It alone
-        // counts for contacts: their yaw residuals, each with a lever of its own, scatter by far
-        // more than is learned.
-        let totals: Vec<f64> = decreases.iter().map(|by| by.iter().sum()).collect();
-        let decrease = Decrease::over(&totals, 0.0)?;
-        Some(Decrease {
-            by: decrease.by + observed,
-            error: decrease.error.hypot(EVIDENCE_UNDER_NOISE),
-            weighted: Some([observed, EVIDENCE_UNDER_NOISE]),
-            contact_evidence: Some([observed, EVIDENCE_UNDER_NOISE]),
-            ..decrease
-        })
     }
 
     /// Closed share of the held-out contacts' misfit above noise, in the balances that the contacts
@@ -226,15 +110,14 @@ impl Campaign<'_> {
             ..with.clone()
         };
         let of_run = |frame: &Frame| -> [f64; 2] {
-            let beneath = rows_beneath(frame);
+            let is_in_contact = rows_in_contact(frame);
             let square = |model: &ResidualModel| -> f64 {
                 let rows = whitener.rows(frame, &model.residuals(frame));
-                let contact_rows = |c: usize| rows[c].iter().zip(&beneath).filter(|(_, b)| **b);
-                [0, 2]
-                    .iter()
-                    .flat_map(|c| contact_rows(*c))
-                    .map(|(r, _)| r * r - 1.0)
-                    .sum()
+                let both = [0, 2]
+                    .into_iter()
+                    .flat_map(|c| rows[c].iter().zip(&is_in_contact));
+                let at_contacts = both.filter(|(_, is_in_contact)| **is_in_contact);
+                at_contacts.map(|(r, _)| r * r - 1.0).sum()
             };
             let before = square(&bare);
             [before, before - square(with)]
@@ -242,23 +125,16 @@ impl Campaign<'_> {
         let each: Vec<[f64; 2]> = self.held_out.iter().map(of_run).collect();
         let total: f64 = each.iter().map(|[before, _]| before).sum();
         let decreases: Vec<f64> = each.iter().map(|[_, decrease]| *decrease).collect();
-        let decrease = Decrease::over(&decreases, total).filter(|l| l.repeats > 0.0);
+        let decrease = Decrease::over(&decreases).filter(|_| total > 0.0);
         let share = |by: f64| (by / total).clamp(-1.0, 1.0);
-        decrease.map_or(
+        decrease.map_or(undetermined_share(0.0), |decrease| {
+            let half = self.options.rules.search.interval * decrease.error;
             Interval {
-                value: 0.0,
-                low: -1.0,
-                high: 1.0,
-            },
-            |l| {
-                let half = self.options.rules.search.interval * l.error;
-                Interval {
-                    value: share(l.by),
-                    low: share(l.by - half),
-                    high: share(l.by + half),
-                }
-            },
-        )
+                value: share(decrease.by),
+                low: share(decrease.by - half),
+                high: share(decrease.by + half),
+            }
+        })
     }
 
     /// Mean whitened residuals of the training runs by place, for places with at least two runs.
@@ -305,15 +181,162 @@ impl Campaign<'_> {
     }
 }
 
+/// What the residuals of two models on a run are compared with.
+struct Comparison<'a> {
+    campaign: &'a Campaign<'a>,
+    /// Of the first model on the training runs.
+    whitener: Whitener,
+    /// The smaller model error of each balance: with a large effect, the noise of the better model
+    /// applies to both.
+    model_error: [f64; BALANCES],
+    /// Whether one model alone has contacts: they are then tested by the predictions of other runs.
+    by_contacts: bool,
+    /// Number of lateral rows per independent one at the contacts of each model; 1 without contacts.
+    rows_per_independent: [f64; 2],
+    /// An effect of the second model that simulations cannot include.
+    unwritten: Option<&'a UnwrittenEffect>,
+}
+
+impl<'a> Comparison<'a> {
+    fn new(
+        campaign: &'a Campaign<'a>,
+        models: [&ComparedModel; 2],
+        unwritten: Option<&'a UnwrittenEffect>,
+    ) -> Self {
+        let [before, after] = models.map(|model| model.training);
+        let (learned, mut whitener) = campaign.training_rows(before);
+        // A contact is subtracted from one balance but not from the other: their residuals then do
+        // not share noise as whitening assumes.
+        if before.contacts.is_some() || after.contacts.is_some() {
+            whitener = whitener.uncorrelated();
+        }
+        let correlated = |contacts: &Contacts| {
+            let rows: Vec<ChannelRows> = (campaign.training.iter().zip(&learned))
+                .map(|(frame, rows)| whitener.rows(frame, rows))
+                .collect();
+            correlated_rows(contacts, &campaign.training, &rows)
+        };
+        Self {
+            model_error: std::array::from_fn(|c| before.model_error[c].min(after.model_error[c])),
+            by_contacts: before.contacts.is_some() != after.contacts.is_some(),
+            rows_per_independent: [before, after]
+                .map(|model| model.contacts.as_ref().map_or(1.0, correlated)),
+            campaign,
+            unwritten,
+            whitener,
+        }
+    }
+
+    /// The decrease over the held-out runs, without the prior's part.
+    fn decrease(&self, models: [&ComparedModel; 2]) -> Option<Decrease> {
+        let held_out = self.campaign.held_out.par_iter();
+        let in_held_out = models.map(|model| model.held_out);
+        let each: Vec<(Vec<[f64; CHANNELS]>, f64)> = held_out
+            .map(|run| self.decrease_on(run, in_held_out))
+            .collect();
+        let pieces = each.iter().flat_map(|(pieces, _)| pieces.clone());
+        let pieces: Vec<[f64; CHANNELS]> = pieces.collect();
+        if !self.by_contacts {
+            let training = self.campaign.training.par_iter();
+            let in_training = models.map(|model| model.training);
+            let learned = training.map(|run| sum(&self.decrease_on(run, in_training).0));
+            let names = CHANNEL_NAMES.map(|(name, _)| name);
+            return Decrease::over_channels(names, &pieces, &learned.collect::<Vec<_>>());
+        }
+        // The evidence under noise alone has a known bound and needs no scatter over runs. It alone
+        // counts for contacts: their yaw residuals, each with a lever of its own, scatter by far
+        // more than is learned.
+        let evidence: f64 = each.iter().map(|(_, evidence)| evidence).sum();
+        let totals: Vec<f64> = pieces.iter().map(|by| by.iter().sum()).collect();
+        let decrease = Decrease::over(&totals)?;
+        Some(Decrease {
+            by: decrease.by + evidence,
+            error: decrease.error.hypot(EVIDENCE_UNDER_NOISE),
+            weighted: Some([evidence, EVIDENCE_UNDER_NOISE]),
+            contact_evidence: Some([evidence, EVIDENCE_UNDER_NOISE]),
+            ..decrease
+        })
+    }
+
+    /// The decrease on one run by piece and channel, and the increase of the contacts' evidence.
+    fn decrease_on(
+        &self,
+        run: &Frame,
+        [before, after]: [&ResidualModel; 2],
+    ) -> (Vec<[f64; CHANNELS]>, f64) {
+        let (rules, whitener) = (self.campaign.rules(), &self.whitener);
+        let few = without_pushes(run);
+        // A delay in one model alone changes the phase of the noise: rows at one phase only would
+        // differ by chance.
+        let frame = &few.at_every_sample();
+        let shares = shares(&few, frame);
+        let mut rows = compared_rows(before, frame, rules.track_bin_m, whitener);
+        let alike = whitener.with_sd(self.deviations(frame, [before, after]));
+        let mut after_rows = compared_rows(after, frame, rules.track_bin_m, &alike);
+        if let Some(effect) = self.unwritten {
+            let candidate = &effect.candidate;
+            let direction = self.campaign.direction(after, whitener, candidate, frame);
+            for (rows, direction) in after_rows.iter_mut().zip(&direction) {
+                for (row, change) in rows.iter_mut().zip(direction) {
+                    *row -= change * effect.size / candidate.typical;
+                }
+            }
+        }
+        if self.by_contacts {
+            let most = rules.contacts.most_of_a_row;
+            for row in rows[1].iter_mut().chain(&mut after_rows[1]) {
+                *row = row.clamp(-most, most);
+            }
+        }
+        let pieces = few.row_count().div_ceil(PIECE_ROWS).max(1);
+        let [own, next] = [(before, 0), (after, 1)].map(|(model, k)| {
+            let share = shares[1] / self.rows_per_independent[k];
+            self.contact_evidence(model, frame, share)
+        });
+        (decreases(&rows, &after_rows, &shares, pieces), next - own)
+    }
+
+    /// Standard deviation of each balance's residual with the second model: less weight of the
+    /// measurements lowers the residual without explaining more.
+    fn deviations(&self, frame: &Frame, models: [&ResidualModel; 2]) -> [f64; BALANCES] {
+        let [noise, noise_after] = models.map(|model| {
+            let alike = ResidualModel {
+                model_error: self.model_error,
+                ..model.clone()
+            };
+            expected(&alike, frame)
+        });
+        std::array::from_fn(|c| {
+            let ratio = noise_after[(c, c)] / noise[(c, c)];
+            let is_known = ratio.is_finite() && ratio > 0.0;
+            self.whitener.sd[c] * if is_known { ratio.sqrt() } else { 1.0 }
+        })
+    }
+
+    /// Evidence of a model's contacts in a run; 0 if both models have contacts or none has.
+    ///
+    /// The residual that a contact was estimated from is no evidence of it: contacts of other runs
+    /// predict it. `share`: fraction of independent rows.
+    fn contact_evidence(&self, model: &ResidualModel, frame: &Frame, share: f64) -> f64 {
+        let Some(contacts) = model.contacts.as_ref().filter(|_| self.by_contacts) else {
+            return 0.0;
+        };
+        let frames = std::slice::from_ref(frame);
+        let mut own = residuals_without(model, frames);
+        subtract_grip(model, frames, &mut own);
+        let sd = self.whitener.sd[1];
+        let side: Vec<f64> = frame.rows(&own[0][1]).iter().map(|y| y / sd).collect();
+        log_likelihood_ratio(contacts, frame, &side, sd, share)
+    }
+}
+
 /// Residuals of a model, with contacts not subtracted from the lateral balance that they were
 /// estimated from.
 pub fn with_whole_side(model: &ResidualModel, frame: &Frame) -> ChannelRows {
     let mut rows = model.residuals(frame);
     if model.contacts.is_some() {
-        let [bare] = &residuals_without(model, std::slice::from_ref(frame))[..] else {
-            return rows;
-        };
-        rows[1] = frame.rows(&bare[1]);
+        let bare = residuals_without(model, std::slice::from_ref(frame));
+        rows[1] = frame.rows(&bare[0][1]);
     }
     rows
 }

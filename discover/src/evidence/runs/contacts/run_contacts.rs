@@ -4,15 +4,24 @@
 use std::borrow::Cow;
 
 use kufe_sled::effects::Active;
-use kufe_sled::{Push, hits_of, push_within, scatter, stretch_of};
+use kufe_sled::{Push, WallContact, hits_of, push_within, scatter, stretch_of};
 use rayon::prelude::*;
 
-use crate::evidence::runs::contacts::of_run::OwnContact;
 use crate::evidence::runs::model::residual_model::{ChannelRows, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 
 /// Margin around a contact within which samples are excluded \[m\].
 const MARGIN_M: f64 = 2.0;
+
+/// The contact of a run at one of the places.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OwnContact {
+    /// Index of the place.
+    pub place: usize,
+    pub contact: WallContact,
+    /// Standard error of the force \[N\].
+    pub error_n: f64,
+}
 
 /// Residuals of the balances at every retained sample, without contacts.
 pub fn residuals_without(model: &ResidualModel, frames: &[Frame]) -> Vec<ChannelRows> {
@@ -44,7 +53,7 @@ fn pushes_of(frame: &Frame, side_n: &[f64], places: &[Active]) -> Vec<(usize, Pu
 }
 
 /// The contacts of a run at these places, each on the side of its place.
-pub fn own_contacts(frame: &Frame, side_n: &[f64], places: &[Active]) -> Vec<OwnContact> {
+pub fn contacts_of(frame: &Frame, side_n: &[f64], places: &[Active]) -> Vec<OwnContact> {
     let hits = pushes_of(frame, side_n, places);
     let hits = hits.into_iter().filter(|(_, push)| push.is_hit);
     hits.map(|(place, push)| OwnContact {
@@ -57,7 +66,7 @@ pub fn own_contacts(frame: &Frame, side_n: &[f64], places: &[Active]) -> Vec<Own
 
 /// Sets the contacts of a run at these places; a far harder push is marked as a push of this run
 /// alone.
-pub fn set_own_of(frame: &mut Frame, side_n: &[f64], places: &[Active]) {
+pub fn set_contacts_of(frame: &mut Frame, side_n: &[f64], places: &[Active]) {
     for (_, push) in pushes_of(frame, side_n, places) {
         let c = &push.contact;
         let stretch = [c.s_m - MARGIN_M, c.s_m + c.length_m + MARGIN_M];
@@ -65,18 +74,18 @@ pub fn set_own_of(frame: &mut Frame, side_n: &[f64], places: &[Active]) {
             frame.pushed.push(stretch);
         }
     }
-    frame.contacts = own_contacts(frame, side_n, places);
+    frame.contacts = contacts_of(frame, side_n, places);
 }
 
 /// Sets the contacts of every run at these places, each from its own lateral residual.
-pub fn set_own(frames: &mut [Frame], model: &ResidualModel, places: &[Active]) {
+pub fn set_contacts(frames: &mut [Frame], model: &ResidualModel, places: &[Active]) {
     let residual = residuals_without(model, frames);
     let both = frames.par_iter_mut().zip(&residual);
-    both.for_each(|(frame, residual)| set_own_of(frame, &residual[1], places));
+    both.for_each(|(frame, residual)| set_contacts_of(frame, &residual[1], places));
 }
 
 /// Whether a place of a run is during one of its contacts.
-pub fn beneath(frame: &Frame, s: f64) -> bool {
+pub fn is_in_contact(frame: &Frame, s: f64) -> bool {
     frame.contacts.iter().any(|own| {
         let c = &own.contact;
         (c.s_m - MARGIN_M..=c.s_m + c.length_m + MARGIN_M).contains(&s)
@@ -84,21 +93,22 @@ pub fn beneath(frame: &Frame, s: f64) -> bool {
 }
 
 /// Rows of a run during its contacts.
-pub fn rows_beneath(frame: &Frame) -> Vec<bool> {
+pub fn rows_in_contact(frame: &Frame) -> Vec<bool> {
     let s = frame.rows(&frame.s);
-    s.iter().map(|s| beneath(frame, *s)).collect()
+    s.iter().map(|s| is_in_contact(frame, *s)).collect()
 }
 
 /// The run without its contacts and its own pushes: no row is made of these samples.
 pub fn without_contacts(frame: &Frame) -> Frame {
-    without(frame, |s| pushed(frame, s) || beneath(frame, s))
+    without(frame, |s| pushed(frame, s) || is_in_contact(frame, s))
 }
 
 /// The run without the samples at which it alone was pushed.
 pub fn without_pushes(frame: &Frame) -> Cow<'_, Frame> {
-    match frame.pushed.is_empty() {
-        true => Cow::Borrowed(frame),
-        false => Cow::Owned(without(frame, |s| pushed(frame, s))),
+    if frame.pushed.is_empty() {
+        Cow::Borrowed(frame)
+    } else {
+        Cow::Owned(without(frame, |s| pushed(frame, s)))
     }
 }
 

@@ -1,20 +1,16 @@
 //! Removal of effects that are insignificant given the others.
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::evidence::runs::campaign::{Campaign, RunFit, UnwrittenEffect};
-use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
+use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, TRACK};
 use crate::finding::Step;
 use crate::procedure::evidence::{Account, NO_SIZE};
 
 impl Campaign<'_> {
     /// The fit without the steps that are insignificant given the others, with final estimates.
-    pub fn with_significant_steps(
-        &self,
-        mut fit: RunFit,
-        account: &mut Account,
-    ) -> Result<RunFit, Error> {
+    pub fn with_significant_steps(&self, mut fit: RunFit, account: &mut Account) -> Result<RunFit> {
         loop {
-            self.write(&mut fit);
+            self.set_final_estimates(&mut fit);
             let Some(step) = self.insignificant_step(&fit, &account.steps) else {
                 return Ok(fit);
             };
@@ -25,7 +21,7 @@ impl Campaign<'_> {
 
     /// The first step whose amplitudes all have intervals that contain 0.
     pub fn insignificant_step(&self, last: &RunFit, steps: &[Step]) -> Option<usize> {
-        let of_forces = |step: &usize| steps[*step].channel != CHANNEL_NAMES[3].0;
+        let of_forces = |step: &usize| steps[*step].channel != CHANNEL_NAMES[TRACK].0;
         let sizes = self.parameters(last, steps.len());
         let is_insignificant = |step: &usize| {
             let mut sizes = sizes[*step].iter();
@@ -36,7 +32,7 @@ impl Campaign<'_> {
     }
 
     /// The model without the effects of a step, fitted.
-    pub fn without_step(&self, fit: &RunFit, step: usize) -> Result<RunFit, Error> {
+    pub fn without_step(&self, fit: &RunFit, step: usize) -> Result<RunFit> {
         let already = fit.already();
         let mut residual_model = fit.residual_model.clone();
         let mut place = 0;
@@ -51,12 +47,8 @@ impl Campaign<'_> {
                 residual_model.contacts = None;
             }
         }
-        let owners = fit
-            .owners
-            .iter()
-            .filter(|o| **o != step)
-            .map(|o| o - usize::from(*o > step))
-            .collect();
+        let owners = fit.owners.iter().filter(|o| **o != step);
+        let owners = owners.map(|o| o - usize::from(*o > step)).collect();
         let mut next = self.fitted(&residual_model, owners)?;
         let unwritten = fit
             .unwritten

@@ -1,4 +1,4 @@
-//! How commands end: output that is taken no more, signals, accuracy out of reach, lists without end.
+//! How commands end: standard output that is closed, signals, accuracy out of reach, lists without end.
 
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -8,7 +8,7 @@ use crate::search::friction_table::MODEL;
 
 #[cfg(target_os = "linux")]
 #[test]
-fn output_that_is_not_taken_is_told_and_ends_with_3() {
+fn standard_output_that_cannot_be_written_ends_with_code_3() {
     let bench = Bench::new();
     bench.write("case.toml", CASE);
     bench.write(
@@ -140,7 +140,7 @@ fn a_series_that_is_terminated_keeps_its_steps_leaves_5_and_resumes() {
     assert!((1..400).contains(&done), "{done}");
 }
 
-/// Whether a process has a handler of SIGTERM; where the system does not tell, after a moment.
+/// Whether a process has a handler of SIGTERM; if the system does not state that, true after a moment.
 #[cfg(unix)]
 fn handles_termination(process: u32) -> bool {
     const SIGTERM: u32 = 15;
@@ -155,7 +155,7 @@ fn handles_termination(process: u32) -> bool {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn what_a_killed_command_left_goes_with_the_next_one() {
+fn the_next_command_removes_what_a_killed_one_left() {
     let bench = Bench::new();
     bench.write("case.toml", CASE.replace("p_max = 0.02", "p_max = 0.0001"));
     let mut child = Command::new(env!("CARGO_BIN_EXE_kufe"))
@@ -243,13 +243,13 @@ fn an_accuracy_out_of_reach_gives_the_best_answer_marked_and_4() {
     let result = json(&bench.path("out/result.json"));
     assert_eq!(result["accuracy_reached"], false);
     assert_eq!(result["accuracy_asked"], 0.02);
-    for said in [
+    for printed in [
         String::from_utf8_lossy(&output.stdout).into_owned(),
         result["warnings"].to_string(),
     ] {
         assert!(
-            said.contains("the requested accuracy was not reached"),
-            "{said}"
+            printed.contains("the requested accuracy was not reached"),
+            "{printed}"
         );
     }
     let figure = |key: &str| result[key].as_f64().expect("a number");
@@ -259,23 +259,23 @@ fn an_accuracy_out_of_reach_gives_the_best_answer_marked_and_4() {
 }
 
 #[test]
-fn where_hardness_fixes_the_peak_the_patch_is_what_accuracy_asks_for() {
+fn where_hardness_fixes_the_peak_the_accuracy_applies_to_the_patch() {
     let bench = Bench::new();
     let lengths: Vec<[f64; 2]> = ["0.05", "0.02"]
         .iter()
-        .map(|asked| {
+        .map(|accuracy| {
             let case = CASE.replace("[track]", "hardness_pa = 30e6\n[track]");
             bench.write(
                 "case.toml",
-                case.replace("p_max = 0.02", &format!("p_max = {asked}")),
+                case.replace("p_max = 0.02", &format!("p_max = {accuracy}")),
             );
             bench.succeeds(&["press", "case.toml", "-o", "out", "-q"]);
             let result = json(&bench.path("out/result.json"));
             let figure = |key: &str| result[key].as_f64().expect("a number");
             assert!(figure("p_max_pa") <= 30e6 && figure("p_max_error_pa") == 0.0);
             assert!(figure("p_max_mesh_pa") <= 30e6);
-            let asked: f64 = asked.parse().expect("a number");
-            assert!(figure("area_error_m2") <= 4.0 * asked * figure("area_m2"));
+            let accuracy: f64 = accuracy.parse().expect("a number");
+            assert!(figure("area_error_m2") <= 4.0 * accuracy * figure("area_m2"));
             [figure("length_m"), figure("length_error_m")]
         })
         .collect();

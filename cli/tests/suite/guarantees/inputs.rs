@@ -7,8 +7,8 @@ use crate::kufe::{Bench, CASE, errors, json};
 /// How long a refusal may take on a busy machine.
 const SOON: Duration = Duration::from_secs(30);
 
-/// The code and what was said, in one line and in good time.
-fn said(bench: &Bench, words: &[&str]) -> (i32, String) {
+/// The exit code and the message, which must be one line and come within a time limit.
+fn printed(bench: &Bench, words: &[&str]) -> (i32, String) {
     let started = Instant::now();
     let output = bench.kufe(words);
     assert!(
@@ -123,7 +123,7 @@ fn pipes_and_devices_are_refused_wherever_a_file_is_read() {
         &["icehouse", "glides.csv"],
     ];
     for words in rows {
-        let (code, reported) = said(&bench, words);
+        let (code, reported) = printed(&bench, words);
         let kind = reported.contains("a pipe") || reported.contains("a device");
         assert!(code == 3 && kind, "{words:?}: {code} {reported}");
     }
@@ -177,7 +177,7 @@ fn numbers_beyond_physics_are_refused_in_few_digits() {
         ),
     ] {
         bench.write("case.toml", CASE.replacen(from, to, 1));
-        let (code, reported) = said(&bench, &["press", "case.toml"]);
+        let (code, reported) = printed(&bench, &["press", "case.toml"]);
         assert!(
             code == 3 && reported.contains(key) && reported.len() < 200,
             "{to}: {code} {reported}"
@@ -214,7 +214,7 @@ fn half_a_runner_and_a_load_at_the_hulls_end_are_no_contacts() {
         "half.toml",
         CASE.replace(&CASE[start..end], "hull = \"half.obj\"\n"),
     );
-    let (code, reported) = said(&bench, &["press", "half.toml"]);
+    let (code, reported) = printed(&bench, &["press", "half.toml"]);
     assert!(
         (3..=4).contains(&code) && reported.contains("half.toml"),
         "{code} {reported}"
@@ -223,7 +223,7 @@ fn half_a_runner_and_a_load_at_the_hulls_end_are_no_contacts() {
         "end.toml",
         CASE.replace("fz_n = 1000.0", "fz_n = 1000.0\noffset_x_m = 0.5"),
     );
-    let (code, reported) = said(&bench, &["press", "end.toml"]);
+    let (code, reported) = printed(&bench, &["press", "end.toml"]);
     assert!(
         code == 3 && reported.contains("rim of the hull"),
         "{code} {reported}"
@@ -237,8 +237,8 @@ fn rough_ice_and_nearly_incompressible_ice_are_solved_under_their_load() {
     let waves = "waviness = { amplitude_m = 1e-6, wavelength_m = 1e-3 }\n[track]";
     // Fifty crests under one runner: coarse meshes agree on 150 MPa, ten times as fine ones on 173.
     let (rough, fine) = (("rough", "[track]", waves, 0.4), 173.3e6);
-    for (name, from, to, asked) in [rough, ("rubber", "0.33", "0.499", 0.02)] {
-        let accuracy = format!("p_max = {asked}");
+    for (name, from, to, tolerance) in [rough, ("rubber", "0.33", "0.499", 0.02)] {
+        let accuracy = format!("p_max = {tolerance}");
         let case = CASE
             .replacen(from, to, 1)
             .replace("p_max = 0.02", &accuracy);
@@ -248,7 +248,7 @@ fn rough_ice_and_nearly_incompressible_ice_are_solved_under_their_load() {
         let figure = |key: &str| result[key].as_f64().expect("a number");
         assert!((figure("fz_n") / 1000.0 - 1.0).abs() < 1e-6, "{name}");
         let (peak, error) = (figure("p_max_pa"), figure("p_max_error_pa"));
-        assert!(error <= asked * peak, "{name}");
+        assert!(error <= tolerance * peak, "{name}");
         assert!(
             name != "rough" || (peak - fine).abs() < error,
             "{peak} {error}"
@@ -262,7 +262,7 @@ fn rough_ice_and_nearly_incompressible_ice_are_solved_under_their_load() {
     let peak = |result: &serde_json::Value| result["p_max_pa"].as_f64().expect("a number");
     let stiffer: f64 = (1.0 - 0.33f64.powi(2)) / (1.0 - 0.499f64.powi(2));
     let ratio = peak(&rubber) / peak(&ice);
-    // Its own stated error, and a little for the layer's bed, which both powers leave out.
+    // Its own stated error, and a little for the layer's bed, which both power laws neglect.
     let stated = rubber["p_max_error_pa"].as_f64().expect("a number");
     let slack = stated / peak(&ice) + 0.03;
     assert!(
@@ -280,7 +280,7 @@ fn rocker_points_nanometres_apart_end() {
     }
     points += "0.6,0.006\n";
     bench.write("points.csv", points);
-    let (code, _) = said(
+    let (code, _) = printed(
         &bench,
         &[
             "hull",
@@ -322,7 +322,7 @@ fn tables_of_impossible_contacts_are_refused_with_their_place() {
             "--radius-m",
             "inf",
         ];
-        let (code, reported) = said(&bench, &words);
+        let (code, reported) = printed(&bench, &words);
         assert!(
             code == 3 && reported.contains(&format!("quantities.{quantity}.{list}")),
             "{reported}"
@@ -341,7 +341,7 @@ fn tables_of_impossible_contacts_are_refused_with_their_place() {
         "--json",
     ]);
     let answer: serde_json::Value = serde_json::from_str(&answer).expect("JSON");
-    // Each error holds the solver's largest at a node, by the file's own numbers.
+    // Each error is at least the solver's largest at a node, by the file's own numbers.
     let numbers = |name: &str, list: &str| -> Vec<f64> {
         let rows = whole["quantities"][name][list].as_array();
         let rows = rows.unwrap_or_else(|| panic!("{name}: {whole}"));
@@ -370,7 +370,7 @@ fn tables_of_impossible_contacts_are_refused_with_their_place() {
         );
         assert!(error < value, "{name}: {answer}");
     }
-    let (_, reported) = said(
+    let (_, reported) = printed(
         &bench,
         &[
             "lut",

@@ -1,4 +1,5 @@
-//! Rows of pressure measurements: a contact problem, its peak and optionally its map.
+//! Rows of pressure measurements: a contact problem, its peak and optionally its map; and what
+//! these can identify.
 
 use std::path::Path;
 
@@ -6,10 +7,10 @@ use kufe::case::Case;
 use kufe::case::effects::{CATALOGUE, Map};
 use kufe_contact::{Load, Problem};
 
-use crate::error::Error;
-use crate::evidence::maps::measured::noise::{deviations, is_blank};
+use crate::error::{Error, Result};
+use crate::evidence::maps::noise::{deviations, is_blank};
 use crate::evidence::maps::registration::FilmTolerance;
-use crate::evidence::maps::sized::SizedEffects;
+use crate::evidence::maps::simulate::SizedEffects;
 use crate::input::exr_map::read_map;
 use crate::input::table::Table;
 use crate::procedure::rules::MapRules;
@@ -64,7 +65,7 @@ impl Measured {
     /// # Errors
     /// [`Error::Cell`], [`Error::MissingColumn`], [`Error::File`], those of the cases;
     /// [`Error::Duplicate`] if two rows have the same map or are copies.
-    pub fn read(path: &Path, model: &Path, rules: &MapRules) -> Result<Self, Error> {
+    pub fn read(path: &Path, model: &Path, rules: &MapRules) -> Result<Self> {
         let (text, model_case) = read_case(model)?;
         let table = Table::read(path)?;
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -86,44 +87,37 @@ impl Measured {
         };
         let mut rows: Vec<Row> = Vec::new();
         for i in 0..cases.len() {
-            let stated = folder.join(&cases[i]);
-            let (file, case) = match same(&stated) {
-                true => (model, model_case.clone()),
-                false => (stated.as_path(), read_case(&stated)?.1),
+            let wrong = |column: &str, found: &str, expected: &str| Error::Cell {
+                file: table.file.clone(),
+                row: table.lines[i],
+                column: column.to_owned(),
+                found: found.to_owned(),
+                expected: expected.to_owned(),
             };
-            if case.sliding.is_some() {
-                return Err(Error::file(&stated, "[sliding]: expected a case at rest"));
-            }
-            let mut problem = case
-                .problem(file.parent().unwrap_or(Path::new("")))
-                .map_err(|error| Error::file(&stated, error))?;
+            let stated = folder.join(&cases[i]);
+            let (file, case) = if same(&stated) {
+                (model, model_case.clone())
+            } else {
+                (stated.as_path(), read_case(&stated)?.1)
+            };
+            let mut problem = at_rest(&case, &stated, file)?;
             if let Load::Force { fz: force, .. } = &mut problem.load {
                 *force = fz[i];
             }
             if radius[i] == 0.0 {
-                return Err(Error::Cell {
-                    file: table.file.clone(),
-                    row: table.lines[i],
-                    column: "radius_m".to_owned(),
-                    found: "0".to_owned(),
-                    expected: "a radius, or inf for a straight".to_owned(),
-                });
+                let expected = "a radius, or inf for a straight";
+                return Err(wrong("radius_m", "0", expected));
             }
             problem.track_curvature = 1.0 / radius[i];
-            let map = match maps[i].is_empty() {
-                true => None,
-                false => Some(read_map(&folder.join(&maps[i]))?),
+            let map = if maps[i].is_empty() {
+                None
+            } else {
+                Some(read_map(&folder.join(&maps[i]))?)
             };
             if map.as_ref().is_some_and(is_blank) {
-                return Err(Error::Cell {
-                    file: table.file.clone(),
-                    row: table.lines[i],
-                    column: "map".to_owned(),
-                    found: maps[i].clone(),
-                    expected:
-                        "a map with more pressure in the contact than at its outermost pixels"
-                            .to_owned(),
-                });
+                let expected =
+                    "a map with more pressure in the contact than at its outermost pixels";
+                return Err(wrong("map", &maps[i], expected));
             }
             let is_copy = |k: &usize| {
                 (map.is_some() && rows[*k].map == map) || table.rows[*k] == table.rows[i]
@@ -135,9 +129,10 @@ impl Measured {
                     second: format!("row {}", table.lines[i]),
                 });
             }
-            let track = match radius[i].is_finite() {
-                true => format!("radius {} m", radius[i]),
-                false => "straight".to_owned(),
+            let track = if radius[i].is_finite() {
+                format!("radius {} m", radius[i])
+            } else {
+                "straight".to_owned()
             };
             let noise = map.as_ref().map(|map| deviations(map, p_max[i], rules));
             rows.push(Row {
@@ -167,11 +162,21 @@ impl Measured {
 }
 
 /// A case file, as text and read.
-fn read_case(file: &Path) -> Result<(String, Case), Error> {
+fn read_case(file: &Path) -> Result<(String, Case)> {
     let text = kufe_files::text_of_regular(file, LONGEST_CASE);
     let text = text.map_err(|error| Error::file(file, error))?;
     let case = Case::parse(&text).map_err(|error| Error::file(file, error))?;
     Ok((text, case))
+}
+
+/// The contact problem of a case that a table names as `stated`, read from `file`.
+fn at_rest(case: &Case, stated: &Path, file: &Path) -> Result<Problem> {
+    if case.sliding.is_some() {
+        return Err(Error::file(stated, "[sliding]: expected a case at rest"));
+    }
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let problem = case.problem(folder);
+    problem.map_err(|error| Error::file(stated, error))
 }
 
 /// A number of a TOML file, whole or not.
@@ -189,4 +194,53 @@ fn sensor(case: &Case) -> SizedEffects {
             Some((effect, number(table.get(effect.parameter().name)?)?))
         })
         .collect()
+}
+
+/// Effects that these rows can hardly identify, with the reason.
+pub fn untestable(rows: &[Row]) -> Vec<(String, String)> {
+    let mapped = rows.iter().any(|r| r.map.is_some());
+    let reason = "needs the column map, which is absent or empty";
+    CATALOGUE
+        .iter()
+        .filter(|e| e.search.needs_map && !mapped)
+        .map(|e| (e.info().name.to_owned(), reason.to_owned()))
+        .collect()
+}
+
+/// Remarks on the rows.
+pub fn remarks_on(rows: &[Row]) -> Vec<String> {
+    let mut remarks = vec![
+        "errors of a pixel: the sensor's noise as the map itself shows it, a third of a pixel in its place, 0.3 % of the peak, and what a finer mesh changes; 16 neighbouring pixels count as one value; shift and rotation of each film are fitted within its tolerance".to_owned(),
+    ];
+    if rows.iter().any(|r| r.map.is_none()) {
+        remarks.push("rows without a map contribute their peak pressure alone".to_owned());
+    }
+    if rows.len() < 3 {
+        remarks.push(format!(
+            "{} rows are too few to hold one out: the misfit is that of the training rows",
+            rows.len()
+        ));
+    }
+    let same = |value: &dyn Fn(&Row) -> f64| rows.iter().all(|r| value(r) == value(&rows[0]));
+    if same(&|r| r.fz) && same(&|r| r.problem.track_curvature) {
+        remarks.push(format!(
+            "fz_n and radius_m are the same in all rows ({} N): effects that differ by load alone cannot be distinguished",
+            rows[0].fz
+        ));
+    }
+    remarks
+}
+
+/// Root mean square of the stated and estimated deviations \[Pa\].
+pub fn typical_noise(rows: &[&Row]) -> f64 {
+    let of_row = |row: &&Row| {
+        if row.noise.is_empty() {
+            vec![row.p_max_sd]
+        } else {
+            row.noise.clone()
+        }
+    };
+    let deviations: Vec<f64> = rows.iter().flat_map(of_row).collect();
+    let squares: f64 = deviations.iter().map(|sd| sd * sd).sum();
+    f64::sqrt(squares / f64::max(deviations.len() as f64, 1.0))
 }

@@ -99,8 +99,8 @@ fn a_step_is_solved_again_when_a_file_of_its_case_changes_whatever_its_time_stam
         assert!(bench.succeeds(&words).contains("2 of them there already"));
         // Another name for the same content is the same case's content; an older file moved into place is another.
         write(&bench, kind, true);
-        let said = bench.succeeds(&words);
-        assert!(!said.contains("there already"), "{kind}: {said}");
+        let printed = bench.succeeds(&words);
+        assert!(!printed.contains("there already"), "{kind}: {printed}");
         let after = json(&bench.path("out/step-001/result.json"));
         assert_ne!(before["content_sha256"], after["content_sha256"], "{kind}");
         assert_ne!(before["approach_m"], after["approach_m"], "{kind}");
@@ -108,7 +108,7 @@ fn a_step_is_solved_again_when_a_file_of_its_case_changes_whatever_its_time_stam
 }
 
 #[test]
-fn a_buffer_beside_a_gltf_file_counts() {
+fn a_changed_buffer_of_a_gltf_file_counts() {
     let bench = Bench::new();
     let body = |height: f32| -> Vec<u8> {
         let corners = [
@@ -184,10 +184,10 @@ fn points_of_a_plan_belong_to_the_content_of_every_file() {
         );
         // Back again, the point solved before is still there.
         write(&bench, kind, false);
-        let said = bench.succeeds(&["lut", "run", "plan", "--shard", "1/2"]);
+        let printed = bench.succeeds(&["lut", "run", "plan", "--shard", "1/2"]);
         assert!(
-            said.contains("0 points solved, 1 were there"),
-            "{kind}: {said}"
+            printed.contains("0 points solved, 1 were there"),
+            "{kind}: {printed}"
         );
     }
 }

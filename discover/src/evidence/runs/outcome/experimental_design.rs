@@ -20,17 +20,19 @@
 //! value of a plan is the smallest ratio of any two members that some plan discriminates. A
 //! member's expected t is the square root of twice the ratio.
 
+use std::collections::BTreeSet;
+
 use kufe_sled::Noise;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::fit::gauss_newton::residuals;
-use crate::evidence::runs::model::design::{Design, OWN_LEVELS};
+use crate::evidence::runs::model::design::OWN_LEVELS;
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::model::whiten::Whitener;
-use crate::evidence::runs::outcome::driven::{Plan, RUNS, driven, plans};
+use crate::evidence::runs::outcome::run_plans::{Plan, RUNS, plans, simulated_run};
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::levels::group;
 use crate::finding::NextRuns;
@@ -55,19 +57,17 @@ impl Campaign<'_> {
     /// proportional to 1 / sqrt(runs).
     pub fn runs_to_halve(&self) -> String {
         let runs = self.training.len() + self.held_out.len();
-        let mut tracks: Vec<&str> = self.training.iter().map(|f| f.track.as_str()).collect();
-        tracks.sort_unstable();
-        tracks.dedup();
+        let tracks: BTreeSet<&str> = self.training.iter().map(|f| f.track.as_str()).collect();
         format!(
             "{} more runs on {}, which would halve the smallest sizes that can be found",
             3 * runs,
-            tracks.join(" and ")
+            Vec::from_iter(tracks).join(" and ")
         )
     }
 
     /// Plans for the first step whose class has several members, the best first; empty if no track
     /// is known or fewer than two members have a model.
-    pub fn next_runs(&mut self, last: &RunFit, steps: &[Step]) -> Result<Vec<NextRuns>, Error> {
+    pub fn next_runs(&mut self, last: &RunFit, steps: &[Step]) -> Result<Vec<NextRuns>> {
         let several = steps.iter().position(|step| step.class.len() > 1);
         let Some(step) = several.filter(|_| !self.data.tracks.is_empty()) else {
             return Ok(Vec::new());
@@ -116,26 +116,14 @@ impl Campaign<'_> {
     }
 
     /// The model with each member of a step's class in turn, fitted.
-    fn members(
-        &mut self,
-        last: &RunFit,
-        step: usize,
-        reported: &Step,
-    ) -> Result<Vec<Member>, Error> {
+    fn members(&mut self, last: &RunFit, step: usize, reported: &Step) -> Result<Vec<Member>> {
         let without = self.without_step(last, step)?;
         let mut members = vec![self.member(&reported.effect, last)];
         for effect in &reported.class[1..] {
             let Some(rival) = reported.rivals.iter().find(|r| r.effect == *effect) else {
                 continue;
             };
-            let amount = Amount {
-                effect: effect.clone(),
-                key: rival.parameter.clone(),
-                unit: rival.unit.clone(),
-                value: rival.size,
-                error: 0.0,
-            };
-            let Some(selection) = self.select(&without, &amount) else {
+            let Some(selection) = self.select(&without, &Amount::of_rival(rival, 0.0)) else {
                 continue;
             };
             let added = self.add(&without, &selection, reported.class.len() + step)?;
@@ -147,7 +135,7 @@ impl Campaign<'_> {
     /// A member with the posterior covariance of its parameters.
     fn member(&self, effect: &str, fit: &RunFit) -> Member {
         let model = fit.residual_model.without_discrepancy().with_fixed(false);
-        let design = self.design_of(&model, &fit.whitener);
+        let design = self.design(&model, &fit.whitener, &[]);
         let fitted = design.fitted_count();
         let mut sum = DMatrix::zeros(fitted, fitted);
         for products in design.products(&self.training) {
@@ -164,24 +152,10 @@ impl Campaign<'_> {
         }
     }
 
-    /// Derivatives of the rows for the fitted parameters of a model.
-    fn design_of<'d>(&'d self, model: &'d ResidualModel, whitener: &'d Whitener) -> Design<'d> {
-        Design {
-            residual_model: model,
-            whitener,
-            free_base: &self.free,
-            form: 0.0,
-            candidates: &[],
-            local: &[],
-            windows: &[],
-            noise: None,
-        }
-    }
-
     /// Standard deviations of the sessions' mean levels of friction and of grip; 0 with a single
     /// session.
     fn between_sessions(&self, last: &RunFit) -> [f64; OWN_LEVELS] {
-        let design = self.design_of(&last.residual_model, &last.whitener);
+        let design = self.design(&last.residual_model, &last.whitener, &[]);
         let level_of = |frame: &Frame| {
             let columns = design.columns(frame);
             let levels = columns.columns(0, OWN_LEVELS);
@@ -214,7 +188,7 @@ impl Campaign<'_> {
     ) -> Option<Vec<Pair>> {
         let mut pairs: Vec<Pair> = Vec::new();
         for (a, truth) in members.iter().enumerate() {
-            let simulate = |noise: Option<&Noise>| driven(self, &truth.model, plan, noise);
+            let simulate = |noise: Option<&Noise>| simulated_run(self, &truth.model, plan, noise);
             let frame = simulate(None)?;
             let whitener = match plan.noise {
                 None => whitener.clone(),
@@ -224,23 +198,23 @@ impl Campaign<'_> {
                     self.with_reduced_noise(whitener, &truth.model, runs)
                 }
             };
-            let columns_and_residual = |member: &Member| {
-                let columns = self.design_of(&member.model, &whitener).columns(&frame);
-                let residual = columns.column(columns.ncols() - 1).into_owned();
-                (columns, residual)
-            };
-            let (_, of_truth) = columns_and_residual(truth);
+            let columns_of =
+                |member: &Member| self.design(&member.model, &whitener, &[]).columns(&frame);
+            // The residual is the last column of a design.
+            let residual =
+                |columns: &DMatrix<f64>| columns.column(columns.ncols() - 1).into_owned();
+            let of_truth = residual(&columns_of(truth));
             for (b, rival) in members.iter().enumerate().filter(|(b, _)| *b != a) {
-                let (columns, of_rival) = columns_and_residual(rival);
+                let columns = columns_of(rival);
                 let level_sd = DMatrix::from_diagonal(&DVector::from_row_slice(&level_sd));
                 let levels = columns.columns(0, OWN_LEVELS) * level_sd;
                 let root = &rival.covariance_root;
                 let fitted = columns.columns(OWN_LEVELS, root.nrows()) * root;
                 let mut unknown = levels.insert_columns(OWN_LEVELS, fitted.ncols(), 0.0);
-                unknown
-                    .columns_mut(OWN_LEVELS, fitted.ncols())
-                    .copy_from(&fitted);
-                let evidence = expected_log_likelihood_ratio(&(of_rival - &of_truth), &unknown);
+                let mut free = unknown.columns_mut(OWN_LEVELS, fitted.ncols());
+                free.copy_from(&fitted);
+                let difference = residual(&columns) - &of_truth;
+                let evidence = expected_log_likelihood_ratio(&difference, &unknown);
                 let pair = [a.min(b), a.max(b)];
                 match pairs.iter_mut().find(|p| p.0 == pair) {
                     Some(known) => known.1 = known.1.min(evidence),

@@ -12,7 +12,7 @@ use crate::procedure::evidence::Account;
 impl Campaign<'_> {
     /// Sets the final estimates of a fit and their model. Effects are also estimated given the base
     /// as stated.
-    pub fn write(&self, fit: &mut RunFit) {
+    pub fn set_final_estimates(&self, fit: &mut RunFit) {
         let model = fit.residual_model.with_fixed(false);
         let found = estimate(&self.fitting(), &model, &fit.whitener);
         let stated = found.clone().given_base(&self.free);
@@ -29,11 +29,11 @@ impl Campaign<'_> {
 
     fn set_final(&self, fit: &mut RunFit, found: FinalEstimates) {
         fit.estimates = found.estimates;
-        fit.settled = found.model.with_fixed(true);
-        let scales = self.scales(&fit.settled);
+        fit.final_model = found.model.with_fixed(true);
+        let scales = self.scales(&fit.final_model);
         let without = |(runs, change): (Vec<usize>, DVector<f64>)| {
             let step: Vec<f64> = change.iter().zip(&scales).map(|(x, by)| x / by).collect();
-            (runs, stepped(&fit.settled, &self.free, &step, 1.0))
+            (runs, stepped(&fit.final_model, &self.free, &step, 1.0))
         };
         fit.left_out = found.left_out.into_iter().map(without).collect();
     }

@@ -34,7 +34,7 @@ fn content(folder: &Path) -> Vec<(String, Vec<u8>)> {
     found
 }
 
-/// Runs a command that must leave with 3, name `parts`, and change no file.
+/// Runs a command that must exit with 3, name `parts`, and change no file.
 fn is_refused(bench: &Bench, words: &[&str], parts: &[&str]) {
     let before = content(bench.folder.path());
     refused(bench.folder.path(), words, 3, parts);

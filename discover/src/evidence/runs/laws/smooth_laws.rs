@@ -3,9 +3,8 @@
 use kufe_sled::effects::Channel;
 
 use crate::evidence::runs::campaign::Campaign;
-use crate::evidence::runs::laws::formulas::shape::Shape;
-use crate::evidence::runs::laws::formulas::shapes::splines;
-use crate::evidence::runs::laws::smooth::{Group, test};
+use crate::evidence::runs::laws::group_tests::{Group, test};
+use crate::evidence::runs::laws::shape::{Shape, splines};
 use crate::evidence::runs::laws::sums::total;
 use crate::evidence::runs::laws::term::{COLUMNS, Term};
 use crate::evidence::runs::laws::terms::Terms;

@@ -1,5 +1,0 @@
-//! Pressure measurements with the errors of their pixels.
-
-pub(crate) mod noise;
-pub(crate) mod remarks;
-pub(crate) mod rows;
