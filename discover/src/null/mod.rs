@@ -4,8 +4,8 @@ pub(crate) mod clusters;
 pub(crate) mod gumbel;
 pub(crate) mod permutations;
 pub(crate) mod random;
+pub(crate) mod score_bootstrap;
 pub(crate) mod sign_flips;
-pub(crate) mod unit_scores;
 
 pub use gumbel::gumbel_tail;
 pub use permutations::by_session_permutation;

@@ -20,16 +20,16 @@ use nalgebra::{DMatrix, DVector};
 use crate::regression::gram::{Gram, acting};
 use crate::regression::prior::Prior;
 
-/// Scores of all candidates, the windows after the regular ones.
+/// Scores of all candidates by unit (run or session), the windows after the regular ones.
 #[derive(Clone, Debug)]
 pub struct Scores {
-    /// U by candidate and run.
+    /// U by candidate and unit.
     pub u: DMatrix<f64>,
-    /// I by candidate and run.
+    /// I by candidate and unit.
     pub information: DMatrix<f64>,
     /// c.c by candidate, before the base is projected out.
     pub raw: Vec<f64>,
-    /// Contribution of the fitted random effects to a candidate's sum over runs.
+    /// Contribution of the fitted random effects to a candidate's sum over units.
     pub shared: Vec<f64>,
     /// Derivative of a candidate's sum by each random effect, per standard deviation.
     pub common: DMatrix<f64>,

@@ -74,49 +74,33 @@ impl FinalEstimates {
     /// ```
     ///
     /// A change d of the estimates becomes `d - K d_B`.
-    pub fn given_base(self, free: &[usize]) -> Self {
-        let Self {
-            mut estimates,
-            mut model,
-            covariance,
-            mut left_out,
-        } = self;
-        let (base, count) = (free.len(), covariance.nrows());
-        let columns = covariance.columns(0, base).into_owned();
+    pub fn given_base(mut self, free: &[usize]) -> Self {
+        let (base, count) = (free.len(), self.covariance.nrows());
+        let columns = self.covariance.columns(0, base).into_owned();
         let of_base = columns.rows(0, base).into_owned();
         let Some(inverse) = of_base.try_inverse() else {
-            return Self {
-                estimates,
-                model,
-                covariance,
-                left_out,
-            };
+            return self;
         };
         let gain = columns.clone() * inverse;
-        let difference = DVector::from_fn(base, |k, _| estimates[k].value - 1.0);
+        let difference = DVector::from_fn(base, |k, _| self.estimates[k].value - 1.0);
         let shift = &gain * difference;
-        let covariance = &covariance - &gain * columns.transpose();
-        for (_, change) in &mut left_out {
+        self.covariance = &self.covariance - &gain * columns.transpose();
+        for (_, change) in &mut self.left_out {
             *change -= &gain * change.rows(0, base);
         }
-        for (k, estimate) in estimates.iter_mut().take(count).enumerate() {
-            let error = covariance[(k, k)].max(0.0).sqrt();
+        for (k, estimate) in self.estimates.iter_mut().take(count).enumerate() {
+            let error = self.covariance[(k, k)].max(0.0).sqrt();
             *estimate = estimate.moved(-shift[k]).with_error(error);
         }
         for b in free {
-            model.base[*b] = 1.0;
+            self.model.base[*b] = 1.0;
         }
-        let amplitudes = model.free();
-        for ((e, q), estimate) in amplitudes.into_iter().zip(&estimates[base..count]) {
-            let [low, high] = model.bounds(e, q);
-            model.effects.active[e].values[q] = estimate.value.clamp(low, high);
+        let amplitudes = self.model.free().into_iter();
+        for ((e, q), estimate) in amplitudes.zip(&self.estimates[base..count]) {
+            let [low, high] = self.model.bounds(e, q);
+            self.model.effects.active[e].values[q] = estimate.value.clamp(low, high);
         }
-        Self {
-            estimates,
-            model,
-            covariance,
-            left_out,
-        }
+        self
     }
 }
 
@@ -146,46 +130,40 @@ pub fn estimate(fitting: &Fitting, model: &ResidualModel, whitener: &Whitener) -
     let by_session = sessions.len() >= MIN_SESSIONS;
     let score = |cluster: &[usize]| score_without(&by_run, cluster, &solved);
     let of_sessions: Vec<_> = sessions.iter().map(|runs| score(runs)).collect();
-    let covariance = match by_session {
-        true => sandwich(&of_sessions, &prior, &solved.inverse),
-        false => {
-            let of_runs: Vec<_> = (0..frames.len()).map(|run| score(&[run])).collect();
-            sandwich(&of_runs, &prior, &solved.inverse)
-        }
-    };
-    let clusters = if by_session {
-        sessions.len()
+    let of_clusters = if by_session {
+        of_sessions.clone()
     } else {
-        frames.len()
+        (0..frames.len()).map(|run| score(&[run])).collect()
     };
-    let freedom = (clusters as f64 - 1.0).max(1.0);
+    let covariance = sandwich(&of_clusters, &prior, &solved.inverse);
+    let freedom = (of_clusters.len() as f64 - 1.0).max(1.0);
     let quantile = StudentsT::new(0.0, 1.0, freedom).map_or(2.0, |law| law.inverse_cdf(0.975));
     let amplitudes = model.free();
     let of_amplitudes = amplitudes.iter().map(|(e, q)| model.scale(*e, *q));
     let scales: Vec<f64> = free.iter().map(|_| 1.0).chain(of_amplitudes).collect();
-    let of_amplitudes = amplitudes
-        .iter()
-        .map(|(e, q)| model.effects.active[*e].values[*q]);
+    let active = &model.effects.active;
+    let of_amplitudes = amplitudes.iter().map(|(e, q)| active[*e].values[*q]);
     let values = free.iter().map(|b| model.base[*b]).chain(of_amplitudes);
     let (count, installation_count) = (scales.len(), model.installation.fitted_count());
     let size = (installation_count, installation_count);
-    let installation = match installation_count {
-        0 => Vec::new(),
-        _ => (model.installation).estimates(&covariance.view((count, count), size).into_owned()),
+    let of_installation = covariance.view((count, count), size).into_owned();
+    let installation = if installation_count == 0 {
+        Vec::new()
+    } else {
+        model.installation.estimates(&of_installation)
     };
     let covariance = DMatrix::from_fn(count, count, |i, k| {
         covariance[(i, k)] * scales[i] * scales[k]
     });
-    let left_out = match sessions.len() {
-        ..2 => Vec::new(),
-        _ => {
-            let change = |score: &DVector<f64>| {
-                let change = -(&solved.inverse * score);
-                DVector::from_fn(count, |k, _| scales[k] * change[k])
-            };
-            let changes: Vec<_> = of_sessions.iter().map(change).collect();
-            sessions.into_iter().zip(changes).collect()
-        }
+    let change = |score: &DVector<f64>| {
+        let change = -(&solved.inverse * score);
+        DVector::from_fn(count, |k, _| scales[k] * change[k])
+    };
+    let changes = of_sessions.iter().map(change);
+    let left_out = if sessions.len() < 2 {
+        Vec::new()
+    } else {
+        sessions.into_iter().zip(changes).collect()
     };
     let errors = (0..count).map(|k| covariance[(k, k)].max(0.0).sqrt());
     let estimates = values.zip(errors).chain(installation);

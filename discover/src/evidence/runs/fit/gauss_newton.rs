@@ -37,16 +37,7 @@ pub fn free_base(
     used: [bool; CHANNELS],
 ) -> Vec<usize> {
     let whitener = Whitener::estimate(frames, &residuals(residual_model, frames), used);
-    let design = Design {
-        residual_model,
-        whitener: &whitener,
-        free_base: &[0, 1, 2, 3, 4],
-        form: 0.0,
-        candidates: &[],
-        local: &[],
-        windows: &[],
-        noise: None,
-    };
+    let design = Design::new(residual_model, &whitener, &[0, 1, 2, 3, 4]);
     let mut norms = [0.0; BASE];
     // A few runs are enough to determine the leverage.
     for frame in frames.iter().take(6) {
@@ -55,20 +46,18 @@ pub fn free_base(
             *norm += columns.column(OWN_LEVELS + b).norm_squared();
         }
     }
-    let mut free = Vec::new();
-    if used[0] && norms[0] > 0.0 {
-        free.push(0);
-    }
-    for (saturating, stiffness) in [(1, 2), (3, 4)] {
-        if norms[saturating] > 1e-4 * norms[stiffness] {
-            free.push(saturating);
-        }
-        if norms[stiffness] > 0.0 {
-            free.push(stiffness);
-        }
-    }
-    free
+    let has_leverage = [
+        used[0] && norms[0] > 0.0,
+        norms[1] > 1e-4 * norms[2],
+        norms[2] > 0.0,
+        norms[3] > 1e-4 * norms[4],
+        norms[4] > 0.0,
+    ];
+    (0..BASE).filter(|b| has_leverage[*b]).collect()
 }
+
+/// Tolerance of a fit's criterion: a parameter is then within a standard error.
+pub const TOLERANCE: f64 = 0.5;
 
 /// Runs, and the base parameters that are fitted to them together with the model's amplitudes,
 /// installation errors and discrepancy.
@@ -91,7 +80,8 @@ pub struct FitProducts {
 }
 
 impl Fitting<'_> {
-    /// Fits all parameters of a model together by Gauss-Newton.
+    /// Fits all parameters of a model together by Gauss-Newton, until a step decreases the
+    /// criterion by less than `tolerance`.
     ///
     /// With S the covariance of the residuals given the discrepancy u, E the covariance expected of
     /// noise ([`row_noise`](crate::evidence::runs::fit::row_noise)), a the installation errors and
@@ -108,18 +98,7 @@ impl Fitting<'_> {
     ///
     /// # Errors
     /// [`Error::BaseFit`] if a residual is not finite.
-    pub fn fit(&self, model: &ResidualModel) -> Result<Fit, Error> {
-        /// Tolerance of the criterion: a parameter is then within a standard error.
-        const TOLERANCE: f64 = 0.5;
-        self.fit_within(model, TOLERANCE)
-    }
-
-    /// Fits all parameters of a model together, as [`fit`](Self::fit), until a step decreases the
-    /// criterion by less than `tolerance`.
-    ///
-    /// # Errors
-    /// As [`fit`](Self::fit).
-    pub fn fit_within(&self, model: &ResidualModel, tolerance: f64) -> Result<Fit, Error> {
+    pub fn fit(&self, model: &ResidualModel, tolerance: f64) -> Result<Fit, Error> {
         const MAX_STEPS: usize = 12;
         /// Lower limit of the step length, in Gauss-Newton steps.
         const MIN_LENGTH: f64 = 0.05;
@@ -171,14 +150,8 @@ impl Fitting<'_> {
     pub fn products(&self, model: &ResidualModel, whitener: &Whitener) -> FitProducts {
         let noise = noise_gradients(model, self.frames, self.free, self.used);
         let design = Design {
-            residual_model: model,
-            whitener,
-            free_base: self.free,
-            form: 0.0,
-            candidates: &[],
-            local: &[],
-            windows: &[],
             noise: Some(&noise),
+            ..Design::new(model, whitener, self.free)
         };
         let mut prior = design.prior();
         for (k, b) in self.free.iter().enumerate() {
@@ -186,10 +159,7 @@ impl Fitting<'_> {
             prior.at[k] = model.base[*b] - self.stated[*b];
         }
         let n = design.fitted_count() + 1;
-        let fitted = |run: &Products| {
-            let products = run.full.view((OWN_LEVELS, OWN_LEVELS), (n, n));
-            products.into_owned()
-        };
+        let fitted = |run: &Products| run.full.view((OWN_LEVELS, OWN_LEVELS), (n, n)).into_owned();
         FitProducts {
             by_run: design.products(self.frames).iter().map(fitted).collect(),
             prior,
@@ -234,9 +204,10 @@ impl GaussNewtonStep {
     /// has its maximum at `s = p / (2 p - d)`; infinity if it has no maximum.
     fn optimal_length(&self, decrease: f64) -> f64 {
         let curvature = 2.0 * self.predicted - decrease;
-        match curvature > 0.0 {
-            true => self.predicted / curvature,
-            false => f64::INFINITY,
+        if curvature > 0.0 {
+            self.predicted / curvature
+        } else {
+            f64::INFINITY
         }
     }
 }
@@ -291,11 +262,9 @@ pub fn stepped(
     }
     let discrepancy = step.len() - trial.discrepancy.fitted_count();
     let installation = discrepancy - trial.installation.fitted_count();
-    let installation_step: Vec<f64> = step[installation..discrepancy]
-        .iter()
-        .map(|step| length * step)
-        .collect();
-    trial.installation.step(&installation_step);
+    let of_installation = step[installation..discrepancy].iter();
+    let of_installation: Vec<f64> = of_installation.map(|step| length * step).collect();
+    trial.installation.step(&of_installation);
     for (size, step) in trial.discrepancy.sizes.iter_mut().zip(&step[discrepancy..]) {
         *size += length * step;
     }
@@ -390,7 +359,7 @@ mod tests {
     fn a_fit_lowers_the_criterion_to_a_minimum() {
         let (frames, model) = example();
         let fitting = fitting(&frames);
-        let fit = fitting.fit(&model).expect("finite residuals");
+        let fit = fitting.fit(&model, TOLERANCE).expect("finite residuals");
         let FitProducts { by_run, prior } = fitting.products(&fit.model, &fit.whitener);
         let step = solve(&by_run, &prior);
         let beyond = stepped(&fit.model, fitting.free, step.by.as_slice(), 1.0);

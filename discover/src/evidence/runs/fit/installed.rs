@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::evidence::runs::campaign::{Campaign, RunFit, locked};
 use crate::evidence::runs::contacts::run_contacts::without_contacts;
-use crate::evidence::runs::fit::gauss_newton::{Fitting, residuals};
+use crate::evidence::runs::fit::gauss_newton::{Fitting, TOLERANCE, residuals};
 use crate::evidence::runs::model::discrepancy::Discrepancy;
 use crate::evidence::runs::model::installation::Installation;
 use crate::evidence::runs::model::residual_model::ResidualModel;
@@ -28,7 +28,7 @@ impl Campaign<'_> {
     /// # Errors
     /// [`Error::BaseFit`] if a residual is not finite.
     pub fn fitted(&self, model: &ResidualModel, owners: Vec<usize>) -> Result<RunFit, Error> {
-        let fit = self.fitting().fit(&model.with_fixed(false))?;
+        let fit = self.fitting().fit(&model.with_fixed(false), TOLERANCE)?;
         Ok(RunFit::new(
             fit.model.with_fixed(true),
             fit.whitener,
@@ -65,7 +65,7 @@ impl Campaign<'_> {
     pub fn roughly_fitted(&self, model: &ResidualModel) -> Result<ResidualModel, Error> {
         /// Tolerance of the criterion.
         const ROUGH: f64 = 5.0;
-        Ok(self.fitting().fit_within(model, ROUGH)?.model)
+        Ok(self.fitting().fit(model, ROUGH)?.model)
     }
 
     /// A model with the discrepancy estimated from its residuals.
@@ -133,7 +133,7 @@ impl Campaign<'_> {
             ..self.fitting()
         };
         // Without finite residuals there is nothing to fit to.
-        let Ok(fit) = fitting.fit(&start) else {
+        let Ok(fit) = fitting.fit(&start, TOLERANCE) else {
             return model.clone();
         };
         let fitted = fit.model.with_fixed(true);

@@ -35,8 +35,13 @@ impl Campaign<'_> {
                 discrepancy: discrepancy.clone(),
                 ..fit.residual_model.clone()
             };
-            self.misfit(&model, &fit.whitener) + model.installation.penalty_relative_to_zero()
+            self.penalised_misfit(&model, &fit.whitener)
         });
         before - after
+    }
+
+    /// The negative log posterior of a model: the misfit and the prior of the installation errors.
+    pub fn penalised_misfit(&self, model: &ResidualModel, whitener: &Whitener) -> f64 {
+        self.misfit(model, whitener) + model.installation.penalty_relative_to_zero()
     }
 }

@@ -52,22 +52,18 @@ pub fn noise_products(
         .collect()
 }
 
-/// The mean of [`noise_products`] over several pairs.
+/// The mean of [`noise_products`] over `pairs` pairs, at least one.
 pub fn mean_noise_products(
     design: &Design,
     frames: &[Frame],
     simulator: &RunSimulator,
-    rounds: std::ops::Range<u64>,
+    pairs: u64,
 ) -> Vec<DMatrix<f64>> {
-    let share = 1.0 / (rounds.end - rounds.start) as f64;
-    let mut sums: Vec<DMatrix<f64>> = Vec::new();
-    for round in rounds {
+    let share = 1.0 / pairs as f64;
+    let mut sums = noise_products(design, frames, simulator, 0);
+    for round in 1..pairs {
         let one = noise_products(design, frames, simulator, round);
-        if sums.is_empty() {
-            sums = one;
-        } else {
-            sums.iter_mut().zip(one).for_each(|(sum, d)| *sum += d);
-        }
+        sums.iter_mut().zip(one).for_each(|(sum, d)| *sum += d);
     }
     sums.iter_mut().for_each(|sum| *sum *= share);
     sums

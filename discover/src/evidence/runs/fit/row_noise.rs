@@ -66,23 +66,19 @@ pub fn noise_gradients(
         .free()
         .into_iter()
         .map(|(e, q)| moved(&|m| m.effects.active[e].values[q] += STEP * model.scale(e, q)));
-    let error = |k: usize| match model.installation.errors[k].is_additive() {
-        true => Matrix3::zeros(),
-        false => moved(&|m| m.installation = model.installation.moved(k, STEP)),
+    let error = |k: usize| -> Vec<f64> {
+        if model.installation.errors[k].is_additive() {
+            return vec![0.0; BALANCES * BALANCES];
+        }
+        let gradient = moved(&|m| m.installation = model.installation.with_error_changed(k, STEP));
+        gradient.as_slice().to_vec()
     };
-    let errors: Vec<Vec<f64>> = (0..model.installation.fitted_count())
-        .map(|k| error(k).as_slice().to_vec())
-        .collect();
+    let errors: Vec<_> = (0..model.installation.fitted_count()).map(error).collect();
     let installation = model.installation.combined(&errors);
-    let installation = installation
-        .iter()
-        .map(|values| Matrix3::from_column_slice(values));
+    let installation = installation.iter().map(|x| Matrix3::from_column_slice(x));
     let levels = std::iter::repeat_n(Matrix3::zeros(), OWN_LEVELS);
-    levels
-        .chain(base)
-        .chain(amplitudes)
-        .chain(installation)
-        .collect()
+    let parameters = base.chain(amplitudes).chain(installation);
+    levels.chain(parameters).collect()
 }
 
 /// E over all runs.
@@ -138,10 +134,8 @@ pub fn model_error(
         std::array::from_fn(|c| {
             let gain = (noise.gain[c] * noise.gain[c]).max(1e-300);
             let n = squares(&weights[c]);
-            [
-                n,
-                (squares(&residual[c]) - n * noise.covariance[(c, c)]) / gain,
-            ]
+            let excess = squares(&residual[c]) - n * noise.covariance[(c, c)];
+            [n, excess / gain]
         })
     };
     let each: Vec<[[f64; 2]; BALANCES]> = frames.par_iter().zip(rows).map(of_run).collect();
@@ -159,10 +153,9 @@ struct NoiseCovariance {
 
 /// The model without delays and biases: thinned samples cannot be read at another time.
 fn without_additive_errors(model: &ResidualModel) -> ResidualModel {
+    let installation = &model.installation;
     ResidualModel {
-        installation: model
-            .installation
-            .with_zeroed(InstallationError::is_additive),
+        installation: installation.with_zeroed(InstallationError::is_additive),
         ..model.clone()
     }
 }
@@ -179,8 +172,7 @@ fn noise_covariance(model: &ResidualModel, frame: &Frame) -> NoiseCovariance {
     let on_run = ModelOnRun::new(model, &noise.samples);
     let share = 1.0 / noise.samples.len().max(1) as f64;
     for i in 0..noise.samples.len() {
-        let at = on_run.instant(i, &on_run.measured(i));
-        let jacobian = on_run.jacobian_of_readings(i, &at, &on_run.forces(&at));
+        let jacobian = on_run.jacobian_of_readings(i, &on_run.instant(i));
         let change = |sensor: Sensor, value: f64, rate: f64| {
             Vector3::from(jacobian.of_sensor(sensor, value, rate)) / on_run.scale(sensor)
         };

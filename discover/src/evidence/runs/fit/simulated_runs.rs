@@ -10,15 +10,15 @@
 use std::sync::Arc;
 
 use kufe_sled::Noise;
-use kufe_sled::effects::{Sensor, ahead};
+use kufe_sled::effects::{SENSORS, Sensor, ahead};
 use rand::Rng;
 use rayon::prelude::*;
 
+use crate::evidence::runs::fit::gauss_newton::residuals;
 use crate::evidence::runs::model::channels::Channels;
 use crate::evidence::runs::model::residual_model::{CHANNELS, ChannelRows, ResidualModel};
 use crate::evidence::runs::model::whiten::scaled;
 use crate::evidence::runs::recordings::frame::{Frame, ReadingVariances, RowNoise};
-use crate::evidence::runs::recordings::noise::axes::ColumnNoise;
 use crate::evidence::runs::recordings::noise::sensors::SensorNoise;
 use crate::evidence::runs::recordings::smooth_run::signal_kernel;
 use crate::null::random::{below, sign, stream};
@@ -47,6 +47,20 @@ const MIN_NOISE: Noise = Noise {
     roll_split_rad: 1e-6,
 };
 
+/// The order in which noise is drawn.
+const NOISE_ORDER: [Sensor; SENSORS] = [
+    Sensor::Ax,
+    Sensor::RollRate,
+    Sensor::Ay,
+    Sensor::PitchRate,
+    Sensor::Az,
+    Sensor::YawRate,
+    Sensor::Speed,
+    Sensor::Slip,
+    Sensor::Steering,
+    Sensor::RollSplit,
+];
+
 /// A simulated run without noise and with noise of both signs.
 pub struct SimulatedPair {
     pub truth: Frame,
@@ -65,20 +79,15 @@ impl RunSimulator {
         (seed, rules): (u64, &RunRules),
     ) -> Self {
         let mut simulator = Self::of_sensors(noise, (seed, rules));
-        let powers: Vec<[[f64; CHANNELS]; 2]> = frames
-            .par_iter()
-            .enumerate()
-            .map(|(i, frame)| {
-                let power = |rows: ChannelRows| {
-                    scaled(frame, &rows).map(|r| r.iter().map(|x| x * x).sum::<f64>())
-                };
-                let pair = simulator.pair(frame, residual_model, 1_000_003, i);
-                [
-                    power(residual_model.residuals(frame)),
-                    power(residual_model.residuals(&pair.plus)),
-                ]
+        // Sums of squares of each run and of its simulation.
+        let powers = |(i, frame): (usize, &Frame)| -> [[f64; CHANNELS]; 2] {
+            let simulated = simulator.pair(frame, residual_model, 1_000_003, i).plus;
+            [frame, &simulated].map(|run| {
+                let rows = scaled(frame, &residual_model.residuals(run));
+                rows.map(|r| r.iter().map(|x| x * x).sum())
             })
-            .collect();
+        };
+        let powers: Vec<_> = frames.par_iter().enumerate().map(powers).collect();
         for (c, used) in used.iter().enumerate() {
             let total: f64 = powers.iter().map(|p| p[0][c]).sum();
             let explained: f64 = powers.iter().map(|p| p[1][c]).sum();
@@ -151,16 +160,8 @@ impl RunSimulator {
     }
 
     /// Residuals of a simulation of each run.
-    pub fn residuals(
-        &self,
-        frames: &[Frame],
-        residual_model: &ResidualModel,
-        k: u64,
-    ) -> Vec<ChannelRows> {
-        let of = |(i, frame): (usize, &Frame)| {
-            residual_model.residuals(&self.pair(frame, residual_model, k, i).plus)
-        };
-        frames.par_iter().enumerate().map(of).collect()
+    pub fn residuals(&self, frames: &[Frame], model: &ResidualModel, k: u64) -> Vec<ChannelRows> {
+        residuals(model, &self.simulated(frames, model, k))
     }
 
     /// The `k`-th pair of simulations of a run, the `i`-th of its set.
@@ -194,22 +195,21 @@ impl RunSimulator {
         let n = samples.len();
         let shift = below(rng, n);
         let flip = sign(rng);
-        let sled = &residual_model.vehicle.sled;
-        let mass_kg = plus.mass_kg.unwrap_or(sled.mass_kg);
+        let sled = plus.sled(residual_model.vehicle.sled);
         // A residual is moved to another place: it is scaled by the deviations at both.
         let scales = plus.scales_at(&plus.s);
         let unexplained = |c: usize, k: usize| -> f64 {
             let (from, to) = (samples[(k + shift) % n], samples[k]);
             let scale = |i: usize| scales.get(i).and_then(|s| s.get(c)).copied().unwrap_or(1.0);
-            match rows[c].get(from) {
-                Some(r) => flip * self.unexplained[c] * r * scale(to) / scale(from),
-                None => 0.0,
-            }
+            let residual = rows[c].get(from);
+            residual.map_or(0.0, |r| {
+                flip * self.unexplained[c] * r * scale(to) / scale(from)
+            })
         };
         for (k, i) in samples.iter().copied().enumerate() {
             let yaw = unexplained(2, k) / sled.j_zz_kgm2;
-            let longitudinal = unexplained(0, k) / mass_kg - sled.accel_y_m * yaw;
-            let lateral = unexplained(1, k) / mass_kg + sled.accel_x_m * yaw;
+            let longitudinal = unexplained(0, k) / sled.mass_kg - sled.accel_y_m * yaw;
+            let lateral = unexplained(1, k) / sled.mass_kg + sled.accel_x_m * yaw;
             for (run, sign) in [(&mut *plus, 1.0), (&mut *minus, -1.0)] {
                 run.rate_slope[2][i] += sign * yaw;
                 run.acceleration[0][i] += sign * longitudinal;
@@ -228,85 +228,55 @@ impl RunSimulator {
         rng: &mut impl Rng,
     ) {
         let kernel = signal_kernel(plus.recorded_dt, &self.signals);
-        let n = plus.len();
-        let length = (n - 1) * kernel.stride + 2 * kernel.margin() + 1;
+        let length = (plus.len() - 1) * kernel.stride + 2 * kernel.margin() + 1;
         let dt = plus.recorded_dt;
-        let mut noise_of = |column: ColumnNoise| -> Vec<f64> {
+        let add = |to: &mut [f64], noise: &[f64], sign: f64| {
+            to.iter_mut().zip(noise).for_each(|(x, e)| *x += sign * e);
+        };
+        for sensor in NOISE_ORDER {
+            let column = noise.of(sensor);
             let noise = column.colour.noise(length, dt, rng);
-            noise.into_iter().map(|e| column.sd * e).collect()
-        };
-        let add = |plus: &mut [f64], minus: &mut [f64], noise: Vec<f64>| {
-            for ((x, y), e) in plus.iter_mut().zip(minus).zip(noise) {
-                *x += e;
-                *y -= e;
+            let noise: Vec<f64> = noise.into_iter().map(|e| column.sd * e).collect();
+            let smooth = kernel.smooth(&noise);
+            let (_, derivative) = plus.series(sensor);
+            let slope = derivative.map_or_else(Vec::new, |_| kernel.slope(&noise));
+            for (run, sign) in [(&mut *plus, 1.0), (&mut *minus, -1.0)] {
+                let (signal, derivative) = run.series_mut(sensor);
+                add(signal, &smooth, sign);
+                if let Some(derivative) = derivative {
+                    add(derivative, &slope, sign);
+                }
             }
-        };
-        for axis in 0..3 {
-            let e = kernel.smooth(&noise_of(noise.accel_mps2[axis]));
-            add(
-                &mut plus.acceleration[axis],
-                &mut minus.acceleration[axis],
-                e,
-            );
-            let e = noise_of(noise.rate_radps[axis]);
-            add(
-                &mut plus.rate[axis],
-                &mut minus.rate[axis],
-                kernel.smooth(&e),
-            );
-            let slope = kernel.slope(&e);
-            add(
-                &mut plus.rate_slope[axis],
-                &mut minus.rate_slope[axis],
-                slope,
-            );
         }
-        let e = noise_of(noise.speed_mps);
-        add(&mut plus.v, &mut minus.v, kernel.smooth(&e));
-        add(&mut plus.v_slope, &mut minus.v_slope, kernel.slope(&e));
-        let e = noise_of(noise.slip_rad);
-        add(&mut plus.slip, &mut minus.slip, kernel.smooth(&e));
-        add(&mut plus.slip_rate, &mut minus.slip_rate, kernel.slope(&e));
-        let e = noise_of(noise.steer_rad);
-        add(&mut plus.steer, &mut minus.steer, kernel.smooth(&e));
-        add(
-            &mut plus.steer_rate,
-            &mut minus.steer_rate,
-            kernel.slope(&e),
-        );
-        let e = kernel.smooth(&noise_of(noise.roll_split_rad));
-        add(&mut plus.roll_split, &mut minus.roll_split, e);
     }
 }
 
 /// The run with the accelerations that the model predicts from the measured inputs, so that the
-/// residuals are zero.
-///
-/// Residuals of a delayed sensor are shifted to the time of its reading.
+/// residuals are zero. Residuals of a delayed sensor are shifted to the time of its reading.
 ///
 /// `rows` are the longitudinal, lateral and yaw residuals at every retained sample.
-pub fn truth<R: AsRef<[f64]>>(frame: &Frame, residual_model: &ResidualModel, rows: &[R]) -> Frame {
+pub fn truth(frame: &Frame, residual_model: &ResidualModel, rows: &[Vec<f64>]) -> Frame {
     let mut run = frame.clone();
-    let sled = &residual_model.vehicle.sled;
-    let mass_kg = frame.mass_kg.unwrap_or(sled.mass_kg);
+    let sled = frame.sled(residual_model.vehicle.sled);
     let delayed = |sensor: Sensor, residual: Vec<f64>| {
         let delay = residual_model.delay(sensor, &frame.track);
-        match delay == 0.0 {
-            true => residual,
-            false => ahead(&residual, -delay / frame.sample_s()),
+        if delay == 0.0 {
+            return residual;
         }
+        ahead(&residual, -delay / frame.sample_s())
     };
-    let yaw: Vec<f64> = rows[2]
-        .as_ref()
-        .iter()
-        .map(|m| m / sled.j_zz_kgm2)
-        .collect();
-    let aligned = |place: f64, rows: &[f64]| -> Vec<f64> {
+    let [along, side, yaw, ..] = rows else {
+        panic!("rows of three balances");
+    };
+    let yaw: Vec<f64> = yaw.iter().map(|m| m / sled.j_zz_kgm2).collect();
+    // The accelerometer at a lever from the centre of gravity measures the yaw acceleration, too.
+    let at_sensor = |lever: f64, rows: &[f64]| -> Vec<f64> {
         let both = rows.iter().zip(&yaw);
-        both.map(|(r, yaw)| place * yaw - r / mass_kg).collect()
+        both.map(|(r, yaw)| lever * yaw - r / sled.mass_kg)
+            .collect()
     };
-    let along = aligned(sled.accel_y_m, rows[0].as_ref());
-    let side = aligned(-sled.accel_x_m, rows[1].as_ref());
+    let along = at_sensor(sled.accel_y_m, along);
+    let side = at_sensor(-sled.accel_x_m, side);
     let minus_yaw = yaw.iter().map(|yaw| -yaw).collect();
     let [longitudinal, lateral, _] = &mut run.acceleration;
     for (to, change) in [
@@ -314,9 +284,8 @@ pub fn truth<R: AsRef<[f64]>>(frame: &Frame, residual_model: &ResidualModel, row
         (lateral, delayed(Sensor::Ay, side)),
         (&mut run.rate_slope[2], delayed(Sensor::YawRate, minus_yaw)),
     ] {
-        to.iter_mut()
-            .zip(change)
-            .for_each(|(x, change)| *x += change);
+        let both = to.iter_mut().zip(change);
+        both.for_each(|(x, change)| *x += change);
     }
     if !frame.slope.is_empty() {
         let residual = residual_model.track_residual(&run);

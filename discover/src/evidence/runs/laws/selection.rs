@@ -12,9 +12,9 @@ use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::recordings::frame::further_columns;
 use crate::evidence::runs::screen::residual_screen::ScreenOptions;
 use crate::null::clusters::session_numbers;
-use crate::null::unit_scores::UnitScores;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Randomised, Selection};
+use crate::regression::scores::Scores;
 
 /// Result of comparing laws with a selected effect.
 pub enum Law {
@@ -87,9 +87,10 @@ impl Campaign<'_> {
     /// p-value of a formula's score, the first column, with only sessions independent.
     fn law_by_sessions(&self, sums: &LawSums) -> Option<f64> {
         let first = |rows: &DMatrix<f64>| rows.rows(0, 1).into_owned();
-        let scores = UnitScores {
+        let scores = Scores {
             u: first(&sums.u),
             information: DMatrix::from_fn(1, sums.m.len(), |_, run| sums.m[run][(0, 0)]),
+            raw: Vec::new(),
             shared: vec![sums.shared[0]],
             common: first(&sums.common),
         };

@@ -72,11 +72,10 @@ impl TermsOnRun {
         let count = KNOWN + extra.len();
         let mut columns: Vec<Vec<f64>> = vec![Vec::with_capacity(frame.len()); count];
         for i in 0..frame.len() {
-            let at = on_run.instant(i, &on_run.measured(i));
-            let forces = on_run.forces(&at);
-            let rest = on_run.residuals_with_forces(&at, &forces);
+            let at = on_run.instant(i);
+            let rest = at.residuals();
             for ((size, trial), unit) in trials.iter().zip(&mut units) {
-                let with = on_run.residuals_with_effect(i, trial, &at, &forces, None);
+                let with = on_run.residuals_with_effect(i, trial, &at, None);
                 for (c, unit) in unit.iter_mut().enumerate() {
                     unit.push((rest[c] - with[c]) / size);
                 }

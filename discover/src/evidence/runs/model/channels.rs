@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use kufe_sled::Sled;
-use kufe_sled::effects::{Fault, Reading, Sensor, Signals, ahead};
+use kufe_sled::effects::{Fault, Reading, SENSORS, Sensor, Signals, ahead};
 
 use crate::evidence::runs::recordings::frame::Frame;
 
@@ -12,9 +12,9 @@ pub struct Channels<'a> {
     /// Time between samples [s].
     sample_s: f64,
     /// Scale of each reading.
-    scales: [f64; Sensor::ALL.len()],
+    scales: [f64; SENSORS],
     /// Values and derivatives, in the order of the sensors.
-    values: [Channel<'a>; Sensor::ALL.len()],
+    values: [Channel<'a>; SENSORS],
 }
 
 type Channel<'a> = (Cow<'a, [f64]>, Option<Cow<'a, [f64]>>);
@@ -22,26 +22,13 @@ type Channel<'a> = (Cow<'a, [f64]>, Option<Cow<'a, [f64]>>);
 impl<'a> Channels<'a> {
     /// Uncorrected channels.
     pub fn new(frame: &'a Frame) -> Self {
-        let channel = |value: &'a [f64], slope: Option<&'a Vec<f64>>| {
-            (
-                Cow::Borrowed(value),
-                slope.map(|x| Cow::Borrowed(x.as_slice())),
-            )
-        };
         Self {
             sample_s: frame.sample_s(),
-            scales: [1.0; Sensor::ALL.len()],
-            values: Sensor::ALL.map(|sensor| match sensor {
-                Sensor::Ax => channel(&frame.acceleration[0], None),
-                Sensor::Ay => channel(&frame.acceleration[1], None),
-                Sensor::Az => channel(&frame.acceleration[2], None),
-                Sensor::RollRate => channel(&frame.rate[0], Some(&frame.rate_slope[0])),
-                Sensor::PitchRate => channel(&frame.rate[1], Some(&frame.rate_slope[1])),
-                Sensor::YawRate => channel(&frame.rate[2], Some(&frame.rate_slope[2])),
-                Sensor::Speed => channel(&frame.v, Some(&frame.v_slope)),
-                Sensor::Slip => channel(&frame.slip, Some(&frame.slip_rate)),
-                Sensor::Steering => channel(&frame.steer, Some(&frame.steer_rate)),
-                Sensor::RollSplit => channel(&frame.roll_split, None),
+            scales: [1.0; SENSORS],
+            values: Sensor::ALL.map(|sensor| {
+                let (value, slope) = frame.series(sensor);
+                let slope = slope.map(|x| Cow::Borrowed(x.as_slice()));
+                (Cow::Borrowed(value.as_slice()), slope)
             }),
         }
     }
@@ -57,11 +44,16 @@ impl<'a> Channels<'a> {
         [value, slope.as_deref().unwrap_or_default()]
     }
 
+    /// A sensor's values, and their derivatives if it has any, to be changed.
+    fn value_and_slope(&mut self, sensor: Sensor) -> impl Iterator<Item = &mut Cow<'a, [f64]>> {
+        let (value, slope) = &mut self.values[sensor as usize];
+        std::iter::once(value).chain(slope)
+    }
+
     /// Corrects a delay [s].
     pub fn correct_delay(&mut self, sensor: Sensor, delay_s: f64) {
         let samples = delay_s / self.sample_s;
-        let (value, slope) = &mut self.values[sensor as usize];
-        for x in [Some(value), slope.as_mut()].into_iter().flatten() {
+        for x in self.value_and_slope(sensor) {
             *x = Cow::Owned(ahead(x, samples));
         }
     }
@@ -75,14 +67,13 @@ impl<'a> Channels<'a> {
     /// Corrects a scale.
     pub fn correct_scale(&mut self, sensor: Sensor, scale: f64) {
         self.scales[sensor as usize] *= scale;
-        let (value, slope) = &mut self.values[sensor as usize];
-        for x in [Some(value), slope.as_mut()].into_iter().flatten() {
+        for x in self.value_and_slope(sensor) {
             x.to_mut().iter_mut().for_each(|x| *x /= scale);
         }
     }
 
     /// Corrects cross-sensitivity to another channel.
-    pub fn correct(&mut self, fault: &Fault, size: f64) {
+    pub fn correct_cross_sensitivity(&mut self, fault: &Fault, size: f64) {
         let Reading::PicksUp { other, factor } = fault.reading else {
             return;
         };

@@ -29,6 +29,25 @@ enum Shift {
     Delays([f64; SENSORS]),
 }
 
+/// Step of amplitudes, installation errors and candidates, in the unit in which they are fitted.
+const STEP: f64 = 0.01;
+
+/// Columns of a run at every sample, by balance.
+type RawColumns = [Vec<Vec<f64>>; BALANCES];
+
+/// Indices of the first raw column of each kind, after the base parameters and the amplitudes.
+struct RawIndices {
+    /// Installation errors; the fitted combinations are formed from the whitened columns.
+    errors: usize,
+    /// Form errors of the lateral laws.
+    form_errors: usize,
+    /// Regular candidates.
+    trials: usize,
+    /// Local candidates.
+    locals: usize,
+    residual: usize,
+}
+
 /// A model, its whitening and the candidates.
 pub struct Design<'a> {
     pub residual_model: &'a ResidualModel,
@@ -49,7 +68,25 @@ pub struct Design<'a> {
     pub noise: Option<&'a [Matrix3<f64>]>,
 }
 
-impl Design<'_> {
+impl<'a> Design<'a> {
+    /// Plain derivatives by the fitted parameters of a model, without candidates and form errors.
+    pub fn new(
+        residual_model: &'a ResidualModel,
+        whitener: &'a Whitener,
+        free_base: &'a [usize],
+    ) -> Self {
+        Self {
+            residual_model,
+            whitener,
+            free_base,
+            form: 0.0,
+            candidates: &[],
+            local: &[],
+            windows: &[],
+            noise: None,
+        }
+    }
+
     /// Number of fitted parameters: base, amplitudes, installation errors, form errors,
     /// discrepancy.
     pub fn fitted_count(&self) -> usize {
@@ -82,116 +119,140 @@ impl Design<'_> {
             discrepancy,
             ..
         } = self.residual_model;
+        let (errors, splines) = (installation.fitted_count(), discrepancy.fitted_count());
         let whitened = installation.whitened();
-        let form = std::iter::repeat_n(0.0, self.form_errors());
-        let random = whitened
-            .iter()
-            .take(installation.fitted_count())
-            .copied()
-            .chain(form);
-        let smooth = discrepancy
-            .sizes
-            .iter()
-            .take(discrepancy.fitted_count())
-            .copied();
+        let form = std::iter::repeat_n(&0.0, self.form_errors());
+        let random = whitened.iter().take(errors).chain(form);
+        let random = random.chain(discrepancy.sizes.iter().take(splines));
         let mut prior = Prior::none(self.fitted_count());
-        prior.smooth = discrepancy.fitted_count();
-        let flat = self.before_discrepancy() - installation.fitted_count() - self.form_errors();
-        for (k, at) in (flat..).zip(random.chain(smooth)) {
-            (prior.precision[k], prior.at[k]) = (1.0, at);
+        prior.smooth = splines;
+        let flat = self.before_discrepancy() - errors - self.form_errors();
+        for (k, at) in (flat..).zip(random) {
+            (prior.precision[k], prior.at[k]) = (1.0, *at);
         }
         prior
+    }
+
+    /// Indices of the raw columns.
+    fn indices(&self) -> RawIndices {
+        let errors = BASE + self.residual_model.free().len();
+        let form_errors = errors + self.residual_model.installation.fitted_count();
+        let trials = form_errors + self.form_errors();
+        let locals = trials + self.candidates.len();
+        RawIndices {
+            errors,
+            form_errors,
+            trials,
+            locals,
+            residual: locals + self.local.len(),
+        }
     }
 
     /// Whitened columns of one run: levels, fitted parameters without the discrepancy, candidates;
     /// the last column is the residual given the discrepancy.
     pub fn columns(&self, frame: &Frame) -> DMatrix<f64> {
-        self.with_locals(frame, &[]).0
+        self.columns_and_locals(frame).0
     }
 
     /// Whitened columns of one run as of [`columns`](Self::columns), and the columns of the local
     /// candidates acting everywhere.
     pub fn columns_and_locals(&self, frame: &Frame) -> (DMatrix<f64>, DMatrix<f64>) {
-        self.with_locals(frame, self.local)
+        let at = self.indices();
+        let all = self.whitened(frame, &self.raw_columns(frame));
+        let rows = all[0].len();
+        // Friction has one parameter, grip those of both axles.
+        let grip = |i: usize| all[1][i] + all[2][i] + all[3][i] + all[4][i];
+        let grip: Vec<f64> = (0..rows).map(grip).collect();
+        let installation = &self.residual_model.installation;
+        let installed = installation.combined(&all[at.errors..at.form_errors]);
+        let order: Vec<&Vec<f64>> = [&all[0], &grip]
+            .into_iter()
+            .chain(self.free_base.iter().map(|b| &all[*b]))
+            .chain(&all[BASE..at.errors])
+            .chain(&installed)
+            .chain(&all[at.form_errors..at.locals])
+            .chain([&all[at.residual]])
+            .collect();
+        let matrix = |columns: Vec<&Vec<f64>>| {
+            let count = columns.len();
+            DMatrix::from_iterator(rows, count, columns.into_iter().flatten().copied())
+        };
+        let mut columns = matrix(order);
+        for (k, noise) in self.noise.into_iter().flatten().enumerate() {
+            self.add_noise_gradient(
+                noise,
+                &all[at.residual],
+                columns.column_mut(k).as_mut_slice(),
+            );
+        }
+        (
+            columns,
+            matrix(all[at.locals..at.residual].iter().collect()),
+        )
     }
 
-    fn with_locals(
-        &self,
-        frame: &Frame,
-        locals: &[Candidate<Amplitude>],
-    ) -> (DMatrix<f64>, DMatrix<f64>) {
-        const STEP: f64 = 1e-3;
-        let residual_model = self.residual_model;
-        let on_run = ModelOnRun::new(residual_model, frame);
-        let with_steps: Vec<ResidualModel> = residual_model
+    /// Raw columns of each balance at every sample: derivatives by the parameters, and the
+    /// residual. A column is empty if the balance is not used.
+    fn raw_columns(&self, frame: &Frame) -> RawColumns {
+        /// Step of a base multiplier.
+        const BASE_STEP: f64 = 1e-3;
+        let model = self.residual_model;
+        let at = self.indices();
+        let with_steps: Vec<ResidualModel> = model
             .free()
             .into_iter()
             .map(|(e, p)| {
-                let mut moved = residual_model.clone();
-                moved.effects.active[e].values[p] += 0.01 * residual_model.scale(e, p);
+                let mut moved = model.clone();
+                moved.effects.active[e].values[p] += STEP * model.scale(e, p);
                 moved
             })
             .collect();
-        // One column per installation error; the fitted combinations are formed from the rows.
-        let installation = &residual_model.installation;
-        let errors = match installation.fitted_count() {
-            0 => 0,
-            _ => installation.errors.len(),
-        };
         let trials: Vec<(Active, Option<&[f64]>)> = self
             .candidates
             .iter()
-            .chain(locals)
-            .map(|c| (c.active(0.01 * c.typical), c.carried(frame)))
+            .chain(self.local)
+            .map(|c| (c.active(STEP * c.typical), c.carried(frame)))
             .collect();
-        let n = frame.len();
-        let first_error = BASE + with_steps.len();
-        let first_form = first_error + errors;
-        let first_trial = first_form + self.form_errors();
         // Delays and installation errors need the channels at other times.
-        let delays = residual_model.effects.delays();
         let delayed = |model: &ResidualModel| {
             let effects = model.effects.on_track(&frame.track);
             Shift::Delays(effects.delays())
         };
-        let delayed_steps = (BASE..)
-            .zip(&with_steps)
-            .filter(|(_, other)| other.effects.delays() != delays)
-            .map(|(k, other)| (k, delayed(other)));
-        let delayed_trials = (first_trial..)
-            .zip(&trials)
-            .filter(|(_, (trial, _))| trial.is_late())
-            .map(|(k, (trial, _))| (k, delayed(&residual_model.with(trial.clone()))));
-        let shifted: Vec<(usize, Shift)> = delayed_steps
-            .chain((first_error..).zip((0..errors).map(Shift::Installation)))
-            .chain(delayed_trials)
-            .collect();
-        let with_steps: Vec<(usize, ModelOnRun)> = (BASE..)
-            .zip(&with_steps)
-            .filter(|(_, other)| other.effects.delays() == delays)
-            .map(|(k, other)| (k, ModelOnRun::new(other, frame)))
-            .collect();
-        let count = first_trial + trials.len() + 1;
-        let mut raw: [Vec<Vec<f64>>; BALANCES] = std::array::from_fn(|c| {
-            let samples = if self.whitener.used[c] { n } else { 0 };
-            (0..count).map(|_| vec![0.0; samples]).collect()
+        let (mut shifted, mut steps, mut in_time) = (Vec::new(), Vec::new(), Vec::new());
+        for (k, moved) in (BASE..).zip(&with_steps) {
+            if moved.effects.delays() == model.effects.delays() {
+                steps.push((k, ModelOnRun::new(moved, frame)));
+            } else {
+                shifted.push((k, delayed(moved)));
+            }
+        }
+        shifted.extend((at.errors..at.form_errors).zip((0..).map(Shift::Installation)));
+        for (k, (trial, carried)) in (at.trials..).zip(&trials) {
+            if trial.is_late() {
+                shifted.push((k, delayed(&model.with(trial.clone()))));
+            } else {
+                in_time.push((k, trial, carried));
+            }
+        }
+        let mut raw: RawColumns = std::array::from_fn(|c| {
+            let samples = if self.whitener.used[c] {
+                frame.len()
+            } else {
+                0
+            };
+            vec![vec![0.0; samples]; at.residual + 1]
         });
-        let mut residual: [Vec<f64>; BALANCES] = std::array::from_fn(|_| Vec::with_capacity(n));
-        let mut instants = Vec::with_capacity(if shifted.is_empty() { 0 } else { n });
-        let in_time: Vec<_> = (first_trial..)
-            .zip(&trials)
-            .filter(|(_, (trial, _))| !trial.is_late())
-            .collect();
-        let any_corrects = in_time.iter().any(|(_, (trial, _))| trial.moves_signals());
-        for i in 0..n {
-            let at = on_run.instant(i, &on_run.measured(i));
-            let forces = on_run.forces(&at);
-            let jacobian = any_corrects
-                .then(|| on_run.residual_jacobian(&at, &forces))
+        let mut instants = Vec::new();
+        let corrects = in_time.iter().any(|(_, trial, _)| trial.moves_signals());
+        let on_run = ModelOnRun::new(model, frame);
+        for i in 0..frame.len() {
+            let instant = on_run.instant(i);
+            let jacobian = corrects
+                .then(|| on_run.residual_jacobian(&instant))
                 .flatten();
-            let unchanged = on_run.residuals_with_forces(&at, &forces);
+            let unchanged = instant.residuals();
             if !shifted.is_empty() {
-                instants.push(at);
+                instants.push(instant);
             }
             let mut put = |k: usize, values: [f64; BALANCES], step: f64| {
                 let by = 1.0 / step;
@@ -201,75 +262,40 @@ impl Design<'_> {
                     }
                 }
             };
-            let mut with_carried = at;
-            for (k, (trial, carried)) in &in_time {
-                let at = match carried {
-                    None => &at,
-                    Some(x) => {
-                        with_carried.seen.carried = x[i];
-                        &with_carried
-                    }
-                };
+            let mut with_carried = instant;
+            for (k, trial, carried) in &in_time {
+                with_carried.seen.carried = carried.map_or(instant.seen.carried, |x| x[i]);
                 let jacobian = jacobian.as_ref();
-                let values = on_run.residuals_with_effect(i, trial, at, &forces, jacobian);
-                put(*k, values, 0.01);
+                let values = on_run.residuals_with_effect(i, trial, &with_carried, jacobian);
+                put(*k, values, STEP);
             }
-            for (k, other) in &with_steps {
-                put(*k, other.residuals_reusing(i, &at), 0.01);
+            for (k, other) in &steps {
+                put(*k, other.residuals_reusing(i, &instant), STEP);
             }
             if self.form > 0.0 {
-                let form = 0.01 * self.form;
-                let with_errors = on_run.residuals_with_form_errors(&at, &forces, form);
-                for (k, values) in (first_form..).zip(with_errors) {
-                    put(k, values, 0.01);
+                let form = STEP * self.form;
+                let with_errors = on_run.residuals_with_form_errors(&instant, form);
+                for (k, values) in (at.form_errors..).zip(with_errors) {
+                    put(k, values, STEP);
                 }
             }
             for b in 0..BASE {
-                put(b, on_run.residuals_with_base_step(&at, b, STEP), STEP);
+                let values = on_run.residuals_with_base_step(&instant, b, BASE_STEP);
+                put(b, values, BASE_STEP);
             }
-            for (c, raw) in raw.iter_mut().enumerate() {
-                if let Some(to) = raw[count - 1].get_mut(i) {
-                    *to = unchanged[c];
+            for (raw, residual) in raw.iter_mut().zip(unchanged) {
+                if let Some(to) = raw[at.residual].get_mut(i) {
+                    *to = residual;
                 }
             }
-            for (residual, value) in residual.iter_mut().zip(unchanged) {
-                residual.push(value);
-            }
         }
-        self.put_shifted(frame, &shifted, (&instants, &residual), &mut raw);
-        let all = self.whitened(frame, &raw);
-        let rows = all[0].len();
-        let grip: Vec<f64> = (0..rows)
-            .map(|i| all[1][i] + all[2][i] + all[3][i] + all[4][i])
-            .collect();
-        let installed = installation.combined(&all[first_error..first_form]);
-        let regular = first_trial + self.candidates.len();
-        let order: Vec<&[f64]> = [all[0].as_slice(), grip.as_slice()]
-            .into_iter()
-            .chain(self.free_base.iter().map(|b| all[*b].as_slice()))
-            .chain(all[BASE..first_error].iter().map(Vec::as_slice))
-            .chain(installed.iter().map(Vec::as_slice))
-            .chain(all[first_form..regular].iter().map(Vec::as_slice))
-            .chain([all[count - 1].as_slice()])
-            .collect();
-        let gather = |columns: &[&[f64]]| {
-            let mut matrix = DMatrix::zeros(rows, columns.len());
-            for (k, column) in columns.iter().enumerate() {
-                matrix.column_mut(k).copy_from_slice(column);
-            }
-            matrix
-        };
-        let locals: Vec<&[f64]> = all[regular..count - 1].iter().map(Vec::as_slice).collect();
-        let mut columns = gather(&order);
-        for (k, noise) in self.noise.into_iter().flatten().enumerate() {
-            self.add_relative(noise, &all[count - 1], columns.column_mut(k).as_mut_slice());
-        }
-        (columns, gather(&locals))
+        self.set_shifted_columns(frame, &shifted, &instants, &mut raw);
+        raw
     }
 
     /// Low-passes, thins and whitens columns; the balances are stacked. The discrepancy is
     /// subtracted from the last column, the residual.
-    fn whitened(&self, frame: &Frame, raw: &[Vec<Vec<f64>>; BALANCES]) -> Vec<Vec<f64>> {
+    fn whitened(&self, frame: &Frame, raw: &RawColumns) -> Vec<Vec<f64>> {
         let (count, scales) = (raw[0].len(), frame.row_scales());
         let column = |k: usize| {
             // Such as an installation error of another session.
@@ -288,8 +314,8 @@ impl Design<'_> {
 
     /// Adds the change of the noise's Cholesky factor, `inv(L) dL r`, to a column of the whitened
     /// balances.
-    fn add_relative(&self, noise: &Matrix3<f64>, residual: &[f64], column: &mut [f64]) {
-        let used: Vec<usize> = (0..BALANCES).filter(|c| self.whitener.used[*c]).collect();
+    fn add_noise_gradient(&self, noise: &Matrix3<f64>, residual: &[f64], column: &mut [f64]) {
+        let used: Vec<usize> = self.whitener.channels().collect();
         let n = residual.len() / used.len().max(1);
         for (to, c) in used.iter().enumerate() {
             for (from, other) in used.iter().enumerate().take(to + 1) {
@@ -301,43 +327,43 @@ impl Design<'_> {
         }
     }
 
-    /// Sets the columns of `shifted` parameters, which change readings or constants. `residual`
-    /// contains the residuals of the balances at the run's instants.
+    /// Sets the columns of `shifted` parameters, which change readings or constants.
     ///
     /// Plain derivatives use the accelerations of the model: the measured ones contain the
     /// residual, and the columns would be correlated with it.
-    fn put_shifted(
+    fn set_shifted_columns(
         &self,
         frame: &Frame,
         shifted: &[(usize, Shift)],
-        (instants, residual): (&[Instant], &[Vec<f64>; BALANCES]),
-        raw: &mut [Vec<Vec<f64>>; BALANCES],
+        instants: &[Instant],
+        raw: &mut RawColumns,
     ) {
         if shifted.is_empty() {
             return;
         }
-        let predicted = match self.noise {
-            None => Some(truth(frame, self.residual_model, residual)),
-            Some(_) => None,
-        };
+        let predicted = self.noise.is_none().then(|| {
+            let residuals: Vec<_> = instants.iter().map(Instant::residuals).collect();
+            let rows = [0, 1, 2].map(|c| residuals.iter().map(|r| r[c]).collect());
+            truth(frame, self.residual_model, &rows)
+        });
         let modelled = predicted.as_ref().unwrap_or(frame);
         let on_modelled = ModelOnRun::new(self.residual_model, modelled);
         let readings = Readings::new(self.residual_model, modelled);
         let jacobian = |(i, known): (usize, &Instant)| {
             let at = on_modelled.instant_near(i, &on_modelled.measured(i), known);
-            on_modelled.jacobian_of_readings(i, &at, &on_modelled.forces(&at))
+            on_modelled.jacobian_of_readings(i, &at)
         };
         let jacobians: Vec<ResidualJacobian> = instants.iter().enumerate().map(jacobian).collect();
         for (k, shift) in shifted {
             let differences = match shift {
-                Shift::Installation(error) => readings.with_error_moved(*error, 0.01),
+                Shift::Installation(error) => readings.with_error_changed(*error, STEP),
                 Shift::Delays(delays) => readings.with_delays(delays),
             };
             if differences.is_empty() {
                 continue;
             }
             let to = raw.each_mut().map(|raw| raw[*k].as_mut_slice());
-            differences.add_change(-1.0 / 0.01, &jacobians, to);
+            differences.add_change(-1.0 / STEP, &jacobians, to);
         }
     }
 
@@ -348,24 +374,20 @@ impl Design<'_> {
             .map(|frame| {
                 let (columns, locals) = self.columns_and_locals(frame);
                 let full = self.squares(frame, &columns);
-                let (windows, window_norms) = match self.windows.is_empty() {
-                    true => (DMatrix::zeros(0, full.ncols()), Vec::new()),
-                    false => {
-                        let all = self.with_discrepancy(frame, &columns);
-                        self.window_products(frame, &all, &locals)
-                    }
+                let (windows, window_norms) = if self.windows.is_empty() {
+                    (DMatrix::zeros(0, full.ncols()), Vec::new())
+                } else {
+                    let all = self.with_discrepancy(frame, &columns);
+                    self.window_products(frame, &all, &locals)
                 };
                 let place = frame.rows(&frame.s);
-                let shares = self
-                    .windows
-                    .iter()
-                    .map(|w| {
-                        let inside = place.iter().filter(|s| (w.from..w.to).contains(*s));
-                        let there = w.track == frame.track;
-                        let count = if there { inside.count() } else { 0 };
-                        (w.local, count as f64 / place.len().max(1) as f64)
-                    })
-                    .collect();
+                let share = |w: &Window| {
+                    let is_inside =
+                        |s: &&f64| w.track == frame.track && (w.from..w.to).contains(*s);
+                    let inside = place.iter().filter(is_inside).count();
+                    (w.local, inside as f64 / place.len().max(1) as f64)
+                };
+                let shares = self.windows.iter().map(share).collect();
                 Products {
                     full,
                     windows,
@@ -416,18 +438,15 @@ impl Design<'_> {
         let m = columns.ncols();
         let mut products = DMatrix::zeros(self.windows.len(), m);
         let mut norms = vec![0.0; self.windows.len()];
-        let own = |w: &&Window| w.track == frame.track;
-        let first = self.windows.iter().find(own);
-        let Some((start, width)) = first.map(|w| (w.from, w.narrowest)) else {
+        let own = self.windows.iter().enumerate();
+        let own: Vec<_> = own.filter(|(_, w)| w.track == frame.track).collect();
+        let Some((_, first)) = own.first() else {
             return (products, norms);
         };
-        let bins = self
-            .windows
-            .iter()
-            .filter(own)
-            .map(|w| ((w.to - start) / width).round() as usize)
-            .max()
-            .unwrap_or(0);
+        let (start, width) = (first.from, first.narrowest);
+        let bin_of_edge = |edge: f64| ((edge - start) / width).round() as usize;
+        let bins = own.iter().map(|(_, w)| bin_of_edge(w.to)).max();
+        let bins = bins.unwrap_or(0);
         let place = frame.rows(&frame.s);
         for l in 0..locals.ncols() {
             let mut sums = vec![0.0; (bins + 1) * m];
@@ -450,15 +469,11 @@ impl Design<'_> {
                     sums[bin * m + k] += sums[(bin - 1) * m + k];
                 }
             }
-            for (w, window) in self.windows.iter().enumerate() {
-                if window.local != l || window.track != frame.track {
-                    continue;
-                }
-                let from = ((window.from - start) / width).round() as usize;
-                let to = ((window.to - start) / width).round() as usize;
-                norms[w] = squares[to] - squares[from];
+            for (w, window) in own.iter().filter(|(_, window)| window.local == l) {
+                let [from, to] = [window.from, window.to].map(bin_of_edge);
+                norms[*w] = squares[to] - squares[from];
                 for k in 0..m {
-                    products[(w, k)] = sums[to * m + k] - sums[from * m + k];
+                    products[(*w, k)] = sums[to * m + k] - sums[from * m + k];
                 }
             }
         }
@@ -478,22 +493,20 @@ pub struct Products {
 }
 
 impl Products {
-    /// The products from which scores are computed, minus `share` times the noise products.
+    /// The products from which scores are computed, minus the noise products.
     ///
     /// `noise` includes the local candidates last; the noise of a window is taken to be uniform
     /// along the run.
-    pub fn corrected(&self, noise: &DMatrix<f64>, share: f64) -> Gram {
+    pub fn corrected(&self, noise: &DMatrix<f64>) -> Gram {
         let m = self.full.ncols();
-        let mut full = noise.view((0, 0), (m, m)) * -share;
-        full += &self.full;
+        let full = &self.full - noise.view((0, 0), (m, m));
         let mut windows = self.windows.clone();
         let mut norms = self.window_norms.clone();
-        for (w, (local, part)) in self.shares.iter().enumerate() {
-            let part = part * share;
-            if part > 0.0 {
-                norms[w] = (norms[w] - part * noise[(m + local, m + local)]).max(0.0);
+        for (w, (local, share)) in self.shares.iter().enumerate() {
+            if *share > 0.0 {
+                norms[w] = (norms[w] - share * noise[(m + local, m + local)]).max(0.0);
                 for k in 0..m {
-                    windows[(w, k)] -= part * noise[(m + local, k)];
+                    windows[(w, k)] -= share * noise[(m + local, k)];
                 }
             }
         }

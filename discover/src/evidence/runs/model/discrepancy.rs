@@ -77,10 +77,8 @@ impl Discrepancy {
             splines: ((to - from) / knots_m).ceil().max(1.0) as usize + 3,
         };
         let repeatable = |c, rows| Means::new(c, frames, rows, 0.5 * knots_m).repeatable(None);
-        let variance = |c: usize| match used[c] {
-            true => repeatable(c, rows) - repeatable(c, simulated).max(0.0),
-            false => 0.0,
-        };
+        let variance = |c: usize| repeatable(c, rows) - repeatable(c, simulated).max(0.0);
+        let variance = |c: usize| if used[c] { variance(c) } else { 0.0 };
         let spans = spans.into_iter().filter(|(_, [from, to])| from <= to);
         Self {
             spans: spans.map(span).collect(),
@@ -129,10 +127,7 @@ impl Discrepancy {
 
     /// Number of coefficients that are fitted.
     pub fn fitted_count(&self) -> usize {
-        match self.fixed {
-            true => 0,
-            false => self.count(),
-        }
+        if self.fixed { 0 } else { self.count() }
     }
 
     /// The first coefficient of a track and its splines.
@@ -201,8 +196,8 @@ impl Discrepancy {
         let mut columns = DMatrix::zeros(n * used, balances.len() * span.splines);
         for (b, c) in balances.iter().enumerate() {
             let whitening = whitener.column(*c);
-            for block in 0..used {
-                let factor = self.sd[*c] * whitening[whitener.channel(block)];
+            for (block, channel) in whitener.channels().enumerate() {
+                let factor = self.sd[*c] * whitening[channel];
                 for (i, (spline, values)) in splines[*c].iter().enumerate() {
                     for (k, value) in values.iter().enumerate() {
                         columns[(block * n + i, b * span.splines + spline + k)] = factor * value;
@@ -249,7 +244,7 @@ impl Discrepancy {
             .balances()
             .map(|c| (c, whitener.column(c).map(|weight| self.sd[c] * weight)))
             .collect();
-        let blocks: Vec<usize> = (0..whitener.count()).map(|k| whitener.channel(k)).collect();
+        let blocks: Vec<usize> = whitener.channels().collect();
         let of_balance = |b: usize| at + first + b * span.splines;
         for (b, (c, weights)) in balances.iter().enumerate() {
             let splines = &splines[*c];

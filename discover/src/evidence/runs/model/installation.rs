@@ -22,37 +22,70 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use kufe_sled::effects::{Fault, Sensor};
+use kufe_sled::effects::{Fault, SENSORS, Sensor};
 use kufe_sled::{Sled, Tolerances};
 use nalgebra::{DMatrix, DVector};
 
 use crate::evidence::runs::model::channels::Channels;
+use crate::evidence::runs::recordings::frame::Frame;
 
 /// Kind of an installation error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum ErrorKind {
     /// A delay of a channel.
-    Late(Sensor),
+    Delay(Sensor),
     /// A relative scale error.
-    Scaled(Sensor),
+    Scale(Sensor),
     /// A bias.
-    Biased(Sensor),
+    Bias(Sensor),
     /// A rotation of the inertial unit about an axis: roll, pitch, yaw.
-    Misaligned(usize),
+    Misalignment(usize),
     /// Sensitivity of a gyroscope's axis to the vertical acceleration.
-    GSensitive(usize),
+    GSensitivity(usize),
     /// Position of the accelerometer along an axis.
-    Accelerometer(usize),
+    AccelerometerPlace(usize),
     /// Longitudinal position of the slip sensor.
-    SlipSensor,
+    SlipSensorPlace,
     /// Longitudinal position of the centre of gravity.
-    Centre,
+    CentreOfGravity,
     /// Relative error of the sled's mass.
     Mass,
     /// Relative error of its pitch inertia.
     PitchInertia,
     /// Relative error of its yaw inertia.
     YawInertia,
+}
+
+impl ErrorKind {
+    /// Description and unit.
+    fn description(self) -> (String, &'static str) {
+        match self {
+            Self::Delay(s) => (format!("delay of {}", s.name()), "s"),
+            Self::Scale(s) => (format!("scale of {}", s.name()), ""),
+            Self::Bias(s) => {
+                let is_gyro = Sensor::GYROSCOPE.contains(&s);
+                let unit = if is_gyro { "rad/s" } else { "m/s2" };
+                (format!("bias of {}", s.name()), unit)
+            }
+            Self::Misalignment(axis) => {
+                let name = ["roll", "pitch", "yaw"][axis];
+                (format!("misalignment of the inertial unit, {name}"), "rad")
+            }
+            Self::GSensitivity(axis) => {
+                let name = Sensor::GYROSCOPE[axis].name();
+                (format!("g-sensitivity of {name}"), "rad/s per m/s2")
+            }
+            Self::AccelerometerPlace(axis) => {
+                let name = ["x", "y", "z"][axis];
+                (format!("place of the accelerometer, {name}"), "m")
+            }
+            Self::SlipSensorPlace => ("place of the slip sensor, x".to_owned(), "m"),
+            Self::CentreOfGravity => ("place of the centre of gravity, x".to_owned(), "m"),
+            Self::Mass => ("mass, relative".to_owned(), ""),
+            Self::PitchInertia => ("pitch inertia, relative".to_owned(), ""),
+            Self::YawInertia => ("yaw inertia, relative".to_owned(), ""),
+        }
+    }
 }
 
 /// One possible installation error.
@@ -73,7 +106,7 @@ impl InstallationError {
     pub fn is_tilt(&self) -> bool {
         matches!(
             self.kind,
-            ErrorKind::Biased(Sensor::Ax) | ErrorKind::Misaligned(1 | 2)
+            ErrorKind::Bias(Sensor::Ax) | ErrorKind::Misalignment(1 | 2)
         )
     }
 
@@ -81,13 +114,13 @@ impl InstallationError {
     pub fn couples(&self) -> bool {
         matches!(
             self.kind,
-            ErrorKind::Misaligned(_) | ErrorKind::GSensitive(_)
+            ErrorKind::Misalignment(_) | ErrorKind::GSensitivity(_)
         )
     }
 
     /// Whether it is a delay or a bias: these do not scale the noise of the residuals.
     pub fn is_additive(&self) -> bool {
-        matches!(self.kind, ErrorKind::Late(_) | ErrorKind::Biased(_))
+        matches!(self.kind, ErrorKind::Delay(_) | ErrorKind::Bias(_))
     }
 
     pub fn acts_in(&self, session: &str) -> bool {
@@ -97,9 +130,7 @@ impl InstallationError {
     /// The sensor whose reading it changes.
     pub fn sensor(&self) -> Option<Sensor> {
         match self.kind {
-            ErrorKind::Late(sensor) | ErrorKind::Scaled(sensor) | ErrorKind::Biased(sensor) => {
-                Some(sensor)
-            }
+            ErrorKind::Delay(s) | ErrorKind::Scale(s) | ErrorKind::Bias(s) => Some(s),
             _ => None,
         }
     }
@@ -162,92 +193,48 @@ pub struct Installation {
 impl Installation {
     /// Errors that the tolerances allow in runs of these sessions; a tolerance of 0 excludes an
     /// error.
-    pub fn new<'s>(tolerances: &Tolerances, sessions: impl IntoIterator<Item = &'s str>) -> Self {
-        let t = tolerances;
-        let gyros = [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate];
-        let accelerometers = [Sensor::Ax, Sensor::Ay, Sensor::Az];
-        let mut errors = Vec::new();
-        let mut add = |what: String, unit, sd, kind| {
-            if sd > 0.0 {
-                errors.push(InstallationError {
+    pub fn new<'s>(t: &Tolerances, sessions: impl IntoIterator<Item = &'s str>) -> Self {
+        use ErrorKind::*;
+        let scale_and_bias = |sensors: [Sensor; 3], [scale, bias]: [f64; 2]| {
+            let of_sensor = move |s| [(Scale(s), scale), (Bias(s), bias)];
+            sensors.into_iter().flat_map(of_sensor)
+        };
+        let g_sensitivity = t.gyro_g_sensitivity_radps_per_mps2;
+        let gyroscope = [t.gyro_scale, t.gyro_bias_radps];
+        let accelerometer = [t.accel_scale, t.accel_bias_mps2];
+        let kinds = (Sensor::ALL.map(|s| (Delay(s), t.delay_s)).into_iter())
+            .chain(scale_and_bias(Sensor::GYROSCOPE, gyroscope))
+            .chain(scale_and_bias(Sensor::ACCELEROMETER, accelerometer))
+            .chain([(Scale(Sensor::Steering), t.steer_scale)])
+            .chain([0, 1, 2].map(|axis| (Misalignment(axis), t.misalignment_rad)))
+            .chain([0, 1, 2].map(|axis| (GSensitivity(axis), g_sensitivity)))
+            .chain([0, 1, 2].map(|axis| (AccelerometerPlace(axis), t.place_m)))
+            .chain([(SlipSensorPlace, t.place_m), (CentreOfGravity, t.place_m)])
+            .chain([(Mass, t.mass)])
+            .chain([(PitchInertia, t.inertia), (YawInertia, t.inertia)]);
+        let allowed = kinds.filter(|(_, sd)| *sd > 0.0);
+        let mut errors: Vec<InstallationError> = allowed
+            .map(|(kind, sd)| {
+                let (what, unit) = kind.description();
+                InstallationError {
                     what,
                     unit,
                     sd,
                     session: None,
                     kind,
-                });
-            }
-        };
-        for s in Sensor::ALL {
-            let what = format!("delay of {}", s.name());
-            add(what, "s", t.delay_s, ErrorKind::Late(s));
-        }
-        for s in gyros {
-            let name = s.name();
-            add(
-                format!("scale of {name}"),
-                "",
-                t.gyro_scale,
-                ErrorKind::Scaled(s),
-            );
-            let (sd, what) = (t.gyro_bias_radps, format!("bias of {name}"));
-            add(what, "rad/s", sd, ErrorKind::Biased(s));
-        }
-        for s in accelerometers {
-            let name = s.name();
-            add(
-                format!("scale of {name}"),
-                "",
-                t.accel_scale,
-                ErrorKind::Scaled(s),
-            );
-            let (sd, what) = (t.accel_bias_mps2, format!("bias of {name}"));
-            add(what, "m/s2", sd, ErrorKind::Biased(s));
-        }
-        let steer = Sensor::Steering;
-        let what = format!("scale of {}", steer.name());
-        add(what, "", t.steer_scale, ErrorKind::Scaled(steer));
-        for (axis, name) in ["roll", "pitch", "yaw"].into_iter().enumerate() {
-            let what = format!("misalignment of the inertial unit, {name}");
-            add(what, "rad", t.misalignment_rad, ErrorKind::Misaligned(axis));
-        }
-        for (axis, s) in gyros.into_iter().enumerate() {
-            let (unit, sd) = ("rad/s per m/s2", t.gyro_g_sensitivity_radps_per_mps2);
-            let what = format!("g-sensitivity of {}", s.name());
-            add(what, unit, sd, ErrorKind::GSensitive(axis));
-        }
-        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-            let what = format!("place of the accelerometer, {name}");
-            add(what, "m", t.place_m, ErrorKind::Accelerometer(axis));
-        }
-        let places = [
-            ("place of the slip sensor, x", ErrorKind::SlipSensor),
-            ("place of the centre of gravity, x", ErrorKind::Centre),
-        ];
-        for (what, kind) in places {
-            add(what.to_owned(), "m", t.place_m, kind);
-        }
-        add("mass, relative".to_owned(), "", t.mass, ErrorKind::Mass);
-        let inertias = [
-            ("pitch", ErrorKind::PitchInertia),
-            ("yaw", ErrorKind::YawInertia),
-        ];
-        for (axis, kind) in inertias {
-            add(format!("{axis} inertia, relative"), "", t.inertia, kind);
-        }
+                }
+            })
+            .collect();
         if t.session_offset_rad > 0.0 {
             let sessions: BTreeSet<&str> = sessions.into_iter().collect();
-            for (session, s) in sessions
-                .into_iter()
-                .flat_map(|session| [Sensor::Slip, Sensor::Steering].map(|s| (session, s)))
-            {
-                errors.push(InstallationError {
+            for session in sessions {
+                errors.extend([Sensor::Slip, Sensor::Steering].map(|s| InstallationError {
                     what: format!("offset of {} in session {session:?}", s.name()),
                     unit: "rad",
                     sd: t.session_offset_rad,
                     session: Some(session.to_owned()),
-                    kind: ErrorKind::Biased(s),
-                });
+                    kind: Bias(s),
+                }));
             }
         }
         Self::of(errors.into(), None)
@@ -287,18 +274,7 @@ impl Installation {
 
     /// Number of errors that are fitted.
     pub fn fitted_count(&self) -> usize {
-        match self.fixed {
-            true => 0,
-            false => self.errors.len(),
-        }
-    }
-
-    /// The installation with fixed or free sizes.
-    pub fn with_fixed(&self, fixed: bool) -> Self {
-        Self {
-            fixed,
-            ..self.clone()
-        }
+        if self.fixed { 0 } else { self.errors.len() }
     }
 
     /// Negative log prior density of the sizes, minus its value at sizes of 0.
@@ -322,10 +298,10 @@ impl Installation {
     }
 
     /// The installation with one error changed by `deviations` standard deviations.
-    pub fn moved(&self, error: usize, deviations: f64) -> Self {
-        let mut moved = self.clone();
-        moved.sizes[error] += deviations;
-        moved
+    pub fn with_error_changed(&self, error: usize, deviations: f64) -> Self {
+        let mut changed = self.clone();
+        changed.sizes[error] += deviations;
+        changed
     }
 
     /// The column of each whitened coordinate, from the column of each error.
@@ -357,16 +333,21 @@ impl Installation {
         self.errors.iter().enumerate().map(error).collect()
     }
 
-    /// Corrects the stated constants of a sled.
-    pub fn correct_constants(&self, sled: &mut Sled) {
-        for (error, size) in self.errors.iter().zip(&self.sizes) {
-            let size = size * error.sd;
+    /// Errors and their sizes, each in its unit.
+    fn sizes_in_units(&self) -> impl DoubleEndedIterator<Item = (&InstallationError, f64)> {
+        let errors = self.errors.iter().zip(&self.sizes);
+        errors.map(|(error, size)| (error, size * error.sd))
+    }
+
+    /// The stated constants of a sled, corrected.
+    pub fn corrected_constants(&self, mut sled: Sled) -> Sled {
+        for (error, size) in self.sizes_in_units() {
             match error.kind {
-                ErrorKind::Accelerometer(0) => sled.accel_x_m += size,
-                ErrorKind::Accelerometer(1) => sled.accel_y_m += size,
-                ErrorKind::Accelerometer(_) => sled.accel_z_m += size,
-                ErrorKind::SlipSensor => sled.slip_x_m += size,
-                ErrorKind::Centre => {
+                ErrorKind::AccelerometerPlace(0) => sled.accel_x_m += size,
+                ErrorKind::AccelerometerPlace(1) => sled.accel_y_m += size,
+                ErrorKind::AccelerometerPlace(_) => sled.accel_z_m += size,
+                ErrorKind::SlipSensorPlace => sled.slip_x_m += size,
+                ErrorKind::CentreOfGravity => {
                     sled.l_f_m -= size;
                     sled.l_r_m += size;
                     sled.accel_x_m -= size;
@@ -375,58 +356,65 @@ impl Installation {
                 ErrorKind::Mass => sled.mass_kg *= 1.0 + size,
                 ErrorKind::PitchInertia => sled.j_yy_kgm2 *= 1.0 + size,
                 ErrorKind::YawInertia => sled.j_zz_kgm2 *= 1.0 + size,
-                ErrorKind::Late(_) | ErrorKind::Scaled(_) | ErrorKind::Biased(_) => {}
-                ErrorKind::Misaligned(_) | ErrorKind::GSensitive(_) => {}
+                _ => {}
             }
         }
+        sled
     }
 
     /// Delay of a sensor [s].
     pub fn delay(&self, sensor: Sensor) -> f64 {
-        let errors = self.errors.iter().zip(&self.sizes);
-        let late = errors.filter(|(error, _)| error.kind == ErrorKind::Late(sensor));
-        late.map(|(error, size)| error.sd * size).sum()
+        let errors = self.sizes_in_units();
+        let late = errors.filter(|(error, _)| error.kind == ErrorKind::Delay(sensor));
+        late.map(|(_, size)| size).sum()
+    }
+
+    /// Channels of a run, of which `sensors` are corrected for their own installation errors and
+    /// delays by effects [s].
+    pub fn corrected_channels<'a>(
+        &self,
+        frame: &'a Frame,
+        sensors: &[Sensor],
+        delays: &[f64; SENSORS],
+    ) -> Channels<'a> {
+        let mut channels = Channels::new(frame);
+        for sensor in sensors {
+            let acts = |error: &InstallationError| {
+                error.sensor() == Some(*sensor) && error.acts_in(&frame.session)
+            };
+            let errors = self.sizes_in_units();
+            for (error, size) in errors.filter(|(error, size)| *size != 0.0 && acts(error)) {
+                match error.kind {
+                    ErrorKind::Delay(sensor) => channels.correct_delay(sensor, size),
+                    ErrorKind::Bias(sensor) => channels.correct_bias(sensor, size),
+                    ErrorKind::Scale(sensor) => channels.correct_scale(sensor, 1.0 + size),
+                    _ => {}
+                }
+            }
+            let delay_s = delays[*sensor as usize];
+            if delay_s != 0.0 {
+                channels.correct_delay(*sensor, delay_s);
+            }
+        }
+        channels
     }
 
     /// Corrects cross-sensitivity within the inertial unit, after each channel's own errors.
     pub fn correct_coupling(&self, channels: &mut Channels) {
-        let errors = self.errors.iter().zip(&self.sizes).rev();
-        for (error, size) in errors.filter(|(error, size)| error.couples() && **size != 0.0) {
-            let size = size * error.sd;
-            let gyros = [Sensor::RollRate, Sensor::PitchRate, Sensor::YawRate];
+        for (error, size) in self.sizes_in_units().rev().filter(|(_, size)| *size != 0.0) {
             match error.kind {
-                ErrorKind::Misaligned(axis) => {
+                ErrorKind::Misalignment(axis) => {
                     for fault in Fault::misaligned(axis).iter().rev() {
-                        channels.correct(fault, size);
+                        channels.correct_cross_sensitivity(fault, size);
                     }
                 }
-                ErrorKind::GSensitive(axis) => {
-                    channels.correct(&Fault::picks_up(gyros[axis], Sensor::Az, 1.0, 0), size);
+                ErrorKind::GSensitivity(axis) => {
+                    let gyro = Sensor::GYROSCOPE[axis];
+                    let fault = Fault::picks_up(gyro, Sensor::Az, 1.0, 0);
+                    channels.correct_cross_sensitivity(&fault, size);
                 }
                 _ => {}
             }
-        }
-    }
-
-    /// Corrects a sensor's reading in a session: installation errors, then a delay by effects [s].
-    pub fn correct(&self, of: Sensor, session: &str, delay_s: f64, channels: &mut Channels) {
-        let errors = self.errors.iter().zip(&self.sizes);
-        let acts = |error: &InstallationError| error.sensor() == Some(of) && error.acts_in(session);
-        for (error, size) in errors.filter(|(error, size)| **size != 0.0 && acts(error)) {
-            let size = size * error.sd;
-            match error.kind {
-                ErrorKind::Late(sensor) => channels.correct_delay(sensor, size),
-                ErrorKind::Biased(sensor) => channels.correct_bias(sensor, size),
-                ErrorKind::Scaled(sensor) => channels.correct_scale(sensor, 1.0 + size),
-                ErrorKind::Misaligned(_)
-                | ErrorKind::GSensitive(_)
-                | ErrorKind::Accelerometer(_) => {}
-                ErrorKind::SlipSensor | ErrorKind::Centre => {}
-                ErrorKind::Mass | ErrorKind::PitchInertia | ErrorKind::YawInertia => {}
-            }
-        }
-        if delay_s != 0.0 {
-            channels.correct_delay(of, delay_s);
         }
     }
 }
@@ -480,7 +468,7 @@ mod tests {
         let expected =
             ["a", "b"].map(|s| ["alpha_rad", "delta_rad"].map(|of_sensor| of(of_sensor, s)));
         assert_eq!(what, expected.concat());
-        let off = none.moved(2, 0.5);
+        let off = none.with_error_changed(2, 0.5);
         let of_part = |session: &str| off.errors[2].acts_in(session);
         assert_eq!((of_part("a"), of_part("b")), (false, true));
     }

@@ -1,9 +1,11 @@
 //! One sample of a run in a model.
 
-use kufe_sled::effects::{self, Signals};
+use kufe_sled::effects::{self, Active, Forces, Signals};
 use kufe_sled::{Balance, LawForces, Vehicle};
 
-/// One sample: its balance, the base laws, and the state for effects.
+use crate::evidence::runs::model::residual_model::BALANCES;
+
+/// One sample: its balance, the base laws, the state for effects, and the forces.
 #[derive(Clone, Copy)]
 pub struct Instant {
     /// The state that effects are evaluated at.
@@ -11,6 +13,8 @@ pub struct Instant {
     pub(super) balance: Balance,
     pub(super) laws: LawForces,
     pub(super) signals: Signals,
+    /// Forces of the base laws with the model's effects.
+    pub(super) forces: Forces,
 }
 
 impl Instant {
@@ -21,11 +25,32 @@ impl Instant {
         laws: LawForces,
         signals: &Signals,
     ) -> Self {
+        let seen = balance.seen(vehicle, laws.load_n);
+        let mut forces = laws.forces;
+        vehicle.effects.act(&seen, &mut forces);
         Self {
-            seen: balance.seen(vehicle, laws.load_n),
+            seen,
             balance,
             laws,
             signals: *signals,
+            forces,
         }
+    }
+
+    /// Residuals of the longitudinal [N], lateral [N] and yaw [N m] balance.
+    pub fn residuals(&self) -> [f64; BALANCES] {
+        self.residuals_with_forces(&self.forces)
+    }
+
+    /// Residuals with other forces.
+    pub(super) fn residuals_with_forces(&self, forces: &Forces) -> [f64; BALANCES] {
+        self.balance.residual(forces).values()
+    }
+
+    /// Residuals with one more effect on the forces.
+    pub(super) fn residuals_with_force_effect(&self, effect: &Active) -> [f64; BALANCES] {
+        let mut forces = self.forces;
+        effect.act(&self.seen, &mut forces);
+        self.residuals_with_forces(&forces)
     }
 }

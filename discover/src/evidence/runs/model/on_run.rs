@@ -56,21 +56,11 @@ impl ResidualModel {
         rows
     }
 
-    /// The track channel of [`raw`](Self::raw) alone; zeros without a survey.
+    /// The track channel at every retained sample; zeros without a survey.
     pub fn track_residual(&self, frame: &Frame) -> Vec<f64> {
-        let [residual, _] = self.track_residual_and_speed(frame);
-        residual
-    }
-
-    /// The track channel at every retained sample, and the corrected speed [m/s].
-    pub fn track_residual_and_speed(&self, frame: &Frame) -> [Vec<f64>; 2] {
         let on_run = ModelOnRun::new(self, frame);
-        let sample = |i: usize| {
-            let signals = on_run.measured(i);
-            (on_run.track_residual(i, &signals), signals[Sensor::Speed])
-        };
-        let (residual, speed) = (0..frame.len()).map(sample).unzip();
-        [residual, speed]
+        let residual = |i: usize| on_run.track_residual(i, &on_run.measured(i));
+        (0..frame.len()).map(residual).collect()
     }
 }
 
@@ -102,19 +92,13 @@ impl<'a> ModelOnRun<'a> {
         let effects = residual_model.effects.on_track(&frame.track);
         let delays = effects.delays();
         vehicle.effects = effects.in_time();
-        if let Some(mass_kg) = frame.mass_kg {
-            vehicle.sled.mass_kg = mass_kg;
-        }
         if let Some(contacts) = &residual_model.contacts {
             vehicle.effects.active.extend(contacts.of_run(frame));
         }
-        let mut sled = vehicle.sled;
         let installation = &residual_model.installation;
-        installation.correct_constants(&mut sled);
-        let mut channels = Channels::new(frame);
-        for (sensor, delay) in Sensor::ALL.into_iter().zip(delays) {
-            installation.correct(sensor, &frame.session, delay, &mut channels);
-        }
+        vehicle.sled = frame.sled(vehicle.sled);
+        let sled = installation.corrected_constants(vehicle.sled);
+        let mut channels = installation.corrected_channels(frame, &Sensor::ALL, &delays);
         installation.correct_coupling(&mut channels);
         Self {
             residual_model,
@@ -154,9 +138,8 @@ impl<'a> ModelOnRun<'a> {
             if frame.slope.is_empty() || !frame.s_of_speed {
                 return as_read;
             }
-            let speed_correction: Vec<f64> = (0..frame.len())
-                .map(|i| self.measured(i)[Sensor::Speed] - frame.v[i])
-                .collect();
+            let correction = |i: usize| self.measured(i)[Sensor::Speed] - frame.v[i];
+            let speed_correction: Vec<f64> = (0..frame.len()).map(correction).collect();
             if speed_correction.iter().all(|dv| *dv == 0.0) {
                 return as_read;
             }
@@ -207,18 +190,6 @@ impl<'a> ModelOnRun<'a> {
         }
     }
 
-    /// The balance of a sample, from its corrected signals.
-    fn balance(&self, i: usize, signals: &Signals) -> Balance {
-        let (sled, state, motion) = self.motion(i, signals);
-        Balance::new(&sled, &state, &motion)
-    }
-
-    /// The balance of a sample, linearised about the balance `known` of a similar motion.
-    fn balance_near(&self, i: usize, signals: &Signals, known: &Balance) -> Balance {
-        let (sled, state, motion) = self.motion(i, signals);
-        Balance::near(&sled, &state, &motion, known)
-    }
-
     /// Sled, state and motion of a sample, from its corrected signals.
     fn motion(&self, i: usize, signals: &Signals) -> (Sled, State, Motion) {
         let (sled, mut state, motion) = self.state_and_motion(i, signals);
@@ -241,63 +212,48 @@ impl<'a> ModelOnRun<'a> {
 
     /// The state of a sample that friction is evaluated at.
     pub fn state(&self, i: usize) -> State {
-        self.balance(i, &self.measured(i)).state
+        let (sled, state, motion) = self.motion(i, &self.measured(i));
+        Balance::new(&sled, &state, &motion).state
+    }
+
+    /// A sample with the base laws evaluated.
+    pub fn instant(&self, i: usize) -> Instant {
+        self.instant_of(i, &self.measured(i))
     }
 
     /// A sample with the base laws evaluated, from its corrected signals.
-    pub fn instant(&self, i: usize, signals: &Signals) -> Instant {
-        let balance = self.balance(i, signals);
+    fn instant_of(&self, i: usize, signals: &Signals) -> Instant {
+        let (sled, state, motion) = self.motion(i, signals);
+        let balance = Balance::new(&sled, &state, &motion);
         let laws = balance.laws(&self.vehicle);
         Instant::new(&self.vehicle, balance, laws, signals)
     }
 
-    /// A sample with the base laws linearised about the sample `known` of a similar motion.
+    /// A sample with balance and base laws linearised about the sample `known` of a similar motion.
     pub fn instant_near(&self, i: usize, signals: &Signals, known: &Instant) -> Instant {
-        let balance = self.balance_near(i, signals, &known.balance);
+        let (sled, state, motion) = self.motion(i, signals);
+        let balance = Balance::near(&sled, &state, &motion, &known.balance);
         let laws = balance.laws_near(&self.vehicle, &known.balance, &known.laws);
         Instant::new(&self.vehicle, balance, laws, signals)
     }
 
-    /// Residuals of the balances of a sample, with the laws linearised as by
-    /// [`instant_near`](Self::instant_near).
-    fn residuals_linearised(
-        &self,
-        i: usize,
-        signals: &Signals,
-        known: &Instant,
-    ) -> [f64; BALANCES] {
-        let balance = self.balance_near(i, signals, &known.balance);
-        let laws = balance.laws_near(&self.vehicle, &known.balance, &known.laws);
-        let mut forces = laws.forces;
-        if !self.vehicle.effects.is_empty() {
-            let seen = balance.seen(&self.vehicle, laws.load_n);
-            self.vehicle.effects.act(&seen, &mut forces);
-        }
-        balance.residual(&forces).values()
-    }
-
     /// Derivatives of the balances of a sample by its corrected readings; `None` if effects act on
     /// the forces, whose derivatives are not included, and for a sled at rest.
-    pub fn residual_jacobian(&self, at: &Instant, forces: &Forces) -> Option<ResidualJacobian> {
+    pub fn residual_jacobian(&self, at: &Instant) -> Option<ResidualJacobian> {
         let is_moving = at.signals[Sensor::Speed] > MIN_SPEED;
-        let has_closed_form = is_moving && *forces == at.laws.forces;
+        let has_closed_form = is_moving && at.forces == at.laws.forces;
         has_closed_form
             .then(|| ResidualJacobian::new(&at.balance, &self.vehicle, &at.laws, &at.signals))
     }
 
     /// Derivatives of the balances of a sample by its uncorrected readings and the constants of the
     /// sled; by differences if effects act.
-    pub fn jacobian_of_readings(
-        &self,
-        i: usize,
-        at: &Instant,
-        forces: &Forces,
-    ) -> ResidualJacobian {
-        let analytic = self.residual_jacobian(at, forces);
+    pub fn jacobian_of_readings(&self, i: usize, at: &Instant) -> ResidualJacobian {
+        let analytic = self.residual_jacobian(at);
         if let (Some(jacobian), false) = (analytic, self.corrects) {
             return jacobian;
         }
-        let residuals = self.residuals_with_forces(at, forces);
+        let residuals = at.residuals();
         let read = self.channels.signals(i, self.sled);
         ResidualJacobian::of_differences(|perturb| {
             let mut signals = read;
@@ -306,29 +262,11 @@ impl<'a> ModelOnRun<'a> {
             match &analytic {
                 Some(jacobian) => jacobian.between(&at.signals, &signals),
                 None => {
-                    let perturbed = self.residuals_linearised(i, &signals, at);
+                    let perturbed = self.instant_near(i, &signals, at).residuals();
                     std::array::from_fn(|c| perturbed[c] - residuals[c])
                 }
             }
         })
-    }
-
-    /// Adds the model's effects to forces.
-    fn with_effects(&self, at: &Instant, mut forces: Forces) -> Forces {
-        if !self.vehicle.effects.is_empty() {
-            self.vehicle.effects.act(&at.seen, &mut forces);
-        }
-        forces
-    }
-
-    /// Forces of the base laws with the model's effects.
-    pub fn forces(&self, at: &Instant) -> Forces {
-        self.with_effects(at, at.laws.forces)
-    }
-
-    /// Residuals of the longitudinal [N], lateral [N] and yaw [N m] balance with these forces.
-    pub fn residuals_with_forces(&self, at: &Instant, forces: &Forces) -> [f64; BALANCES] {
-        at.balance.residual(forces).values()
     }
 
     /// Residuals with each form error of the lateral laws in turn, of relative size f.
@@ -340,15 +278,14 @@ impl<'a> ModelOnRun<'a> {
     pub fn residuals_with_form_errors(
         &self,
         at: &Instant,
-        forces: &Forces,
         f: f64,
     ) -> [[f64; BALANCES]; FORM_ERRORS] {
         let laws = [&self.vehicle.front.lateral, &self.vehicle.rear.lateral];
         let load = at.seen.load.map(|load| load.max(1.0));
         std::array::from_fn(|form| {
-            let mut other = *forces;
+            let mut forces = at.forces;
             let (axle, knot) = (form / FORM_KNOTS.len(), form % FORM_KNOTS.len());
-            match other.across.get_mut(axle) {
+            match forces.across.get_mut(axle) {
                 Some(across) => {
                     let peak = laws[axle].peak() * load[axle];
                     let r = (across.abs() / peak).min(1.0);
@@ -360,20 +297,21 @@ impl<'a> ModelOnRun<'a> {
                     *across += across.signum() * f * peak * hat;
                 }
                 None => {
-                    for (across, load) in other.across.iter_mut().zip(load) {
+                    for (across, load) in forces.across.iter_mut().zip(load) {
                         *across *= 1.0 + f * (load / FORM_LOAD_N).ln();
                     }
                 }
             }
-            self.residuals_with_forces(at, &other)
+            at.residuals_with_forces(&forces)
         })
     }
 
     /// Residuals with base multiplier `b` changed by a small `step`.
     pub fn residuals_with_base_step(&self, at: &Instant, b: usize, step: f64) -> [f64; BALANCES] {
         let share = step / self.residual_model.base[b];
-        let forces = with_base_step(&at.laws, &self.vehicle, b, share);
-        self.residuals_with_forces(at, &self.with_effects(at, forces))
+        let mut forces = with_base_step(&at.laws, &self.vehicle, b, share);
+        self.vehicle.effects.act(&at.seen, &mut forces);
+        at.residuals_with_forces(&forces)
     }
 
     /// Residual along the path of the sled [m/s2]; 0 without a survey. The slope is positive
@@ -397,8 +335,8 @@ impl<'a> ModelOnRun<'a> {
 
     /// Residuals of all channels at a sample.
     pub fn channel_residuals(&self, i: usize) -> [f64; CHANNELS] {
-        let at = self.instant(i, &self.measured(i));
-        let [along, side, yaw] = self.residuals_with_forces(&at, &self.forces(&at));
+        let at = self.instant(i);
+        let [along, side, yaw] = at.residuals();
         [along, side, yaw, self.track_residual(i, &at.signals)]
     }
 
@@ -410,52 +348,41 @@ impl<'a> ModelOnRun<'a> {
     /// Residuals of a sample with this model. `at` is the sample of a model with the same base
     /// laws, which are reused if both models correct the signals alike.
     pub fn residuals_reusing(&self, i: usize, at: &Instant) -> [f64; BALANCES] {
-        self.residuals_of_signals(i, &self.measured(i), at)
-    }
-
-    fn residuals_of_signals(&self, i: usize, signals: &Signals, at: &Instant) -> [f64; BALANCES] {
-        if *signals == at.signals && self.relaxation.is_none() {
-            return self.residuals_with_forces(at, &self.forces(at));
+        let signals = self.measured(i);
+        if signals == at.signals && self.relaxation.is_none() {
+            let mut forces = at.laws.forces;
+            self.vehicle.effects.act(&at.seen, &mut forces);
+            return at.residuals_with_forces(&forces);
         }
-        let other = self.instant(i, signals);
-        self.residuals_with_forces(&other, &self.forces(&other))
+        self.instant_of(i, &signals).residuals()
     }
 
-    /// Residuals of a sample with one more effect of small size. `at` and `forces` exclude it;
-    /// `jacobian` contains the derivatives of their residuals, if known.
+    /// Residuals of a sample with one more effect of small size, which `at` excludes. `jacobian`
+    /// contains the derivatives of the residuals of `at`, if known.
     pub fn residuals_with_effect(
         &self,
         i: usize,
         effect: &Active,
         at: &Instant,
-        forces: &Forces,
         jacobian: Option<&ResidualJacobian>,
     ) -> [f64; BALANCES] {
         if !effect.acts_on(&self.frame.track) {
-            return self.residuals_with_forces(at, forces);
+            return at.residuals();
         }
         if !effect.moves_signals() {
-            return residuals_with_force_effect(effect, at, forces);
+            return at.residuals_with_force_effect(effect);
         }
         let mut signals = at.signals;
         effect.correct(&at.seen.point, &mut signals);
         // Another reading changes the motion; a sensor effect changes no force.
         if let Some(jacobian) = jacobian {
-            let residuals = self.residuals_with_forces(at, forces);
+            let residuals = at.residuals();
             let change = jacobian.between(&at.signals, &signals);
             return std::array::from_fn(|c| residuals[c] + change[c]);
         }
         let other = self.instant_near(i, &signals, at);
-        let forces = self.forces(&other);
-        residuals_with_force_effect(effect, &other, &forces)
+        other.residuals_with_force_effect(effect)
     }
-}
-
-/// Residuals with one more effect on the forces; `forces` exclude it.
-fn residuals_with_force_effect(effect: &Active, at: &Instant, forces: &Forces) -> [f64; BALANCES] {
-    let mut forces = *forces;
-    effect.act(&at.seen, &mut forces);
-    at.balance.residual(&forces).values()
 }
 
 /// Forces of the base laws to first order, with base parameter `b` changed by a relative `share`.
@@ -506,11 +433,10 @@ mod tests {
             track: None,
         };
         for i in (0..data.frames[0].len()).step_by(50) {
-            let at = on_run.instant(i, &on_run.measured(i));
-            let forces = on_run.forces(&at);
-            let own = on_run.residuals_with_forces(&at, &forces);
-            let scaled = on_run.residuals_with_effect(i, &grip, &at, &forces, None);
-            let deviating = on_run.residuals_with_form_errors(&at, &forces, 0.01);
+            let at = on_run.instant(i);
+            let own = at.residuals();
+            let scaled = on_run.residuals_with_effect(i, &grip, &at, None);
+            let deviating = on_run.residuals_with_form_errors(&at, 0.01);
             for c in 0..BALANCES {
                 let of_axle = |axle: usize| -> f64 {
                     let own_knots = &deviating[axle * FORM_KNOTS.len()..];

@@ -1,7 +1,7 @@
 //! Changes of sensor readings and constants by installation errors and delays.
 
+use kufe_sled::Sled;
 use kufe_sled::effects::{SENSORS, Sensor};
-use kufe_sled::{Sled, Vehicle};
 
 use crate::evidence::runs::model::channels::Channels;
 use crate::evidence::runs::model::installation::{Installation, InstallationError};
@@ -10,7 +10,7 @@ use crate::evidence::runs::model::residual_model::{BALANCES, ResidualModel};
 use crate::evidence::runs::recordings::frame::Frame;
 
 /// Channels of the inertial unit.
-const UNIT: [Sensor; 6] = [
+const INERTIAL_UNIT: [Sensor; 6] = [
     Sensor::Ax,
     Sensor::Ay,
     Sensor::Az,
@@ -31,8 +31,8 @@ pub struct Readings<'a> {
     sled: Sled,
 }
 
-/// Differences of values, derivatives and constants between two models' corrections of a run.
-pub struct Differences {
+/// Changes of values, derivatives and constants between two models' corrections of a run.
+pub struct ReadingChanges {
     sensors: Vec<(Sensor, [Vec<f64>; 2])>,
     /// The constants of the sled in both models.
     sleds: [Sled; 2],
@@ -43,8 +43,8 @@ impl<'a> Readings<'a> {
     pub fn new(model: &'a ResidualModel, frame: &'a Frame) -> Self {
         let delays = model.effects.on_track(&frame.track).delays();
         let installation = &model.installation;
-        let channels = corrected(installation, frame, &Sensor::ALL, &delays);
-        let mut unmixed = corrected(installation, frame, &UNIT, &delays);
+        let channels = installation.corrected_channels(frame, &Sensor::ALL, &delays);
+        let mut unmixed = installation.corrected_channels(frame, &INERTIAL_UNIT, &delays);
         installation.correct_coupling(&mut unmixed);
         Self {
             model,
@@ -52,24 +52,27 @@ impl<'a> Readings<'a> {
             delays,
             channels,
             unmixed,
-            sled: sled_of(&model.vehicle, installation, frame),
+            sled: installation.corrected_constants(frame.sled(model.vehicle.sled)),
         }
     }
 
-    /// Differences from the readings if one installation error changes by `deviations` standard
+    /// Changes of the readings if one installation error changes by `deviations` standard
     /// deviations.
-    pub fn with_error_moved(&self, error: usize, deviations: f64) -> Differences {
-        let installation = self.model.installation.moved(error, deviations);
+    pub fn with_error_changed(&self, error: usize, deviations: f64) -> ReadingChanges {
+        let installation = self
+            .model
+            .installation
+            .with_error_changed(error, deviations);
         self.differences(&installation, &self.delays)
     }
 
-    /// Differences from the readings with other delays by effects [s].
-    pub fn with_delays(&self, delays: &[f64; SENSORS]) -> Differences {
+    /// Changes of the readings with other delays by effects [s].
+    pub fn with_delays(&self, delays: &[f64; SENSORS]) -> ReadingChanges {
         self.differences(&self.model.installation, delays)
     }
 
-    /// Differences of sensors or of constants.
-    fn differences(&self, other: &Installation, delays: &[f64; SENSORS]) -> Differences {
+    /// Changes of sensors or of constants.
+    fn differences(&self, other: &Installation, delays: &[f64; SENSORS]) -> ReadingChanges {
         let Self { model, frame, .. } = self;
         let [sizes, others] = [&model.installation, other].map(|installation| &installation.sizes);
         let errors = model.installation.errors.iter();
@@ -85,11 +88,12 @@ impl<'a> Readings<'a> {
             let mut changed = changed.iter();
             self.delays[k] != delays[k] || changed.any(|error| error.sensor() == Some(*sensor))
         };
-        let sensors = match couples {
-            true => UNIT.to_vec(),
-            false => Sensor::ALL.into_iter().filter(is_changed).collect(),
+        let sensors = if couples {
+            INERTIAL_UNIT.to_vec()
+        } else {
+            Sensor::ALL.into_iter().filter(is_changed).collect()
         };
-        let mut channels = corrected(other, frame, &sensors, delays);
+        let mut channels = other.corrected_channels(frame, &sensors, delays);
         if couples {
             other.correct_coupling(&mut channels);
         }
@@ -106,40 +110,17 @@ impl<'a> Readings<'a> {
             });
             (sensor, differences)
         };
-        Differences {
+        ReadingChanges {
             sensors: sensors.into_iter().map(between).collect(),
-            sleds: [self.sled, sled_of(&model.vehicle, other, frame)],
+            sleds: [
+                self.sled,
+                other.corrected_constants(frame.sled(model.vehicle.sled)),
+            ],
         }
     }
 }
 
-/// Channels of a run; `sensors` are corrected for installation errors and delays.
-fn corrected<'a>(
-    installation: &Installation,
-    frame: &'a Frame,
-    sensors: &[Sensor],
-    delays: &[f64; SENSORS],
-) -> Channels<'a> {
-    let mut channels = Channels::new(frame);
-    for sensor in sensors {
-        let delay = delays[*sensor as usize];
-        installation.correct(*sensor, &frame.session, delay, &mut channels);
-    }
-    channels
-}
-
-/// The constants of a run's sled, corrected for installation errors.
-fn sled_of(vehicle: &Vehicle, installation: &Installation, frame: &Frame) -> Sled {
-    let sled = vehicle.sled;
-    let mut sled = Sled {
-        mass_kg: frame.mass_kg.unwrap_or(sled.mass_kg),
-        ..sled
-    };
-    installation.correct_constants(&mut sled);
-    sled
-}
-
-impl Differences {
+impl ReadingChanges {
     pub fn is_empty(&self) -> bool {
         self.sensors.is_empty() && self.sleds[0] == self.sleds[1]
     }

@@ -142,9 +142,10 @@ impl ResidualJacobian {
         let along = LongitudinalDerivatives::new(at, &vehicle.front, at.slips[0], laws.load_n[0]);
         let along_r = LongitudinalDerivatives::new(at, &vehicle.rear, at.slips[1], laws.load_n[1]);
 
-        // Forces at the centre of gravity, x, y and about z, by runner forces and angles.
+        // Derivatives of the force at the centre of gravity: along x, along y, and about z.
+        // (x, y) is the force of the front runner in the axes of the sled.
         let (x, y) = (cd * fx - sd * fy, sd * fx + cd * fy);
-        let aside = |y: f64| [0.0, y, l_f * y];
+        let front_lateral = |y: f64| [0.0, y, l_f * y];
         let by_fx = [cd, sd / cg, l_f * sd / cg];
         let by_fy = [-sd, cd / cg, l_f * cd / cg];
         let (by_fx_r, by_fy_r) = ([1.0, 0.0, 0.0], [0.0, 1.0, -l_r]);
@@ -156,35 +157,38 @@ impl ResidualJacobian {
         } else {
             0.0
         };
-        let stiff = cg + sg * (sd * fx_by_load + cd * front.fz);
-        let load_by = |residual: f64| -residual / stiff;
-        let split = sum([
-            (1.0, &aside((y * sg - state.fz_f0_n) / (cg * cg))),
-            (load_by(cg * y - sg * laws.load_n[0]), &by_load),
+        let load_slope = cg + sg * (sd * fx_by_load + cd * front.fz);
+        let load_change = |residual: f64| -residual / load_slope;
+        let by_split = sum([
+            (1.0, &front_lateral((y * sg - state.fz_f0_n) / (cg * cg))),
+            (load_change(cg * y - sg * laws.load_n[0]), &by_load),
         ]);
-        let turned = aside(x / cg);
-        let steer = sum([
+        let turned = front_lateral(x / cg);
+        let by_steer = sum([
             (1.0, &[-y, turned[1], turned[2]]),
-            (load_by(sg * x), &by_load),
+            (load_change(sg * x), &by_load),
         ]);
-        let slip_f = sum([
+        let by_slip_f = sum([
             (front.alpha, &by_fy),
             (along.slip, &by_fx),
-            (load_by(sg * cd * front.alpha), &by_load),
+            (load_change(sg * cd * front.alpha), &by_load),
         ]);
-        let slip_r = sum([(rear.alpha, &by_fy_r), (along_r.slip, &by_fx_r)]);
-        let axle_f = sum([(1.0, &aside(-sg / cg)), (load_by(-1.0), &by_load)]);
-        let axle_r = sum([(rear.fz, &by_fy_r), (along_r.load, &by_fx_r)]);
-        let curvature = sum([(along.curvature, &by_fx), (along_r.curvature, &by_fx_r)]);
+        let by_slip_r = sum([(rear.alpha, &by_fy_r), (along_r.slip, &by_fx_r)]);
+        let by_axle_f = sum([
+            (1.0, &front_lateral(-sg / cg)),
+            (load_change(-1.0), &by_load),
+        ]);
+        let by_axle_r = sum([(rear.fz, &by_fy_r), (along_r.load, &by_fx_r)]);
+        let by_curvature = sum([(along.curvature, &by_fx), (along_r.curvature, &by_fx_r)]);
         let ((sine, cosine), drag) = (at.chassis, at.drag);
         let drag_by_slip = -drag_by_slip(sled, v, state.air_density_kgpm3, -state.alpha_cog_rad);
-        let chassis = [
+        let by_chassis = [
             drag_by_slip * cosine - drag * sine,
             -drag_by_slip * sine - drag * cosine,
             0.0,
         ];
         let drag_by_speed = 2.0 * drag / v;
-        let speed = sum([
+        let by_speed = sum([
             (along.speed, &by_fx),
             (along_r.speed, &by_fx_r),
             (drag_by_speed, &[cosine, -sine, 0.0]),
@@ -195,31 +199,38 @@ impl ResidualJacobian {
         let [a_x, a_y, a_z] = motion.accel_mps2;
         let (yaw, pitch) = (state.yaw_rate_radps, state.pitch_rate_radps);
         let lever = |place: f64| (place - sled.slip_x_m) / v;
-        let slips = sum([(1.0, &chassis), (1.0, &slip_f), (1.0, &slip_r)]);
+        let by_slips = sum([(1.0, &by_chassis), (1.0, &by_slip_f), (1.0, &by_slip_r)]);
         let by_turn = sum([
-            (-lever(0.0), &chassis),
-            (-lever(l_f), &slip_f),
-            (-lever(-l_r), &slip_r),
+            (-lever(0.0), &by_chassis),
+            (-lever(l_f), &by_slip_f),
+            (-lever(-l_r), &by_slip_r),
         ]);
         let turn = yaw / v;
-        let up = sum([(-m * l_r / length, &axle_f), (-m * l_f / length, &axle_r)]);
-        let accel = [[m, 0.0, up[0]], [0.0, m, up[1]], [0.0, 0.0, up[2]]];
-        let pitched = sum([(1.0, &axle_f), (-1.0, &axle_r)]);
+        let by_vertical = sum([
+            (-m * l_r / length, &by_axle_f),
+            (-m * l_f / length, &by_axle_r),
+        ]);
+        let accel = [
+            [m, 0.0, by_vertical[0]],
+            [0.0, m, by_vertical[1]],
+            [0.0, 0.0, by_vertical[2]],
+        ];
+        let by_pitching = sum([(1.0, &by_axle_f), (-1.0, &by_axle_r)]);
         let (force_f, force_r) = (state.fz_f0_n / length, state.fz_r_n / length);
         let weight = m * a_z / length;
 
-        let mut by = ResidualJacobian::default();
-        by.value[Sensor::Ax as usize] = [m, 0.0, 0.0];
-        by.value[Sensor::Ay as usize] = [0.0, m, 0.0];
-        by.value[Sensor::Az as usize] = up;
-        by.value[Sensor::Speed as usize] = sum([
-            (-1.0, &speed),
-            (-pitch / (v * v), &curvature),
+        let mut jacobian = Self::default();
+        jacobian.value[Sensor::Ax as usize] = [m, 0.0, 0.0];
+        jacobian.value[Sensor::Ay as usize] = [0.0, m, 0.0];
+        jacobian.value[Sensor::Az as usize] = by_vertical;
+        jacobian.value[Sensor::Speed as usize] = sum([
+            (-1.0, &by_speed),
+            (-pitch / (v * v), &by_curvature),
             (turn, &by_turn),
         ]);
-        by.value[Sensor::Slip as usize] = sum([(-1.0, &slips)]);
-        by.value[Sensor::Steering as usize] = sum([(-1.0, &steer), (-1.0, &slip_f)]);
-        by.value[Sensor::RollSplit as usize] = sum([(-1.0, &split)]);
+        jacobian.value[Sensor::Slip as usize] = sum([(-1.0, &by_slips)]);
+        jacobian.value[Sensor::Steering as usize] = sum([(-1.0, &by_steer), (-1.0, &by_slip_f)]);
+        jacobian.value[Sensor::RollSplit as usize] = sum([(-1.0, &by_split)]);
         let place = [sled.accel_x_m, sled.accel_y_m, sled.accel_z_m];
         let rates = signals.rates();
         for (c, g) in accel.into_iter().enumerate() {
@@ -236,29 +247,30 @@ impl ResidualJacobian {
             let angular = cross(place, g);
             let tangential = cross(g, signals.angular_acceleration());
             for k in 0..3 {
-                by.rate[k][c] -= angular[k];
-                by.value[Sensor::RollRate as usize + k][c] -=
+                jacobian.rate[k][c] -= angular[k];
+                jacobian.value[Sensor::RollRate as usize + k][c] -=
                     g[k] * wr + place[k] * wg - 2.0 * rates[k] * rg;
-                by.constants[ACCELEROMETER[k]][c] -=
+                jacobian.constants[ACCELEROMETER[k]][c] -=
                     tangential[k] + rates[k] * wg - dot(rates, rates) * g[k];
             }
-            by.rate[1][c] += sled.j_yy_kgm2 / length * pitched[c];
-            by.value[Sensor::PitchRate as usize][c] += curvature[c] / v;
-            by.value[Sensor::YawRate as usize][c] -= by_turn[c];
-            by.constants[MASS][c] =
-                [a_x, a_y, 0.0][c] - a_z / length * (l_r * axle_f[c] + l_f * axle_r[c]);
-            by.constants[PITCH_INERTIA][c] = motion.pitch_accel_radps2 / length * pitched[c];
-            by.constants[SLIP_SENSOR][c] = -turn * slips[c];
-            by.constants[AXLES[0]][c] =
-                force_f * axle_f[c] - (weight - force_r) * axle_r[c] + turn * slip_f[c];
-            by.constants[AXLES[1]][c] =
-                force_r * axle_r[c] - (weight - force_f) * axle_f[c] - turn * slip_r[c];
+            jacobian.rate[1][c] += sled.j_yy_kgm2 / length * by_pitching[c];
+            jacobian.value[Sensor::PitchRate as usize][c] += by_curvature[c] / v;
+            jacobian.value[Sensor::YawRate as usize][c] -= by_turn[c];
+            jacobian.constants[MASS][c] =
+                [a_x, a_y, 0.0][c] - a_z / length * (l_r * by_axle_f[c] + l_f * by_axle_r[c]);
+            jacobian.constants[PITCH_INERTIA][c] =
+                motion.pitch_accel_radps2 / length * by_pitching[c];
+            jacobian.constants[SLIP_SENSOR][c] = -turn * by_slips[c];
+            jacobian.constants[AXLES[0]][c] =
+                force_f * by_axle_f[c] - (weight - force_r) * by_axle_r[c] + turn * by_slip_f[c];
+            jacobian.constants[AXLES[1]][c] =
+                force_r * by_axle_r[c] - (weight - force_f) * by_axle_f[c] - turn * by_slip_r[c];
         }
-        by.rate[2][2] += sled.j_zz_kgm2;
-        by.constants[YAW_INERTIA][2] = motion.yaw_accel_radps2;
-        by.constants[AXLES[0]][2] -= front_y;
-        by.constants[AXLES[1]][2] += fy_r;
-        by
+        jacobian.rate[2][2] += sled.j_zz_kgm2;
+        jacobian.constants[YAW_INERTIA][2] = motion.yaw_accel_radps2;
+        jacobian.constants[AXLES[0]][2] -= front_y;
+        jacobian.constants[AXLES[1]][2] += fy_r;
+        jacobian
     }
 }
 

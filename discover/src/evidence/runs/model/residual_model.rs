@@ -72,9 +72,9 @@ impl ResidualModel {
 
     /// The model with one more effect.
     pub fn with(&self, effect: Active) -> Self {
-        let mut residual_model = self.clone();
-        residual_model.effects.active.push(effect);
-        residual_model
+        let mut with = self.clone();
+        with.effects.active.push(effect);
+        with
     }
 
     /// Delay of a sensor on a track [s], by effects and installation.
@@ -109,11 +109,10 @@ impl ResidualModel {
 
     /// The model with installation and discrepancy fixed or free in fits.
     pub fn with_fixed(&self, fixed: bool) -> Self {
-        Self {
-            installation: self.installation.with_fixed(fixed),
-            discrepancy: self.discrepancy.with_fixed(fixed),
-            ..self.clone()
-        }
+        let mut residual_model = self.clone();
+        residual_model.installation.fixed = fixed;
+        residual_model.discrepancy = self.discrepancy.with_fixed(fixed);
+        residual_model
     }
 
     /// The model without a discrepancy.

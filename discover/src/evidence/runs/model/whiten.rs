@@ -14,7 +14,7 @@
 
 use nalgebra::Matrix3;
 
-use crate::evidence::runs::model::residual_model::{BALANCES, CHANNELS, ChannelRows};
+use crate::evidence::runs::model::residual_model::{BALANCES, CHANNELS, ChannelRows, TRACK};
 use crate::evidence::runs::recordings::frame::Frame;
 
 /// Shrinkage of the covariance of two balances, which is multiplied by 1 less this number: if two
@@ -63,40 +63,32 @@ impl Whitener {
 
     /// From the residuals of all runs.
     pub fn estimate(frames: &[Frame], rows: &[ChannelRows], used: [bool; CHANNELS]) -> Self {
-        let scaled = frames
-            .iter()
-            .zip(rows)
-            .map(|(frame, rows)| scaled(frame, rows));
-        let scaled: Vec<ChannelRows> = scaled.collect();
+        let runs = frames.iter().zip(rows);
+        let scaled: Vec<ChannelRows> = runs.map(|(frame, rows)| scaled(frame, rows)).collect();
         let mut whitener = Self::of(&covariance(&scaled, used), used);
-        for c in BALANCES..CHANNELS {
-            let all = rows.iter().flat_map(|run| run[c].iter());
-            let (sum, count) = all.fold((0.0, 0.0), |(s, n), x| (s + x * x, n + 1.0));
-            if sum > 0.0 {
-                whitener.sd[c] = f64::sqrt(sum / count);
-            }
+        let track = rows.iter().flat_map(|run| &run[TRACK]);
+        let (sum, count) = track.fold((0.0, 0.0), |(s, n), x| (s + x * x, n + 1.0));
+        if sum > 0.0 {
+            whitener.sd[TRACK] = f64::sqrt(sum / count);
         }
         whitener
     }
 
     /// This whitening without correlation between balances.
     pub fn uncorrelated(&self) -> Self {
-        let mut uncorrelated = self.clone();
-        uncorrelated.root_inverse =
-            Matrix3::from_diagonal(&[0, 1, 2].map(|c| 1.0 / self.sd[c]).into());
-        uncorrelated
+        let inverse_sd = [0, 1, 2].map(|c| 1.0 / self.sd[c]);
+        Self {
+            root_inverse: Matrix3::from_diagonal(&inverse_sd.into()),
+            ..self.clone()
+        }
     }
 
     /// A whitening with the same correlation and other standard deviations.
     pub fn with_sd(&self, sd: [f64; BALANCES]) -> Self {
         let mut other = self.clone();
         for (c, sd) in sd.into_iter().enumerate() {
-            let by = self.sd[c] / sd;
-            other
-                .root_inverse
-                .column_mut(c)
-                .iter_mut()
-                .for_each(|x| *x *= by);
+            let mut column = other.root_inverse.column_mut(c);
+            column *= self.sd[c] / sd;
             other.sd[c] = sd;
         }
         other
@@ -126,7 +118,7 @@ impl Whitener {
 
     /// Multiplies rows of equal relative standard deviations by L^-1 in place.
     pub fn decorrelate<R: AsMut<[f64]>>(&self, rows: &mut [R; BALANCES]) {
-        let used = (0..BALANCES).filter(|c| self.used[*c]);
+        let used = self.channels();
         let n = used.clone().map(|c| rows[c].as_mut().len()).max();
         for i in 0..n.unwrap_or(0) {
             let mut r = [0.0; BALANCES];
@@ -143,15 +135,11 @@ impl Whitener {
     /// Whitened residuals of the channels in use; the others are empty.
     pub fn rows(&self, frame: &Frame, rows: &ChannelRows) -> ChannelRows {
         let mut rows = rows.clone();
-        for (c, row) in rows.iter_mut().enumerate() {
-            match self.used[c] {
-                true if c >= BALANCES => row.iter_mut().for_each(|r| *r /= self.sd[c]),
-                true => {}
-                false => row.clear(),
-            }
+        for (row, _) in rows.iter_mut().zip(self.used).filter(|(_, used)| !used) {
+            row.clear();
         }
-        let (balances, _) = rows.split_at_mut(BALANCES);
-        let balances: &mut [Vec<f64>; BALANCES] = balances.try_into().expect("three of four");
+        let [balances @ .., track] = &mut rows;
+        track.iter_mut().for_each(|r| *r /= self.sd[TRACK]);
         self.whiten(&frame.row_scales(), balances);
         rows
     }
@@ -164,15 +152,12 @@ impl Whitener {
 
     /// Number of balances in [`Whitener::apply`].
     pub fn count(&self) -> usize {
-        self.used[..BALANCES].iter().filter(|used| **used).count()
+        self.channels().count()
     }
 
-    /// The channel of the `k`-th block of [`Whitener::apply`].
-    pub fn channel(&self, k: usize) -> usize {
-        (0..BALANCES)
-            .filter(|c| self.used[*c])
-            .nth(k)
-            .expect("a used channel")
+    /// The balances in use: the channels of the blocks of [`Whitener::apply`].
+    pub fn channels(&self) -> impl Iterator<Item = usize> + Clone + '_ {
+        (0..BALANCES).filter(|c| self.used[*c])
     }
 }
 
@@ -263,7 +248,7 @@ mod tests {
         some[0].clear();
         let [less, white] = [&some, &all].map(|rows| whitened(&whitener, rows));
         assert_eq!(less[1..3], white[1..3]);
-        assert_eq!((whitener.count(), whitener.channel(0)), (2, 1));
+        assert_eq!(whitener.channels().collect::<Vec<_>>(), [1, 2]);
     }
 
     #[test]

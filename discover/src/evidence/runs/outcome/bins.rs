@@ -111,8 +111,7 @@ fn cells(residual_model: &ResidualModel, whitener: &Whitener, frames: &[Frame]) 
             edges.dedup();
             for pair in edges.windows(2) {
                 let is_inside = |x: f64| x >= pair[0] && x < pair[1];
-                for k in 0..whitener.count() {
-                    let channel = whitener.channel(k);
+                for (k, channel) in whitener.channels().enumerate() {
                     let (mut scores, mut means) = (vec![0.0; frames.len()], Vec::new());
                     for &i in &on {
                         let count = white[i].len() / whitener.count();

@@ -10,24 +10,17 @@ use crate::evidence::runs::recordings::training_samples::TrainingSamples;
 /// missing and constant ones are reported in `remarks`.
 pub fn available(
     runs: &[Run],
-    learned: &[TrainingSamples],
+    training: &[TrainingSamples],
     frames: &[&Frame],
     remarks: &mut Vec<String>,
 ) -> Vec<Column> {
     let recorded = |name: &str| runs.iter().all(|run| run.columns.contains_key(name));
-    let first = |name: &str| {
-        learned
-            .first()
-            .and_then(|piece| piece.column(name)?.iter().find(|x| x.is_finite()))
-    };
     let varies = |name: &str| {
-        learned.iter().any(|piece| {
-            let column = piece.column(name);
-            column.is_some_and(|x| {
-                let mut there = x.iter().filter(|value| value.is_finite());
-                there.any(|value| Some(value) != first(name))
-            })
-        })
+        let columns = training.iter().filter_map(|piece| piece.column(name));
+        let first = training.first().and_then(|piece| piece.column(name));
+        let first = first.and_then(|column| column.iter().find(|x| x.is_finite()));
+        let mut values = columns.flatten().filter(|x| x.is_finite());
+        values.any(|x| Some(x) != first)
     };
     let mut list = vec![Column::Time];
     let by_file = [

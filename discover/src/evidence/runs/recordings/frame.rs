@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use kufe_sled::Sled;
 use kufe_sled::effects::Sensor;
 
 use crate::evidence::runs::contacts::run_contacts::OwnContact;
@@ -10,7 +11,7 @@ use crate::evidence::runs::recordings::place_scales::PlaceScales;
 use crate::evidence::runs::recordings::smooth::Kernel;
 
 /// One run, or one segment of a single long run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Frame {
     pub name: String,
     pub track: String,
@@ -87,12 +88,38 @@ pub struct RowNoise {
     pub variances: ReadingVariances,
 }
 
+/// Sum and number of values in a bin of distance.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BinSum {
+    pub sum: f64,
+    pub count: f64,
+}
+
+impl BinSum {
+    pub fn mean(&self) -> f64 {
+        self.sum / self.count
+    }
+}
+
+/// Number of the bin of width `width` \[m\] at a distance \[m\].
+pub fn bin_of(s: f64, width: f64) -> i64 {
+    (s / width).floor() as i64
+}
+
 /// Variances of each reading and of its derivative, by sensor.
 pub type ReadingVariances = [[f64; 2]; Sensor::ALL.len()];
 
 impl Frame {
     pub fn len(&self) -> usize {
         self.t.len()
+    }
+
+    /// The constants of a sled in this run: with the run's mass, if it is stated.
+    pub fn sled(&self, stated: Sled) -> Sled {
+        Sled {
+            mass_kg: self.mass_kg.unwrap_or(stated.mass_kg),
+            ..stated
+        }
     }
 
     /// Time between retained samples [s].
@@ -139,15 +166,26 @@ impl Frame {
         self.row_kernel.smooth_at(x, &self.centres)
     }
 
-    /// A signal at retained samples, low-passed and thinned to rows, without rows next to gaps.
-    pub fn rows_without_gaps(&self, x: &[f64]) -> Vec<f64> {
-        let left_out = |i: &usize| self.centres.binary_search(i).is_err();
-        let centres: Vec<usize> = self
-            .row_kernel
-            .centres(self.len())
-            .filter(left_out)
-            .collect();
-        self.row_kernel.smooth_at(x, &centres)
+    /// A signal at the rows that are omitted because of gaps.
+    pub fn omitted_rows(&self, x: &[f64]) -> Vec<f64> {
+        let centres = self.row_kernel.centres(self.len());
+        let omitted = centres.filter(|i| self.centres.binary_search(i).is_err());
+        let omitted: Vec<usize> = omitted.collect();
+        self.row_kernel.smooth_at(x, &omitted)
+    }
+
+    /// Sums of values of the rows by bin of distance of width `width` [m].
+    pub fn sums_by_bin(
+        &self,
+        values: impl IntoIterator<Item = f64>,
+        width: f64,
+    ) -> BTreeMap<i64, BinSum> {
+        let mut sums: BTreeMap<i64, BinSum> = BTreeMap::new();
+        for (s, value) in self.rows(&self.s).into_iter().zip(values) {
+            let bin = sums.entry(bin_of(s, width)).or_default();
+            (bin.sum, bin.count) = (bin.sum + value, bin.count + 1.0);
+        }
+        sums
     }
 
     /// The relative standard deviation of each balance by row; empty if equal.
@@ -161,7 +199,7 @@ impl Frame {
     /// The relative standard deviation of each balance at these places; empty if equal.
     pub fn scales_at(&self, places: &[f64]) -> Vec<[f64; 3]> {
         let scales = self.scales.as_ref();
-        scales.map_or_else(Vec::new, |scales| scales.along(&self.track, places))
+        scales.map_or(Vec::new(), |scales| scales.along(&self.track, places))
     }
 
     /// The retained samples that are used.
@@ -198,37 +236,59 @@ impl Frame {
         let used: Vec<usize> = self.samples().collect();
         let every = used.len().div_ceil(count.max(1)).max(1);
         let samples: Vec<usize> = used.into_iter().step_by(every).collect();
-        let mut thinned = self.with_columns(|column| match column.is_empty() {
-            true => Vec::new(),
-            false => samples.iter().map(|i| column[*i]).collect(),
+        let mut thinned = self.with_columns(|column| {
+            let at_samples = samples.iter().filter_map(|i| column.get(*i));
+            at_samples.copied().collect()
         });
         thinned.is_used = vec![true; samples.len()];
         thinned.centres.clear();
         thinned
     }
 
+    /// A sensor's signal, and its derivative if the model uses it.
+    pub fn series(&self, sensor: Sensor) -> (&Vec<f64>, Option<&Vec<f64>>) {
+        match sensor {
+            Sensor::Ax => (&self.acceleration[0], None),
+            Sensor::Ay => (&self.acceleration[1], None),
+            Sensor::Az => (&self.acceleration[2], None),
+            Sensor::RollRate => (&self.rate[0], Some(&self.rate_slope[0])),
+            Sensor::PitchRate => (&self.rate[1], Some(&self.rate_slope[1])),
+            Sensor::YawRate => (&self.rate[2], Some(&self.rate_slope[2])),
+            Sensor::Speed => (&self.v, Some(&self.v_slope)),
+            Sensor::Slip => (&self.slip, Some(&self.slip_rate)),
+            Sensor::Steering => (&self.steer, Some(&self.steer_rate)),
+            Sensor::RollSplit => (&self.roll_split, None),
+        }
+    }
+
+    /// [`series`](Self::series), to be changed.
+    pub fn series_mut(&mut self, sensor: Sensor) -> (&mut Vec<f64>, Option<&mut Vec<f64>>) {
+        match sensor {
+            Sensor::Ax => (&mut self.acceleration[0], None),
+            Sensor::Ay => (&mut self.acceleration[1], None),
+            Sensor::Az => (&mut self.acceleration[2], None),
+            Sensor::RollRate => (&mut self.rate[0], Some(&mut self.rate_slope[0])),
+            Sensor::PitchRate => (&mut self.rate[1], Some(&mut self.rate_slope[1])),
+            Sensor::YawRate => (&mut self.rate[2], Some(&mut self.rate_slope[2])),
+            Sensor::Speed => (&mut self.v, Some(&mut self.v_slope)),
+            Sensor::Slip => (&mut self.slip, Some(&mut self.slip_rate)),
+            Sensor::Steering => (&mut self.steer, Some(&mut self.steer_rate)),
+            Sensor::RollSplit => (&mut self.roll_split, None),
+        }
+    }
+
     /// The run with `of` applied to every column of samples.
     pub fn with_columns(&self, of: impl Fn(&[f64]) -> Vec<f64>) -> Self {
         let mut changed = self.clone();
-        for column in changed
-            .acceleration
-            .iter_mut()
-            .chain(&mut changed.rate)
-            .chain(&mut changed.rate_slope)
-            .chain(changed.extra.values_mut())
-            .chain([
-                &mut changed.t,
-                &mut changed.s,
-                &mut changed.v,
-                &mut changed.v_slope,
-                &mut changed.slip,
-                &mut changed.slip_rate,
-                &mut changed.steer,
-                &mut changed.steer_rate,
-                &mut changed.roll_split,
-                &mut changed.slope,
-            ])
-        {
+        for sensor in Sensor::ALL {
+            let (signal, derivative) = changed.series_mut(sensor);
+            *signal = of(signal);
+            if let Some(derivative) = derivative {
+                *derivative = of(derivative);
+            }
+        }
+        let others = [&mut changed.t, &mut changed.s, &mut changed.slope];
+        for column in others.into_iter().chain(changed.extra.values_mut()) {
             *column = of(column);
         }
         changed

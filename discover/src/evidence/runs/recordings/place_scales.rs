@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 
 use kufe_sled::median;
 
-use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::recordings::frame::{Frame, bin_of};
 
 /// Number of force balances.
 const BALANCES: usize = 3;
@@ -40,17 +40,12 @@ impl PlaceScales {
         type Squares = (Vec<f64>, f64);
         let mut squares: [BTreeMap<(&str, i64), Squares>; BALANCES] = Default::default();
         for (frame, rows) in frames.iter().zip(rows) {
-            let places = frame.rows(&frame.s);
             for (c, squares) in squares.iter_mut().enumerate() {
-                let mut own: BTreeMap<i64, [f64; 2]> = BTreeMap::new();
-                for (s, r) in places.iter().zip(&rows.as_ref()[c]) {
-                    let [sum, count] = own.entry((s / width_m).floor() as i64).or_default();
-                    (*sum, *count) = (*sum + r * r, *count + 1.0);
-                }
-                for (bin, [sum, count]) in own {
+                let of_rows = rows.as_ref()[c].iter().map(|r| r * r);
+                for (bin, own) in frame.sums_by_bin(of_rows, width_m) {
                     let (runs, n) = squares.entry((frame.track.as_str(), bin)).or_default();
-                    runs.push(sum / count);
-                    *n += count;
+                    runs.push(own.mean());
+                    *n += own.count;
                 }
             }
         }
@@ -60,10 +55,10 @@ impl PlaceScales {
             let places: Vec<_> = places
                 .map(|(at, (runs, n))| (at, median(runs).unwrap_or(0.0), n))
                 .collect();
-            let most = median(places.iter().map(|(_, q, _)| *q)).unwrap_or(0.0);
-            for ((track, bin), q, n) in places.into_iter().filter(|_| most > 0.0) {
+            let reference = median(places.iter().map(|(_, q, _)| *q)).unwrap_or(0.0);
+            for ((track, bin), q, n) in places.into_iter().filter(|_| reference > 0.0) {
                 let bins = tracks.entry(track.to_owned()).or_default();
-                let scale = ((FREEDOM + n * q / most) / (FREEDOM + n)).sqrt();
+                let scale = ((FREEDOM + n * q / reference) / (FREEDOM + n)).sqrt();
                 bins.entry(bin).or_insert([1.0; BALANCES])[c] = scale;
             }
         }
@@ -74,13 +69,10 @@ impl PlaceScales {
     pub fn along(&self, track: &str, places: &[f64]) -> Vec<[f64; BALANCES]> {
         let bins = self.tracks.get(track);
         let at = |s: &f64| {
-            let bin = (s / self.width_m).floor() as i64;
-            bins.and_then(|bins| bins.get(&bin)).copied()
+            let scales = bins.and_then(|bins| bins.get(&bin_of(*s, self.width_m)));
+            scales.copied().unwrap_or([1.0; BALANCES])
         };
-        places
-            .iter()
-            .map(|s| at(s).unwrap_or([1.0; BALANCES]))
-            .collect()
+        places.iter().map(at).collect()
     }
 }
 

@@ -10,10 +10,10 @@ use crate::error::Error;
 use crate::evidence::runs::recordings::available::available;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::recordings::noise::sensors::{
-    NoiseFrom, SensorNoise, doubted, estimate, estimate_below, louder, quieter,
+    NoiseFrom, SensorNoise, estimate, estimate_below, is_contradicted, larger_noise, smaller_noise,
 };
 use crate::evidence::runs::recordings::smooth_run::{MIN_ROWS, frame, signal_kernel};
-use crate::evidence::runs::recordings::survey::{Surveys, turn_slopes};
+use crate::evidence::runs::recordings::survey::{Surveys, count_slopes_downhill};
 use crate::evidence::runs::recordings::training_samples::TrainingSamples;
 use crate::procedure::lock::{LockRules, Place, Split};
 use crate::procedure::rules::Rules;
@@ -50,11 +50,8 @@ impl Data {
     pub(crate) fn downhill_tracks(&self) -> Vec<Track> {
         let mut tracks = self.tracks.clone();
         if self.uphill {
-            for track in &mut tracks {
-                track
-                    .slope_rad
-                    .iter_mut()
-                    .for_each(|slope| *slope = -*slope);
+            for slope in tracks.iter_mut().flat_map(|track| &mut track.slope_rad) {
+                *slope = -*slope;
             }
         }
         tracks
@@ -86,33 +83,17 @@ pub fn prepare(
             needed: 1,
         });
     }
-    let mut remarks: Vec<String> = runs
-        .iter()
-        .flat_map(|run| {
-            run.noticed()
-                .into_iter()
-                .map(move |r| format!("run {}: {r}", run.entry.run))
-        })
-        .collect();
-    for (name, table) in &model.effects {
-        let track = table.get("track").and_then(|track| track.as_str());
-        if let Some(track) = track.filter(|track| runs.iter().all(|r| r.entry.track != *track)) {
-            remarks.push(format!(
-                "[effects.{name}] track = {track:?}: no run is on it, the effect does nothing"
-            ));
-        }
-    }
+    let mut remarks = remarks_on_runs(runs, model);
     let recordings = &rules.runs.recordings;
     let segmented = runs.len() == 1;
-    let (mut frames, mut gaps) = (Vec::new(), Vec::new());
     let entries: Vec<&Entry> = runs.iter().map(|run| &run.entry).collect();
     let stated_of_all = covariates(&entries);
     let smoothed = |run: &Run| {
         let kernel = signal_kernel(run.dt_s, recordings);
         frame(run, &kernel, surveys, recordings)
     };
-    let smoothed: Vec<Frame> = runs.par_iter().map(smoothed).collect::<Result<_, _>>()?;
-    for ((run, mut frame), stated_of_run) in runs.iter().zip(smoothed).zip(&stated_of_all) {
+    let mut frames: Vec<Frame> = runs.par_iter().map(smoothed).collect::<Result<_, _>>()?;
+    for ((run, frame), stated_of_run) in runs.iter().zip(&mut frames).zip(&stated_of_all) {
         let stated = model.conditions.unwrap_or_default();
         let stated = stated.complete(&run.entry.conditions);
         frame.humidity_pct = stated.humidity_pct;
@@ -120,29 +101,27 @@ pub fn prepare(
         for (name, value) in stated_of_run {
             frame.extra.insert(name.clone(), vec![*value; frame.len()]);
         }
-        if !run.gaps.is_none() {
-            gaps.push(coverage(run, &frame));
-        }
-        if segmented {
-            frames = cut(&frame);
-            if frames.is_empty() {
-                return Err(Error::TooFew {
-                    what: format!(
-                        "run {}: segments with enough samples between gaps",
-                        run.entry.run
-                    ),
-                    found: 0,
-                    needed: 2,
-                });
-            }
-            remarks.push(format!(
-                "one run only: it is cut into {} segments of {:.0} s that serve as runs; differences between runs cannot be detected",
-                frames.len(),
-                frames[0].t.last().unwrap_or(&0.0) - frames[0].t[0]
-            ));
-        } else {
-            frames.push(frame);
-        }
+    }
+    let with_gaps = runs
+        .iter()
+        .zip(&frames)
+        .filter(|(run, _)| !run.gaps.is_none());
+    let gaps: Vec<_> = with_gaps.map(|(run, frame)| coverage(run, frame)).collect();
+    if segmented {
+        frames = cut(&frames[0]);
+        let Some(first) = frames.first() else {
+            let run = &runs[0].entry.run;
+            return Err(Error::TooFew {
+                what: format!("run {run}: segments with enough samples between gaps"),
+                found: 0,
+                needed: 2,
+            });
+        };
+        remarks.push(format!(
+            "one run only: it is cut into {} segments of {:.0} s that serve as runs; differences between runs cannot be detected",
+            frames.len(),
+            first.t.last().unwrap_or(&0.0) - first.t[0]
+        ));
     }
     let names: BTreeSet<&String> = stated_of_all.iter().flat_map(BTreeMap::keys).collect();
     for name in names {
@@ -158,43 +137,19 @@ pub fn prepare(
         remarks.push(gaps_line(&gaps));
     }
     let locked = split(&frames, segmented, &rules.lock);
-    let learned = training_samples(runs, &frames, segmented, &locked);
-    let seen = estimate(&learned);
-    let as_stated = |stated: &Noise| !doubted(stated, &seen, recordings.noise_as_stated);
-    let white = |stated: &Noise, remarks: &mut Vec<String>| {
-        let below = estimate_below(&learned, recordings.signal_cutoff_hz);
-        SensorNoise::white(quieter(stated, &louder(&seen, &below), remarks))
-    };
-    let of_spectra = || {
-        let from_hz = recordings.row_cutoff_hz;
-        SensorNoise::of_spectra(&learned, from_hz, recordings.quietest_axis)
-    };
-    let (noise, noise_from) = match &model.noise {
-        Some(stated) if as_stated(stated) => (white(stated, &mut remarks), NoiseFrom::Model),
-        stated => match (of_spectra(), stated) {
-            (Some(noise), _) => {
-                remarks.push(noise.remark(stated.is_some()));
-                (noise, NoiseFrom::Spectra)
-            }
-            (None, Some(stated)) => (white(stated, &mut remarks), NoiseFrom::Doubted),
-            (None, None) => (SensorNoise::white(seen), NoiseFrom::Differences),
-        },
-    };
-    let uphill = turn_slopes(&mut frames, &locked.training, &mut remarks);
+    let samples = training_samples(runs, &frames, segmented, &locked);
+    let (noise, noise_from) = sensor_noise(&samples, model, rules, &mut remarks);
+    let uphill = count_slopes_downhill(&mut frames, &locked.training, &mut remarks);
     let training: Vec<&Frame> = locked.training.iter().map(|i| &frames[*i]).collect();
-    let mut available = available(runs, &learned, &training, &mut remarks);
+    let mut available = available(runs, &samples, &training, &mut remarks);
     if frames.iter().all(|f| f.slope.len() == f.len()) {
         available.push(Column::Slope);
     }
     // Such tables are usually functions of the ice temperature.
     let friction = &model.friction.longitudinal;
     let tables = friction.front_table.is_some() && friction.rear_table.is_some();
-    if friction.mu.is_some()
-        && tables
-        && frames
-            .iter()
-            .all(|f| !f.unstated_conditions().contains(&"ice_c"))
-    {
+    let has_ice = |frame: &Frame| !frame.unstated_conditions().contains(&"ice_c");
+    if friction.mu.is_some() && tables && frames.iter().all(has_ice) {
         available.push(Column::Film);
     }
     Ok(Data {
@@ -210,6 +165,55 @@ pub fn prepare(
         gaps,
         remarks,
     })
+}
+
+/// Remarks of the reader, and on effects of tracks without runs.
+fn remarks_on_runs(runs: &[Run], model: &Model) -> Vec<String> {
+    let mut remarks = Vec::new();
+    for run in runs {
+        let noticed = run.noticed().into_iter();
+        remarks.extend(noticed.map(|r| format!("run {}: {r}", run.entry.run)));
+    }
+    for (name, table) in &model.effects {
+        let track = table.get("track").and_then(|track| track.as_str());
+        if let Some(track) = track.filter(|track| runs.iter().all(|r| r.entry.track != *track)) {
+            remarks.push(format!(
+                "[effects.{name}] track = {track:?}: no run is on it, the effect does nothing"
+            ));
+        }
+    }
+    remarks
+}
+
+/// The sensors' noise and its source: as stated if the recordings agree, else from spectra, else
+/// white noise from differences.
+fn sensor_noise(
+    samples: &[TrainingSamples],
+    model: &Model,
+    rules: &Rules,
+    remarks: &mut Vec<String>,
+) -> (SensorNoise, NoiseFrom) {
+    let recordings = &rules.runs.recordings;
+    let seen = estimate(samples);
+    let white = |stated: &Noise, remarks: &mut Vec<String>| {
+        let below = estimate_below(samples, recordings.signal_cutoff_hz);
+        SensorNoise::white(smaller_noise(stated, &larger_noise(&seen, &below), remarks))
+    };
+    if let Some(stated) = &model.noise
+        && !is_contradicted(stated, &seen, recordings.noise_as_stated)
+    {
+        return (white(stated, remarks), NoiseFrom::Model);
+    }
+    let from_hz = recordings.row_cutoff_hz;
+    let of_spectra = SensorNoise::of_spectra(samples, from_hz, recordings.quietest_axis);
+    match (of_spectra, &model.noise) {
+        (Some(noise), stated) => {
+            remarks.push(noise.remark(stated.is_some()));
+            (noise, NoiseFrom::Spectra)
+        }
+        (None, Some(stated)) => (white(stated, remarks), NoiseFrom::Doubted),
+        (None, None) => (SensorNoise::white(seen), NoiseFrom::Differences),
+    }
 }
 
 /// Used part of a run with gaps.
@@ -273,25 +277,16 @@ fn cut(frame: &Frame) -> Vec<Frame> {
     let length = (n / 24).max(10 * gap).min(n);
     let count = (n / length).max(1);
     let enough = |piece: &Frame| piece.row_count() >= MIN_ROWS;
-    (0..count)
-        .map(|k| {
-            let (from, to) = (
-                k * length,
-                if count == 1 {
-                    n
-                } else {
-                    (k + 1) * length - gap
-                },
-            );
-            let mut piece = frame.piece(from, to);
-            piece.name = format!(
-                "{} {:.0}-{:.0} s",
-                frame.name,
-                frame.t[from],
-                frame.t[to - 1]
-            );
-            piece
-        })
-        .filter(enough)
-        .collect()
+    let segment = |k: usize| {
+        let to = if count == 1 {
+            n
+        } else {
+            (k + 1) * length - gap
+        };
+        let mut piece = frame.piece(k * length, to);
+        let (from_s, to_s) = (frame.t[k * length], frame.t[to - 1]);
+        piece.name = format!("{} {from_s:.0}-{to_s:.0} s", frame.name);
+        piece
+    };
+    (0..count).map(segment).filter(enough).collect()
 }

@@ -31,9 +31,10 @@ const REQUIRED: Needs = Needs {
 /// Errors of the sled's readers; [`Error::Duplicate`] if two runs have the same samples;
 /// [`Error::TooFew`].
 pub fn read(index: &Path, model: &Model, options: &Options) -> Result<Data, Error> {
-    let on_gaps = match options.strict {
-        true => OnGaps::Refuse,
-        false => OnGaps::LeaveOut,
+    let on_gaps = if options.strict {
+        OnGaps::Refuse
+    } else {
+        OnGaps::LeaveOut
     };
     let runs = read_runs(index, &REQUIRED, on_gaps)?;
     for Run { entry, .. } in &runs {
@@ -68,6 +69,6 @@ fn same_samples(a: &Run, b: &Run) -> bool {
         return false;
     };
     let n = x.len().min(y.len()).min(400);
-    let lively = x[..n].iter().any(|value| *value != x[0]);
-    lively && x[..n] == y[..n]
+    let varies = x[..n].iter().any(|value| *value != x[0]);
+    varies && x[..n] == y[..n]
 }

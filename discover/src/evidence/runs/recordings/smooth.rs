@@ -7,7 +7,7 @@
 use crate::regression::gram::dot;
 
 /// A Gaussian kernel on a uniform grid.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Kernel {
     weights: Vec<f64>,
     slopes: Vec<f64>,
@@ -79,12 +79,8 @@ impl Kernel {
         kernel: &[f64],
     ) -> Vec<f64> {
         let half = self.margin();
-        centres
-            .map(|i| {
-                let window = &x[i - half..=i + half];
-                dot(window, kernel)
-            })
-            .collect()
+        let at = |i: usize| dot(&x[i - half..=i + half], kernel);
+        centres.map(at).collect()
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use kufe_sled::effects::Sensor;
 use kufe_sled::{Run, bridged};
 
 use crate::error::Error;
@@ -77,16 +78,11 @@ pub fn frame(
         let column = run.columns.get(name).map(|column| bridged(column));
         column.unwrap_or_else(|| vec![default; n])
     };
-    let smooth = |name: &str, default: f64| kernel.smooth(&raw(name, default));
-    let slope_of = |name: &str| kernel.slope(&raw(name, 0.0));
-    let v = raw("v_mps", 0.0);
-    let summed: Vec<f64> = v
-        .iter()
-        .scan(0.0, |s, v| {
-            *s += v * run.dt_s;
-            Some(*s)
-        })
-        .collect();
+    let distances = raw("v_mps", 0.0).into_iter().scan(0.0, |s, v| {
+        *s += v * run.dt_s;
+        Some(*s)
+    });
+    let summed: Vec<f64> = distances.collect();
     let s_raw = run.columns.get("s_m").map(|s| bridged(s));
     let s_of_speed = s_raw.as_ref().is_none_or(|s| is_integrated(s, &summed));
     let s_raw = s_raw.unwrap_or(summed);
@@ -107,9 +103,10 @@ pub fn frame(
         extra.insert("ice_c".to_owned(), ice);
     }
     let survey = surveys.get(&run.entry.track).cloned().unwrap_or_default();
-    let slope = match survey.is_empty() {
-        true => Vec::new(),
-        false => s.iter().map(|s| interpolate(&survey, *s)).collect(),
+    let slope = if survey.is_empty() {
+        Vec::new()
+    } else {
+        s.iter().map(|s| interpolate(&survey, *s)).collect()
     };
     let is_used = used_samples(kernel, &recorded);
     let centres = row_kernel.clear_centres(&is_used);
@@ -120,7 +117,7 @@ pub fn frame(
             needed: MIN_ROWS,
         });
     }
-    Ok(Frame {
+    let mut frame = Frame {
         is_used,
         centres,
         name: run.entry.run.clone(),
@@ -132,54 +129,36 @@ pub fn frame(
         air_c: run.entry.conditions.air_c,
         air_pa: run.entry.conditions.air_pa,
         humidity_pct: run.entry.conditions.humidity_pct,
-        distance_before: 0.0,
         recorded_dt: run.dt_s,
         row_kernel,
         t: kernel.centres(n).map(|i| i as f64 * run.dt_s).collect(),
-        acceleration: [
-            smooth("ax_mps2", 0.0),
-            smooth("ay_mps2", 0.0),
-            smooth("az_mps2", 9.81),
-        ],
-        rate: [
-            smooth("roll_rate_radps", 0.0),
-            smooth("pitch_rate_radps", 0.0),
-            smooth("yaw_rate_radps", 0.0),
-        ],
-        rate_slope: [
-            slope_of("roll_rate_radps"),
-            slope_of("pitch_rate_radps"),
-            slope_of("yaw_rate_radps"),
-        ],
-        v: kernel.smooth(&v),
-        v_slope: slope_of("v_mps"),
-        slip: smooth("alpha_rad", 0.0),
-        slip_rate: slope_of("alpha_rad"),
-        steer: smooth("delta_rad", 0.0),
-        steer_rate: slope_of("delta_rad"),
-        roll_split: smooth("gamma_rad", 0.0),
         s,
         slope,
         survey,
         s_of_speed,
-        contacts: Vec::new(),
-        pushed: Vec::new(),
-        scales: None,
-        noise: None,
         extra,
-    })
+        ..Frame::default()
+    };
+    for sensor in Sensor::ALL {
+        let unrecorded = if sensor == Sensor::Az { 9.81 } else { 0.0 };
+        let recorded = raw(sensor.name(), unrecorded);
+        let (signal, derivative) = frame.series_mut(sensor);
+        *signal = kernel.smooth(&recorded);
+        if let Some(derivative) = derivative {
+            *derivative = kernel.slope(&recorded);
+        }
+    }
+    Ok(frame)
 }
 
 /// Whether a recorded distance is the integral of the speed, to within the resolution of a place.
 fn is_integrated(s: &[f64], summed: &[f64]) -> bool {
-    let (Some(first), Some(begun)) = (s.first(), summed.first()) else {
+    let (Some(first), Some(start)) = (s.first(), summed.first()) else {
         return false;
     };
-    let apart = s
-        .iter()
-        .zip(summed)
-        .map(|(s, own)| ((s - first) - (own - begun)).abs());
-    apart.fold(0.0, f64::max) < SAME_PLACE_M
+    let both = s.iter().zip(summed);
+    let differences = both.map(|(s, own)| ((s - first) - (own - start)).abs());
+    differences.fold(0.0, f64::max) < SAME_PLACE_M
 }
 
 /// A run at 30 m/s along a track, for tests.
@@ -304,7 +283,7 @@ mod tests {
             // Samples in the gap are finite.
             assert!(holed.v.iter().all(|v| (18.0..22.0).contains(v)));
         }
-        let left_out = holed.rows_without_gaps(&holed.s).len();
+        let left_out = holed.omitted_rows(&holed.s).len();
         assert_eq!(left_out + holed.row_count(), whole.row_count());
         let piece = holed.piece(holed.len() / 4, holed.len() / 2);
         assert!(piece.row_count() > 0 && piece.samples().count() < piece.len());

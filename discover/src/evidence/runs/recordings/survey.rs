@@ -55,9 +55,13 @@ impl TrackTables {
 
 /// Makes the slope positive downhill. A track table may count it uphill: the sign is the one that
 /// agrees with the speeds of these frames. Returns whether it was reversed.
-pub fn turn_slopes(frames: &mut [Frame], learned: &[usize], remarks: &mut Vec<String>) -> bool {
+pub fn count_slopes_downhill(
+    frames: &mut [Frame],
+    training: &[usize],
+    remarks: &mut Vec<String>,
+) -> bool {
     let mut agreement = 0.0;
-    for frame in learned.iter().map(|i| &frames[*i]) {
+    for frame in training.iter().map(|i| &frames[*i]) {
         if frame.slope.is_empty() {
             continue;
         }

@@ -18,7 +18,7 @@ impl TrainingSamples<'_> {
     }
 
     /// Whether a column is recorded and varies.
-    pub fn moves(&self, name: &str) -> bool {
+    pub fn varies(&self, name: &str) -> bool {
         let column = self.column(name).unwrap_or_default();
         column.windows(2).any(|pair| pair[0] != pair[1])
     }

@@ -33,13 +33,13 @@ impl Campaign<'_> {
             at.simulator,
             self.options.seed,
         );
-        let screen_estimates = between(&list, &levels.seen);
+        let screen_estimates = between(&list, &levels.scores);
         let best = (0..list.len())
             .filter(|c| {
-                let s = &levels.seen[*c];
+                let s = &levels.scores[*c];
                 s.p_value <= share * rules.alpha_levels && list[*c].admits(s.size)
             })
-            .max_by(|a, b| levels.seen[*a].gain.total_cmp(&levels.seen[*b].gain));
+            .max_by(|a, b| levels.scores[*a].gain.total_cmp(&levels.scores[*b].gain));
         let Some(named) = best else {
             let differ = levels.sessions_differ.iter().copied().fold(1.0, f64::min);
             let enough = |count: &usize| min_p_value(*count) <= rules.alpha_levels;
@@ -54,7 +54,7 @@ impl Campaign<'_> {
             return (None, screen_estimates);
         };
         let others = (0..list.len()).filter(|j| *j != named).map(|j| {
-            let s = &levels.seen[j];
+            let s = &levels.scores[j];
             Rival {
                 gain: s.gain,
                 correlation: s.correlation,
@@ -63,7 +63,7 @@ impl Campaign<'_> {
                 ..list[j].rival(s.size, s.size / s.error.max(1e-300))
             }
         });
-        let seen = &levels.seen[named];
+        let seen = &levels.scores[named];
         let (class, rivals) = rules.level_rivals.class(
             &NamedEffect {
                 effect: &list[named].effect,
@@ -76,15 +76,10 @@ impl Campaign<'_> {
         let channel = self.strongest_channel(at.residual_model, &list[named], seen.size);
         let place = ("a level from session to session", CHANNEL_NAMES[channel]);
         let p_value = Some(seen.p_value);
-        let randomised = match list[named].act.level {
-            Level::Run => Randomised {
-                runs: p_value,
-                sessions: None,
-            },
-            _ => Randomised {
-                runs: None,
-                sessions: p_value,
-            },
+        let is_of_runs = list[named].act.level == Level::Run;
+        let randomised = Randomised {
+            runs: p_value.filter(|_| is_of_runs),
+            sessions: p_value.filter(|_| !is_of_runs),
         };
         let selection = Selection {
             class,

@@ -48,11 +48,8 @@ impl Campaign<'_> {
                 break;
             }
             // Another amplitude of a named effect belongs to that step: the next screen selects it.
-            if account
-                .steps
-                .iter()
-                .any(|s| s.effect == again.candidate.effect)
-            {
+            let mut steps = account.steps.iter();
+            if steps.any(|s| s.effect == again.candidate.effect) {
                 break;
             }
             let next = self.add(before, &again, step)?;
@@ -91,9 +88,10 @@ impl Campaign<'_> {
         let options = self.screen_options(&at, account);
         let mut tested = CandidateProducts::new(&design, &self.training, &simulator, options.pairs);
         // After the other effects of the catalogue, or after all columns outside it.
-        let place = match named.is_column() {
-            true => others.len(),
-            false => others.partition_point(|c| !c.is_column()),
+        let place = if named.is_column() {
+            others.len()
+        } else {
+            others.partition_point(|c| !c.is_column())
         };
         let mut list = others.clone();
         list.insert(place, named);

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use kufe_sled::correlation;
 use kufe_sled::effects::Level;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::noise_products::noise_products;
@@ -13,6 +14,7 @@ use crate::evidence::runs::recordings::frame::Frame;
 use crate::null::clusters::members;
 use crate::null::permutations::by_session_permutation;
 use crate::null::random::{shuffle, stream};
+use crate::null::sign_flips::MaxT;
 use crate::procedure::candidate::Candidate;
 use crate::regression::inverse::ridge_inverse;
 
@@ -32,7 +34,7 @@ pub struct LevelScore {
 /// Levels by run, their sessions and the candidates' covariates.
 pub struct LevelScreen {
     /// Scores in the order of the candidates.
-    pub seen: Vec<LevelScore>,
+    pub scores: Vec<LevelScore>,
     pub sessions: usize,
     /// p-values of an F test of differences between sessions, for friction and for grip.
     pub sessions_differ: [f64; OWN_LEVELS],
@@ -53,121 +55,138 @@ pub fn screen_levels(
     seed: u64,
 ) -> LevelScreen {
     let q = candidates.len();
-    let first = OWN_LEVELS + design.fitted_count();
-    let mut levels: Vec<[f64; OWN_LEVELS]> = Vec::new();
-    let mut weights: Vec<[f64; OWN_LEVELS]> = Vec::new();
-    let mut covariates = vec![Vec::new(); q];
-    let mut level_of = vec![0; q];
-    let mut explained = vec![[0.0; OWN_LEVELS]; q];
-    let mut by_run: Vec<Vec<[f64; OWN_LEVELS]>> = vec![Vec::new(); q];
-    let products = design.products(frames);
-    let noise = noise_products(design, frames, simulator, 6_000_029);
-    for (products, noise) in products.iter().zip(&noise) {
-        let matrix = &products.full - noise;
-        let m = matrix.ncols();
-        let square = matrix.view((0, 0), (OWN_LEVELS, OWN_LEVELS)).into_owned();
-        let inverse = ridge_inverse(square.clone());
-        let level = &inverse * matrix.view((0, m - 1), (OWN_LEVELS, 1)).column(0);
-        levels.push([level[0], level[1]]);
-        weights.push([square[(0, 0)], square[(1, 1)]]);
-        for (c, by_run) in by_run.iter_mut().enumerate() {
-            let z = &inverse * matrix.view((0, first + c), (OWN_LEVELS, 1)).column(0);
-            for k in 0..OWN_LEVELS {
-                explained[c][k] += z[k] * z[k] * square[(k, k)];
-            }
-            by_run.push([z[0], z[1]]);
-        }
-    }
-    for c in 0..q {
-        level_of[c] = usize::from(explained[c][1] > explained[c][0]);
-        covariates[c] = by_run[c].iter().map(|z| z[level_of[c]]).collect();
-    }
-    let sessions = group(frames);
-    let mean_of = |x: &[f64]| -> Vec<f64> {
-        sessions
-            .values()
-            .map(|runs| runs.iter().map(|i| x[*i]).sum::<f64>() / runs.len() as f64)
-            .collect()
+    let RunLevels {
+        levels,
+        weights,
+        changes,
+    } = run_levels(design, frames, simulator, q);
+    let explained = |c: usize, k: usize| -> f64 {
+        let runs = changes[c].iter().zip(&weights);
+        runs.map(|(z, weight)| z[k] * z[k] * weight[k]).sum()
     };
-    let of_level = |k: usize| -> Vec<f64> { levels.iter().map(|l| l[k]).collect() };
-    let means: [Vec<f64>; OWN_LEVELS] = [mean_of(&of_level(0)), mean_of(&of_level(1))];
-    let session_covariates: Vec<Vec<f64>> = covariates.iter().map(|z| mean_of(z)).collect();
-    let mut seen = vec![None; q];
-    for k in 0..OWN_LEVELS {
-        let of_session =
-            |c: &usize| level_of[*c] == k && candidates[*c].act.level == Level::Session;
-        let tested: Vec<usize> = (0..q).filter(of_session).collect();
-        if tested.is_empty() || means[k].len() < 3 {
-            continue;
-        }
-        let xs: Vec<Vec<f64>> = tested
-            .iter()
-            .map(|c| session_covariates[*c].clone())
-            .collect();
-        let permuted = by_session_permutation(&means[k], &xs, 3999, seed);
-        for ((c, x), (_, p)) in tested.iter().zip(&xs).zip(&permuted) {
-            let weight: f64 = weights.iter().map(|w| w[k]).sum::<f64>() / means[k].len() as f64;
-            let mut one = slope(&means[k], x, candidates[*c].typical, weight);
-            one.p_value = *p;
-            seen[*c] = Some(one);
-        }
-    }
-    for k in 0..OWN_LEVELS {
-        let of_runs = |c: &usize| level_of[*c] == k && candidates[*c].act.level == Level::Run;
-        let tested: Vec<usize> = (0..q).filter(of_runs).collect();
-        let Some(first) = tested.first() else {
-            continue;
-        };
-        let y = within(&of_level(k), &sessions);
-        let xs: Vec<Vec<f64>> = (tested.iter())
-            .map(|c| within(&covariates[*c], &sessions))
-            .collect();
-        let observed: Vec<f64> = xs.iter().map(|x| correlation(&y, x).abs()).collect();
-        let permutations = 1999;
-        let mut above = vec![1; tested.len()];
-        for trial in 0..permutations {
-            let mut rng = stream(seed, 0x0BDE + *first as u64, trial);
-            let mut permuted = y.clone();
-            for runs in sessions.values() {
-                let mut order = runs.clone();
-                shuffle(&mut rng, &mut order);
-                for (to, from) in runs.iter().zip(&order) {
-                    permuted[*to] = y[*from];
-                }
-            }
-            // The largest of all candidates: the p-value is corrected for their number (max-T).
-            let largest = xs.iter().map(|x| correlation(&permuted, x).abs());
-            let largest = largest.fold(0.0, f64::max);
-            for (above, observed) in above.iter_mut().zip(&observed) {
-                *above += i32::from(largest >= observed - 1e-12);
-            }
-        }
-        let weight: f64 = weights.iter().map(|w| w[k]).sum::<f64>() / y.len() as f64;
-        for ((c, x), above) in tested.iter().zip(&xs).zip(above) {
-            let mut one = slope(&y, x, candidates[*c].typical, weight);
-            one.p_value = f64::from(above) / (permutations + 1) as f64;
-            seen[*c] = Some(one);
-        }
-    }
-    let nothing = LevelScore {
+    let level_of = (0..q).map(|c| usize::from(explained(c, 1) > explained(c, 0)));
+    let level_of: Vec<usize> = level_of.collect();
+    let of_level = |runs: &[[f64; OWN_LEVELS]], k: usize| runs.iter().map(|l| l[k]).collect();
+    let levels: [Vec<f64>; OWN_LEVELS] = [0, 1].map(|k| of_level(&levels, k));
+    let covariates = level_of.iter().zip(&changes);
+    let covariates: Vec<Vec<f64>> = covariates.map(|(k, runs)| of_level(runs, *k)).collect();
+    let sessions = group(frames);
+    let means = levels.each_ref().map(|x| session_means(x, &sessions));
+    let of_sessions = covariates.iter().map(|x| session_means(x, &sessions));
+    let of_sessions: Vec<Vec<f64>> = of_sessions.collect();
+    let untested = LevelScore {
         correlation: 0.0,
         p_value: 1.0,
         size: 0.0,
         error: f64::INFINITY,
         gain: 0.0,
     };
-    let sessions_differ = [0, 1].map(|k| f_test(&of_level(k), &sessions));
+    let mut scores = vec![untested; q];
+    for k in 0..OWN_LEVELS {
+        let acting = |level: Level| -> Vec<usize> {
+            let acts = |c: &usize| level_of[*c] == k && candidates[*c].act.level == level;
+            (0..q).filter(acts).collect()
+        };
+        let weight: f64 = weights.iter().map(|w| w[k]).sum();
+        let mut score = |tested: &[usize], y: &[f64], xs: &[Vec<f64>], p_values: Vec<f64>| {
+            let weight = weight / y.len() as f64;
+            for ((c, x), p_value) in tested.iter().zip(xs).zip(p_values) {
+                let slope = slope(y, x, candidates[*c].typical, weight);
+                scores[*c] = LevelScore { p_value, ..slope };
+            }
+        };
+        let tested = acting(Level::Session);
+        if !tested.is_empty() && means[k].len() >= 3 {
+            let xs: Vec<Vec<f64>> = tested.iter().map(|c| of_sessions[*c].clone()).collect();
+            let permuted = by_session_permutation(&means[k], &xs, 3999, seed);
+            let p_values = permuted.into_iter().map(|(_, p)| p).collect();
+            score(&tested, &means[k], &xs, p_values);
+        }
+        let tested = acting(Level::Run);
+        if let Some(first) = tested.first() {
+            let y = within(&levels[k], &sessions);
+            let xs = tested.iter().map(|c| within(&covariates[*c], &sessions));
+            let xs: Vec<Vec<f64>> = xs.collect();
+            let p_values = by_permutation_in_sessions(&y, &xs, &sessions, (seed, *first as u64));
+            score(&tested, &y, &xs, p_values);
+        }
+    }
     LevelScreen {
-        seen: seen
-            .into_iter()
-            .map(|s| s.unwrap_or_else(|| nothing.clone()))
-            .collect(),
+        scores,
         sessions: sessions.len(),
-        sessions_differ,
-        covariates: session_covariates,
+        sessions_differ: levels.each_ref().map(|x| f_test(x, &sessions)),
+        covariates: of_sessions,
         level_of,
         means,
     }
+}
+
+/// Levels of friction and grip of each run.
+struct RunLevels {
+    levels: Vec<[f64; OWN_LEVELS]>,
+    /// Information about each level.
+    weights: Vec<[f64; OWN_LEVELS]>,
+    /// Change of the levels of each run by each candidate.
+    changes: Vec<Vec<[f64; OWN_LEVELS]>>,
+}
+
+/// Levels of each run by least squares, corrected for noisy inputs, and their changes by `count`
+/// candidates.
+fn run_levels(
+    design: &Design,
+    frames: &[Frame],
+    simulator: &RunSimulator,
+    count: usize,
+) -> RunLevels {
+    let first = OWN_LEVELS + design.fitted_count();
+    let mut runs = RunLevels {
+        levels: Vec::new(),
+        weights: Vec::new(),
+        changes: vec![Vec::new(); count],
+    };
+    let products = design.products(frames);
+    let noise = noise_products(design, frames, simulator, 6_000_029);
+    for (products, noise) in products.iter().zip(&noise) {
+        let matrix = &products.full - noise;
+        let square = matrix.view((0, 0), (OWN_LEVELS, OWN_LEVELS)).into_owned();
+        let inverse = ridge_inverse(square.clone());
+        let level_of_column = |k: usize| -> [f64; OWN_LEVELS] {
+            let level = &inverse * matrix.view((0, k), (OWN_LEVELS, 1)).column(0);
+            [level[0], level[1]]
+        };
+        runs.levels.push(level_of_column(matrix.ncols() - 1));
+        runs.weights.push([square[(0, 0)], square[(1, 1)]]);
+        for (c, changes) in runs.changes.iter_mut().enumerate() {
+            changes.push(level_of_column(first + c));
+        }
+    }
+    runs
+}
+
+/// p-values of the correlation of values with each covariate, by permutation of the runs within
+/// their sessions. The largest correlation of all covariates is compared, which corrects for their
+/// number (max-T).
+fn by_permutation_in_sessions(
+    y: &[f64],
+    covariates: &[Vec<f64>],
+    sessions: &BTreeMap<&str, Vec<usize>>,
+    (seed, purpose): (u64, u64),
+) -> Vec<f64> {
+    let null = MaxT::drawn(1999, |trial| {
+        let mut rng = stream(seed, 0x0BDE + purpose, trial);
+        let mut permuted = y.to_vec();
+        for runs in sessions.values() {
+            let mut order = runs.clone();
+            shuffle(&mut rng, &mut order);
+            for (to, from) in runs.iter().zip(&order) {
+                permuted[*to] = y[*from];
+            }
+        }
+        let each = covariates.iter().map(|x| correlation(&permuted, x).abs());
+        each.fold(0.0, f64::max)
+    });
+    let p_value = |x: &Vec<f64>| null.p_value(correlation(y, x));
+    covariates.iter().map(p_value).collect()
 }
 
 /// Smallest p-value by permutation of `sessions` sessions, where only the order and its reverse
@@ -180,7 +199,7 @@ impl LevelScreen {
     /// t of session-level candidate `a` given `b`; unchanged if they act on different levels.
     pub fn t_given(&self, a: usize, b: usize) -> f64 {
         if self.level_of[a] != self.level_of[b] {
-            return self.seen[a].size / self.seen[a].error.max(1e-300);
+            return self.scores[a].size / self.scores[a].error.max(1e-300);
         }
         let y = centred(&self.means[self.level_of[a]]);
         let (x, z) = (centred(&self.covariates[a]), centred(&self.covariates[b]));
@@ -189,9 +208,10 @@ impl LevelScreen {
             let share = dot(v, &z) / zz;
             v.iter().zip(&z).map(|(v, z)| v - share * z).collect()
         };
+        let total = dot(&x, &x);
         let (y, x) = (free(&y), free(&x));
         let xx = dot(&x, &x);
-        if xx < 1e-9 * dot(&centred(&self.covariates[a]), &centred(&self.covariates[a])) {
+        if xx < 1e-9 * total {
             return 0.0;
         }
         let slope = dot(&x, &y) / xx;
@@ -206,14 +226,17 @@ pub fn group(frames: &[Frame]) -> BTreeMap<&str, Vec<usize>> {
     members(frames.iter().map(|frame| frame.session.as_str()))
 }
 
+/// Mean of each session.
+pub fn session_means(x: &[f64], sessions: &BTreeMap<&str, Vec<usize>>) -> Vec<f64> {
+    let mean = |runs: &Vec<usize>| runs.iter().map(|i| x[*i]).sum::<f64>() / runs.len() as f64;
+    sessions.values().map(mean).collect()
+}
+
 /// Values minus the mean of their session.
 fn within(x: &[f64], sessions: &BTreeMap<&str, Vec<usize>>) -> Vec<f64> {
     let mut out = x.to_vec();
-    for runs in sessions.values() {
-        let mean = runs.iter().map(|i| x[*i]).sum::<f64>() / runs.len() as f64;
-        for i in runs {
-            out[*i] -= mean;
-        }
+    for (runs, mean) in sessions.values().zip(session_means(x, sessions)) {
+        runs.iter().for_each(|i| out[*i] -= mean);
     }
     out
 }
@@ -232,11 +255,8 @@ fn slope(y: &[f64], x: &[f64], typical: f64, weight: f64) -> LevelScore {
     let (yc, xc) = (centred(y), centred(x));
     let xx = dot(&xc, &xc).max(1e-300);
     let size = dot(&yc, &xc) / xx;
-    let rest: f64 = yc
-        .iter()
-        .zip(&xc)
-        .map(|(y, x)| (y - size * x).powi(2))
-        .sum();
+    let residuals = yc.iter().zip(&xc).map(|(y, x)| y - size * x);
+    let rest: f64 = residuals.map(|r| r.powi(2)).sum();
     let error = (rest / (y.len() as f64 - 2.0).max(1.0) / xx).sqrt();
     LevelScore {
         correlation: correlation(y, x),
@@ -249,7 +269,6 @@ fn slope(y: &[f64], x: &[f64], typical: f64, weight: f64) -> LevelScore {
 
 /// One-way analysis of variance: p-value of the differences between sessions.
 pub fn f_test(x: &[f64], sessions: &BTreeMap<&str, Vec<usize>>) -> f64 {
-    use statrs::distribution::{ContinuousCDF, FisherSnedecor};
     let (n, g) = (x.len() as f64, sessions.len() as f64);
     let inner: f64 = within(x, sessions).iter().map(|v| v * v).sum();
     let total: f64 = centred(x).iter().map(|v| v * v).sum();

@@ -16,43 +16,30 @@ use crate::procedure::candidate::Candidate;
 impl Campaign<'_> {
     /// Where a candidate acts, in words.
     pub fn place_of(&self, candidate: &Candidate<Amplitude>, at: &Current) -> String {
-        let on = candidate
-            .act
-            .track
-            .as_ref()
-            .map_or(String::new(), |t| format!(" on track {t}"));
-        if let (Some(_), Some((from, to))) = (&candidate.act.track, candidate.window()) {
+        let track = candidate.act.track.as_ref();
+        let on = track.map_or(String::new(), |t| format!(" on track {t}"));
+        if let (Some(_), Some((from, to))) = (track, candidate.window()) {
             return format!("s {from:.0}-{to:.0} m{on}");
         }
-        let form = match &candidate.act.kind {
-            Kind::Custom(custom) => {
-                format!("; form {} on {}", custom.text, custom.channel.name()).to_lowercase()
-            }
-            Kind::Catalogue(_) => String::new(),
-        };
         if candidate.is_column() {
-            return format!("all runs{form}");
+            let form = match &candidate.act.kind {
+                Kind::Custom(custom) => {
+                    format!("; form {} on {}", custom.text, custom.channel.name())
+                }
+                Kind::Catalogue(_) => String::new(),
+            };
+            return format!("all runs{}", form.to_lowercase());
         }
         // The share of samples with half of the effect indicates where it acts.
         let Some(frame) = self.training.first() else {
             return "all runs".to_owned();
         };
         let rest = at.residual_model.sample_residuals(frame);
-        let moved = at
-            .residual_model
-            .with(candidate.active(candidate.typical))
-            .sample_residuals(frame);
-        let mut size: Vec<(f64, usize)> = frame
-            .samples()
-            .map(|i| {
-                (
-                    (0..3)
-                        .map(|c| ((rest[c][i] - moved[c][i]) / at.whitener.sd[c]).powi(2))
-                        .sum::<f64>(),
-                    i,
-                )
-            })
-            .collect();
+        let with = (at.residual_model).with(candidate.active(candidate.typical));
+        let moved = with.sample_residuals(frame);
+        let change = |c: usize, i: usize| (rest[c][i] - moved[c][i]) / at.whitener.sd[c];
+        let square = |i: usize| (0..BALANCES).map(|c| change(c, i).powi(2)).sum::<f64>();
+        let mut size: Vec<(f64, usize)> = frame.samples().map(|i| (square(i), i)).collect();
         let total: f64 = size.iter().map(|x| x.0).sum();
         size.sort_by(|a, b| b.0.total_cmp(&a.0));
         let (mut sum, mut count, mut speed, mut load) = (0.0, 0, 0.0, 0.0);
@@ -103,10 +90,8 @@ impl Campaign<'_> {
                 few.iter().map(of_run).collect()
             }
         };
-        let energy = |c: usize| match self.used[c] {
-            true => energies.iter().map(|of_run| of_run[c]).sum(),
-            false => 0.0,
-        };
+        let of_channel = |c: usize| energies.iter().map(|of_run| of_run[c]).sum::<f64>();
+        let energy = |c: usize| if self.used[c] { of_channel(c) } else { 0.0 };
         (0..CHANNELS)
             .max_by(|a, b| f64::total_cmp(&energy(*a), &energy(*b)))
             .unwrap_or(1)
@@ -121,23 +106,18 @@ impl Campaign<'_> {
         frame: &Frame,
     ) -> ChannelRows {
         let design = Design {
-            residual_model,
-            whitener,
-            free_base: &self.free,
-            form: 0.0,
             candidates: std::slice::from_ref(candidate),
-            local: &[],
-            windows: &[],
-            noise: None,
+            ..Design::new(residual_model, whitener, &self.free)
         };
         let columns = design.columns(frame);
         // The candidate, and the residual after it.
         let own = columns.column(columns.ncols() - 2);
         let mut used = own.as_slice().chunks_exact(frame.row_count().max(1));
-        let row = |c: usize| match c < BALANCES && self.used[c] {
-            true => used.next().map_or_else(Vec::new, <[f64]>::to_vec),
-            false => Vec::new(),
-        };
-        std::array::from_fn(row)
+        std::array::from_fn(|c| {
+            let own = (c < BALANCES && self.used[c])
+                .then(|| used.next())
+                .flatten();
+            own.map_or_else(Vec::new, <[f64]>::to_vec)
+        })
     }
 }

@@ -11,9 +11,9 @@ use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::design::{Design, Products};
 use crate::evidence::runs::model::windows::Window;
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::finding::Detectable;
 use crate::null::clusters::session_numbers;
 use crate::null::sign_flips::MaxT;
-use crate::null::unit_scores::UnitScores;
 use crate::procedure::candidate::Candidate;
 use crate::regression::prior::Prior;
 use crate::regression::scores::{Scores, cross_information};
@@ -25,10 +25,8 @@ pub struct ScreenOptions {
     pub pairs: u64,
     /// Number of sign-flips.
     pub flips: usize,
-    /// Largest p-value of a selected effect.
+    /// Largest p-value of a selected effect of the catalogue, also in a window of distance.
     pub alpha: f64,
-    /// Largest p-value of a selected effect in a window of distance.
-    pub alpha_local: f64,
     /// Largest p-value of a selected effect outside the catalogue.
     pub alpha_column: f64,
     /// Smallest share of a column's information that remains after a refit of the base, and
@@ -37,6 +35,17 @@ pub struct ScreenOptions {
     /// Excess over the critical value of a size with a power of 90 %, in standard errors.
     pub nine_in_ten: f64,
     pub seed: u64,
+}
+
+impl ScreenOptions {
+    /// Largest p-value of a candidate that is selected.
+    pub fn alpha_of(&self, candidate: &Candidate<Amplitude>) -> f64 {
+        if candidate.is_column() {
+            self.alpha_column
+        } else {
+            self.alpha
+        }
+    }
 }
 
 /// Scores of a candidate or window.
@@ -68,7 +77,7 @@ pub struct RunScreen {
     /// Scores of the regular candidates, then of the windows.
     pub scores: Vec<CandidateScore>,
     /// Scores by run of candidates and windows.
-    pub sums: UnitScores,
+    pub by_run: Scores,
     /// Information matrix of the regular candidates given the base.
     pub cross: DMatrix<f64>,
 }
@@ -100,7 +109,7 @@ impl<'a> CandidateProducts<'a> {
             windows: design.windows,
             prior: design.prior(),
             products: design.products(frames),
-            noise: mean_noise_products(design, frames, simulator, 0..pairs),
+            noise: mean_noise_products(design, frames, simulator, pairs),
         }
     }
 
@@ -124,34 +133,14 @@ pub fn screen_runs(
         noise,
         ..
     } = tested;
-    let grams: Vec<_> = products
-        .iter()
-        .zip(noise)
-        .map(|(p, d)| p.corrected(d, 1.0))
-        .collect();
+    let grams = products.iter().zip(noise).map(|(p, d)| p.corrected(d));
+    let grams: Vec<_> = grams.collect();
     let scores = Scores::new(&grams, prior);
     let plain: Vec<_> = products.iter().map(Products::plain).collect();
     let plain = Scores::new(&plain, prior);
     let (count, runs) = scores.u.shape();
     let regular = tested.regular.len();
-    let usable: Vec<bool> = (0..count)
-        .map(|c| {
-            let information = scores.total_information(c);
-            let informative_runs = (0..runs)
-                .filter(|i| scores.information[(c, *i)] > 1e-9)
-                .count();
-            let enough = if c < regular {
-                // A direction that is mostly noise is excluded.
-                let min_information = options.min_shares[1] * plain.total_information(c);
-                informative_runs >= 4 && information > min_information
-            } else {
-                let window = &tested.windows[c - regular];
-                let on_track = frames.iter().filter(|f| f.track == window.track).count();
-                informative_runs >= 4 && 2 * informative_runs > on_track
-            };
-            scores.remaining_share(c) > options.min_shares[0] && information > 1e-6 && enough
-        })
-        .collect();
+    let usable = usable(tested, [&scores, &plain], frames, options);
     let norms = window_norms(&scores, &usable, tested);
     let named = tested.regular.iter().filter(|c| !c.is_column()).count();
     assert!(
@@ -159,59 +148,63 @@ pub fn screen_runs(
         "candidates outside the catalogue come last"
     );
     // Three families of candidates: the catalogue, columns outside it, places.
-    let families = [0..named, named..regular, regular..count];
-    let sums = UnitScores::of(&scores);
-    let of_family = |family: &Range<usize>| {
-        let rows: Vec<usize> = family.clone().collect();
-        let mut family = sums.only(&rows);
+    let of_family = |rows: Range<usize>| {
+        let rows: Vec<usize> = rows.collect();
+        let mut family = scores.only(&rows);
         for (row, _) in rows.iter().enumerate().filter(|(_, c)| !usable[**c]) {
             family.information.row_mut(row).fill(0.0);
         }
         family
     };
-    let [known, columns, places] = families.each_ref().map(of_family);
-    let nulls = [
-        known.by_sign_flips(options.flips, options.seed),
-        columns.by_sign_flips(options.flips, options.seed ^ 0xBE40),
-        MaxT::with_norms(
-            &without_estimated_effect(&places),
-            &norms,
-            &places.common,
-            options.flips,
-            options.seed ^ 0x10CA,
-        ),
-    ];
-    let alphas = [options.alpha, options.alpha_column, options.alpha_local];
-    let of_window = |(w, norm): (usize, &f64)| match *norm > 0.0 {
-        true => scores.sum(regular + w) / norm,
-        false => 0.0,
-    };
-    let of_windows = norms.iter().enumerate().map(of_window).collect();
-    let t_all = [known.t(), columns.t(), of_windows].concat();
+    let [known, columns, places] = [0..named, named..regular, regular..count].map(of_family);
+    let (flips, seed) = (options.flips, options.seed);
+    let of_windows = (regular..).zip(&norms).map(|(c, norm)| {
+        if *norm > 0.0 {
+            scores.sum(c) / norm
+        } else {
+            0.0
+        }
+    });
+    let null_of_windows = MaxT::with_norms(
+        &without_estimated_effect(&places),
+        &norms,
+        &places.common,
+        flips,
+        seed ^ 0x10CA,
+    );
     let sessions = session_numbers(frames.iter().map(|frame| frame.session.as_str()));
-    let p_sessions: Vec<Option<f64>> = [&known, &columns, &places]
-        .into_iter()
-        .flat_map(|family| {
-            let Some(of_sessions) = family.by_sessions(&sessions) else {
-                return vec![None; family.u.nrows()];
-            };
-            let null = of_sessions.by_wild_bootstrap(options.flips, options.seed);
-            let p_value = |t: f64| Some(null.p_value(t));
-            of_sessions.t().into_iter().map(p_value).collect()
-        })
-        .collect();
-    let criticals: Vec<f64> = nulls
-        .iter()
-        .zip(alphas)
-        .map(|(null, alpha)| null.critical(alpha))
-        .collect();
-    let family = |c: usize| usize::from(c >= named) + usize::from(c >= regular);
-    let candidate_scores = (0..count)
-        .map(|c| {
+    let by_sessions = |family: &Scores| by_sessions(family, &sessions, options);
+    let families = [
+        Family {
+            alpha: options.alpha,
+            null: known.by_sign_flips(flips, seed),
+            t: known.t(),
+            p_sessions: by_sessions(&known),
+        },
+        Family {
+            alpha: options.alpha_column,
+            null: columns.by_sign_flips(flips, seed ^ 0xBE40),
+            t: columns.t(),
+            p_sessions: by_sessions(&columns),
+        },
+        Family {
+            alpha: options.alpha,
+            null: null_of_windows,
+            t: of_windows.collect(),
+            p_sessions: by_sessions(&places),
+        },
+    ];
+    let members = families.iter().flat_map(|family| {
+        let critical = family.null.critical(family.alpha);
+        let members = family.t.iter().zip(&family.p_sessions);
+        members.map(move |(t, p_sessions)| (&family.null, critical, *t, *p_sessions))
+    });
+    let candidate_scores = members
+        .enumerate()
+        .map(|(c, (null, critical, t, p_sessions))| {
             let information = scores.total_information(c).max(1e-300);
             let scale = tested.typical(c);
             let sum = scores.sum(c);
-            let t = t_all[c];
             let size = sum / information;
             let n = runs as f64;
             let squares: f64 = (0..runs)
@@ -219,7 +212,6 @@ pub fn screen_runs(
                 .sum();
             let scatter = squares * n / (n - 1.0).max(1.0);
             let error = (scatter + scores.shared_variance(c)).sqrt() / information;
-            let (null, critical) = (&nulls[family(c)], criticals[family(c)]);
             CandidateScore {
                 remaining_share: scores.remaining_share(c),
                 size: size * scale,
@@ -227,7 +219,7 @@ pub fn screen_runs(
                 t,
                 bias_t: (plain.sum(c) - sum) / (error * information).max(1e-300),
                 p_value: if usable[c] { null.p_value(t) } else { 1.0 },
-                p_sessions: p_sessions[c],
+                p_sessions,
                 gain: sum * sum / information,
                 cross_validated_gain: cross_validated_gain(&scores, c),
                 detectable: (critical + options.nine_in_ten) * error * scale,
@@ -237,9 +229,57 @@ pub fn screen_runs(
         .collect();
     RunScreen {
         scores: candidate_scores,
-        sums,
+        by_run: scores,
         cross: cross_information(&grams, prior),
     }
+}
+
+/// Candidates whose largest statistic is tested.
+struct Family {
+    /// Largest p-value of a selected one.
+    alpha: f64,
+    /// Null distribution of the largest statistic.
+    null: MaxT,
+    /// Statistic of each candidate.
+    t: Vec<f64>,
+    /// p-value of each candidate by a wild bootstrap over sessions; `None` with a single session.
+    p_sessions: Vec<Option<f64>>,
+}
+
+/// p-value of each candidate of a family with only sessions independent.
+fn by_sessions(family: &Scores, sessions: &[usize], options: &ScreenOptions) -> Vec<Option<f64>> {
+    let Some(of_sessions) = family.by_sessions(sessions) else {
+        return vec![None; family.u.nrows()];
+    };
+    let null = of_sessions.by_wild_bootstrap(options.flips, options.seed);
+    let t = of_sessions.t().into_iter();
+    t.map(|t| Some(null.p_value(t))).collect()
+}
+
+/// Whether the data determine each candidate and window well enough to be tested, from the scores
+/// with and without correction for noise.
+fn usable(
+    tested: &CandidateProducts,
+    [scores, plain]: [&Scores; 2],
+    frames: &[Frame],
+    options: &ScreenOptions,
+) -> Vec<bool> {
+    let [min_remaining, min_signal] = options.min_shares;
+    let is_usable = |c: usize| {
+        let information = scores.total_information(c);
+        let of_runs = scores.information.row(c);
+        let runs = of_runs.iter().filter(|i| **i > 1e-9).count();
+        let enough = match c.checked_sub(tested.regular.len()) {
+            // A direction that is mostly noise is excluded.
+            None => information > min_signal * plain.total_information(c),
+            Some(w) => {
+                let track = &tested.windows[w].track;
+                2 * runs > frames.iter().filter(|f| f.track == *track).count()
+            }
+        };
+        scores.remaining_share(c) > min_remaining && information > 1e-6 && runs >= 4 && enough
+    };
+    (0..scores.u.nrows()).map(is_usable).collect()
 }
 
 /// Scores of windows minus the contribution of the window's estimated size, rescaled for the lost
@@ -248,12 +288,12 @@ pub fn screen_runs(
 /// The few runs on a track have few sign patterns, and the windows share their norms. An effect in
 /// the data would otherwise appear in its own null distribution, with seven ninths of its T if one
 /// of nine signs is flipped. The remaining scores scatter as noise does.
-fn without_estimated_effect(windows: &UnitScores) -> DMatrix<f64> {
+fn without_estimated_effect(windows: &Scores) -> DMatrix<f64> {
     let mut u = windows.u.clone();
     for c in 0..u.nrows() {
         let of_runs = windows.information.row(c);
         let runs = of_runs.iter().filter(|i| **i > 1e-9).count() as f64;
-        let information = of_runs.sum() + windows.common.row(c).norm_squared();
+        let information = windows.total_information(c);
         if information <= 0.0 || runs < 2.0 {
             continue;
         }
@@ -320,7 +360,7 @@ impl RunScreen {
         let pairs = |i: usize, j: usize| self.cross[(selected[i], selected[j])];
         Self {
             scores: selected.iter().map(|c| self.scores[*c].clone()).collect(),
-            sums: self.sums.only(selected),
+            by_run: self.by_run.only(selected),
             cross: DMatrix::from_fn(selected.len(), selected.len(), pairs),
         }
     }
@@ -328,7 +368,7 @@ impl RunScreen {
     /// T of regular candidate `a` given `b`.
     pub fn t_given(&self, a: usize, b: usize) -> f64 {
         let share = self.cross[(a, b)] / self.cross[(b, b)].max(1e-300);
-        self.sums.t_less(a, b, share)
+        self.by_run.t_of_difference(a, b, share)
     }
 
     /// Correlation of two regular candidates given the base, corrected for noise.
@@ -338,6 +378,19 @@ impl RunScreen {
     /// magnitude.
     pub fn correlation(&self, a: usize, b: usize) -> f64 {
         correlation([self.cross[(a, a)], self.cross[(a, b)], self.cross[(b, b)]])
+    }
+
+    /// Detectable size of each usable candidate of a list, and its most similar rival.
+    pub fn detectable(&self, list: &[Candidate<Amplitude>]) -> Vec<Detectable> {
+        let usable = |c: &usize| self.scores[*c].usable;
+        let detectable = |c: usize| {
+            let others = (0..list.len()).filter(usable);
+            let others = others.filter(|j| list[*j].effect != list[c].effect);
+            let others = others.map(|j| (&list[j], self.correlation(c, j)));
+            let seen = &self.scores[c];
+            list[c].detectable(seen.detectable, seen.remaining_share, others)
+        };
+        (0..list.len()).filter(usable).map(detectable).collect()
     }
 
     /// Whether a candidate may be selected.
@@ -368,9 +421,10 @@ pub fn best_windows<'w>(
 
 /// Correlation of two columns by their products, at most 1 in magnitude.
 fn correlation([aa, ab, bb]: [f64; 3]) -> f64 {
-    match aa > 0.0 && bb > 0.0 {
-        true => (ab / (aa * bb).sqrt()).clamp(-1.0, 1.0),
-        false => 0.0,
+    if aa > 0.0 && bb > 0.0 {
+        (ab / (aa * bb).sqrt()).clamp(-1.0, 1.0)
+    } else {
+        0.0
     }
 }
 

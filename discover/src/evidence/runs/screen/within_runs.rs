@@ -5,19 +5,20 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::columns::unknown;
 use crate::evidence::runs::fit::noise_products::noise_products;
 use crate::evidence::runs::laws::selection::Law;
-use crate::evidence::runs::model::design::Design;
+use crate::evidence::runs::model::design::{Design, Products};
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel};
 use crate::evidence::runs::model::windows::{Window, windows};
-use crate::evidence::runs::screen::detectable::detectable;
+use crate::evidence::runs::recordings::frame::Frame;
 use crate::evidence::runs::screen::residual_screen::{
-    CandidateProducts, RunScreen, ScreenOptions, best_windows, screen_runs,
+    CandidateProducts, CandidateScore, RunScreen, ScreenOptions, best_windows, screen_runs,
 };
 use crate::evidence::runs::screen::track::on_track::SurveyedTrack;
 use crate::evidence::runs::shared_effects::within;
-use crate::null::unit_scores::UnitScores;
+use crate::finding::Rival;
 use crate::options::OUTSIDE_CATALOGUE;
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Randomised, Screen, Selection};
+use crate::procedure::rivals::NamedEffect;
 use crate::regression::scores::{Scores, cross_information};
 
 impl Campaign<'_> {
@@ -34,7 +35,6 @@ impl Campaign<'_> {
                 detectable: Vec::new(),
             };
         }
-        let searches_outside = self.options.includes(OUTSIDE_CATALOGUE);
         let regular = self.everywhere(at.residual_model);
         let all_windows = windows(
             &self.training,
@@ -51,9 +51,10 @@ impl Campaign<'_> {
         let mut screen = screen_runs(&tested, &self.training, &options);
         let named = regular.iter().filter(|c| !c.is_column()).count();
         // If no p-value can reach the threshold, no size is detectable.
-        let detectable = match self.least_p() > options.alpha {
-            true => Vec::new(),
-            false => detectable(&screen, &regular[..named]),
+        let detectable = if self.least_p() > options.alpha {
+            Vec::new()
+        } else {
+            screen.detectable(&regular[..named])
         };
         self.by_forces = regular
             .iter()
@@ -72,15 +73,12 @@ impl Campaign<'_> {
         let found = self.find_contacts(at.residual_model);
         // Contacts bias the base, so that many candidates seem to explain something: the
         // significant ones are rivals.
-        let largest_gain = regular
-            .iter()
-            .enumerate()
-            .filter(|(c, candidate)| screen.is_selectable(*c, candidate, options.alpha))
-            .map(|(c, _)| screen.scores[c].gain)
-            .fold(0.0, f64::max);
-        let required = found
-            .as_ref()
-            .map_or(0.0, |found| found.gain / self.rules().contacts.over);
+        let significant = (0..regular.len())
+            .filter(|c| screen.is_selectable(*c, &regular[*c], options.alpha))
+            .map(|c| screen.scores[c].gain);
+        let largest_gain = significant.fold(0.0, f64::max);
+        let over = self.rules().contacts.over;
+        let required = found.as_ref().map_or(0.0, |found| found.gain / over);
         if let Some(found) = found.filter(|_| required > largest_gain) {
             let selection = self.select_contacts(&found);
             self.selected_contacts = Some(found);
@@ -89,11 +87,9 @@ impl Campaign<'_> {
                 detectable,
             };
         }
-        let law = match searches_outside {
-            true => self.law(at, selection.as_ref(), &options),
-            false => None,
-        };
-        let selection = match law {
+        let searches_outside = self.options.includes(OUTSIDE_CATALOGUE);
+        let law = searches_outside.then(|| self.law(at, selection.as_ref(), &options));
+        let selection = match law.flatten() {
             Some(Law::Instead(law)) => {
                 self.runner_up = selection;
                 Some(*law)
@@ -128,7 +124,6 @@ impl Campaign<'_> {
             pairs: self.options.twins.div_ceil(40).max(1),
             flips: self.options.flips,
             alpha: share * rules.alpha,
-            alpha_local: share * rules.alpha,
             alpha_column: share * rules.alpha_column,
             min_shares: match at.residual_model.installation.fitted_count() {
                 0 => [rules.least_left, rules.least_signal],
@@ -149,101 +144,13 @@ impl Campaign<'_> {
         places: &[(&Window, usize)],
         account: &Account,
     ) -> Option<Selection<Amplitude>> {
-        let options = self.screen_options(at, account);
-        let rules = self.rules();
-        let gain = |c: usize| screen.scores[c].gain;
-        let alpha_of = |candidate: &Candidate<Amplitude>| match (
-            &candidate.act.track,
-            candidate.is_column(),
-        ) {
-            (_, true) => options.alpha_column,
-            (Some(_), _) => options.alpha_local,
-            _ => options.alpha,
-        };
-        let local = |window: &Window| &self.candidates.local[window.local];
-        let in_windows = places.iter().map(|(window, c)| {
-            let candidate = local(window).within(&window.track, window.from, window.to);
-            (candidate, *c)
-        });
-        let everywhere = regular.iter().cloned().zip(0..);
-        let largest_gain = everywhere
-            .chain(in_windows)
-            .filter(|(candidate, c)| screen.is_selectable(*c, candidate, alpha_of(candidate)))
-            .map(|(_, c)| gain(c))
-            .fold(0.0, f64::max);
-        // Competing windows, with refined edges, are compared as regular candidates.
-        let competing: Vec<(Candidate<Amplitude>, usize)> = places
-            .iter()
-            .filter(|(_, c)| largest_gain > 0.0 && gain(*c) > rules.window_competes * largest_gain)
-            .map(|(window, c)| (self.refined(at, local(window), window), *c))
-            .collect();
-        // Candidates that may be selected or be a rival.
-        let selected: Vec<usize> = (0..regular.len())
-            .filter(|c| {
-                screen.scores[*c].usable && screen.scores[*c].t.abs() >= rules.rivals.least_t
-            })
-            .collect();
-        let of_kept = selected.iter().map(|c| &regular[*c]);
-        let list: Vec<Candidate<Amplitude>> = of_kept
-            .chain(competing.iter().map(|(candidate, _)| candidate))
-            .cloned()
-            .collect();
-        let mut together = screen.only(&selected);
-        if !competing.is_empty() {
-            let design = at.design(&list);
-            let noise = noise_products(&design, &self.training, at.simulator, 0);
-            let grams: Vec<_> = design
-                .products(&self.training)
-                .iter()
-                .zip(&noise)
-                .map(|(p, d)| p.corrected(d, 1.0))
-                .collect();
-            let scores = Scores::new(&grams, &design.prior());
-            together.cross = cross_information(&grams, &design.prior());
-            let sums = UnitScores::of(&scores);
-            for (k, (candidate, c)) in (selected.len()..).zip(&competing) {
-                together.sums.push(&sums, k);
-                let information = scores.total_information(k).max(1e-300);
-                let sum = scores.sum(k);
-                let mut seen = screen.scores[*c].clone();
-                seen.size = sum / information * candidate.typical;
-                seen.gain = sum * sum / information;
-                // Its edges may now be those of an effect of the model.
-                seen.usable &= scores.remaining_share(k) > options.min_shares[0];
-                together.scores.push(seen);
-            }
-        }
-        let best = |is_column: bool| {
-            (0..list.len())
-                .filter(|c| list[*c].is_column() == is_column)
-                .filter(|c| {
-                    let candidate = &list[*c];
-                    together.is_selectable(*c, candidate, alpha_of(candidate))
-                })
-                .max_by(|a, b| {
-                    together.scores[*a]
-                        .gain
-                        .total_cmp(&together.scores[*b].gain)
-                })
-        };
-        // An effect of the catalogue has precedence over a column outside it, unless the column
-        // explains all that the effect does, and more.
-        let mut named = match (best(false), best(true)) {
-            (Some(known), Some(other)) => {
-                let more = together.scores[other].gain > together.scores[known].gain;
-                let t = |a: usize, b: usize| together.t_given(a, b) * together.scores[a].t.signum();
-                let [max_known, min_other] = rules.column_wins;
-                if more && t(known, other) < max_known && t(other, known) > min_other {
-                    other
-                } else {
-                    known
-                }
-            }
-            (known, other) => known.or(other)?,
-        };
+        let options = &self.screen_options(at, account);
+        let (list, windows_from, together) =
+            self.with_windows(at, screen, regular, places, options);
+        let mut named = self.preferred(&together, &list, options)?;
         let (mut class, mut rivals) = self.rivals(&together, &list, named);
         // In a class of places, an effect that already acts elsewhere is the simpler explanation.
-        let known = (selected.len()..list.len()).find(|c| {
+        let known = (windows_from..list.len()).find(|c| {
             list[named].act.track.is_some()
                 && *c != named
                 && class.contains(&list[*c].effect)
@@ -274,5 +181,165 @@ impl Campaign<'_> {
             }),
             ..Selection::new(list[named].clone(), seen.size, seen.error, place)
         })
+    }
+
+    /// Candidates that may be selected or be a rival, and competing windows with refined edges
+    /// behind them; the index of the first window; and the screen of them all.
+    fn with_windows(
+        &self,
+        at: &Current,
+        screen: &RunScreen,
+        regular: &[Candidate<Amplitude>],
+        places: &[(&Window, usize)],
+        options: &ScreenOptions,
+    ) -> (Vec<Candidate<Amplitude>>, usize, RunScreen) {
+        let rules = self.rules();
+        let gain = |c: usize| screen.scores[c].gain;
+        let selectable_gain = |candidate: &Candidate<Amplitude>, c: usize| {
+            let alpha = options.alpha_of(candidate);
+            screen.is_selectable(c, candidate, alpha).then(|| gain(c))
+        };
+        let local = |window: &Window| &self.candidates.local[window.local];
+        let in_windows = places.iter().filter_map(|(window, c)| {
+            let candidate = local(window).within(&window.track, window.from, window.to);
+            selectable_gain(&candidate, *c)
+        });
+        let everywhere = regular.iter().zip(0..);
+        let everywhere = everywhere.filter_map(|(candidate, c)| selectable_gain(candidate, c));
+        let largest_gain = everywhere.chain(in_windows).fold(0.0, f64::max);
+        let least_gain = rules.window_competes * largest_gain;
+        let competing: Vec<(Candidate<Amplitude>, usize)> = places
+            .iter()
+            .filter(|(_, c)| largest_gain > 0.0 && gain(*c) > least_gain)
+            .map(|(window, c)| (self.refined(at, local(window), window), *c))
+            .collect();
+        let is_rival = |s: &CandidateScore| s.usable && s.t.abs() >= rules.rivals.least_t;
+        let selected = (0..regular.len()).filter(|c| is_rival(&screen.scores[*c]));
+        let selected: Vec<usize> = selected.collect();
+        let of_selected = selected.iter().map(|c| &regular[*c]);
+        let list = of_selected.chain(competing.iter().map(|(candidate, _)| candidate));
+        let list: Vec<Candidate<Amplitude>> = list.cloned().collect();
+        let mut together = screen.only(&selected);
+        if !competing.is_empty() {
+            let design = at.design(&list);
+            let noise = noise_products(&design, &self.training, at.simulator, 0);
+            let products = design.products(&self.training);
+            let grams = products.iter().zip(&noise).map(|(p, d)| p.corrected(d));
+            let grams: Vec<_> = grams.collect();
+            let scores = Scores::new(&grams, &design.prior());
+            together.cross = cross_information(&grams, &design.prior());
+            for (k, (candidate, c)) in (selected.len()..).zip(&competing) {
+                together.by_run.push(&scores, k);
+                let information = scores.total_information(k).max(1e-300);
+                let sum = scores.sum(k);
+                let mut seen = screen.scores[*c].clone();
+                seen.size = sum / information * candidate.typical;
+                seen.gain = sum * sum / information;
+                // Its edges may now be those of an effect of the model.
+                seen.usable &= scores.remaining_share(k) > options.min_shares[0];
+                together.scores.push(seen);
+            }
+        }
+        (list, selected.len(), together)
+    }
+
+    /// The selectable candidate of largest gain. An effect of the catalogue has precedence over a
+    /// column outside it, unless the column explains all that the effect does, and more.
+    fn preferred(
+        &self,
+        screen: &RunScreen,
+        list: &[Candidate<Amplitude>],
+        options: &ScreenOptions,
+    ) -> Option<usize> {
+        let gain = |c: usize| screen.scores[c].gain;
+        let best = |is_column: bool| {
+            (0..list.len())
+                .filter(|c| list[*c].is_column() == is_column)
+                .filter(|c| screen.is_selectable(*c, &list[*c], options.alpha_of(&list[*c])))
+                .max_by(|a, b| gain(*a).total_cmp(&gain(*b)))
+        };
+        let (Some(known), Some(other)) = (best(false), best(true)) else {
+            return best(false).or(best(true));
+        };
+        let t = |a: usize, b: usize| screen.t_given(a, b) * screen.scores[a].t.signum();
+        let [max_known, min_other] = self.rules().column_wins;
+        let explains_all = t(known, other) < max_known && t(other, known) > min_other;
+        let wins = gain(other) > gain(known) && explains_all;
+        Some(if wins { other } else { known })
+    }
+
+    /// A window of a `local` candidate with the edges of largest gain.
+    fn refined(
+        &self,
+        at: &Current,
+        local: &Candidate<Amplitude>,
+        window: &Window,
+    ) -> Candidate<Amplitude> {
+        /// Grid of edges [m].
+        const STEP: f64 = 2.5;
+        /// Largest number of steps of an edge, either way.
+        const MAX_STEPS: usize = 9;
+        let on_track = self.training.iter().filter(|f| f.track == window.track);
+        let on_track: Vec<Frame> = on_track.cloned().collect();
+        let edges =
+            |at: f64| (0..=2 * MAX_STEPS).map(move |k| at + (k as f64 - MAX_STEPS as f64) * STEP);
+        let windows: Vec<Window> = edges(window.from)
+            .flat_map(|from| edges(window.to).map(move |to| (from, to)))
+            .filter(|(from, to)| to - from >= 2.0 * STEP)
+            .map(|(from, to)| Window {
+                local: 0,
+                track: window.track.clone(),
+                from,
+                to,
+                narrowest: STEP,
+            })
+            .collect();
+        let design = Design {
+            local: std::slice::from_ref(local),
+            windows: &windows,
+            ..at.design(&[])
+        };
+        let products = design.products(&on_track);
+        let grams: Vec<_> = products.iter().map(Products::plain).collect();
+        let scores = Scores::new(&grams, &design.prior());
+        let gain = |w: usize| scores.sum(w).powi(2) / scores.total_information(w).max(1e-300);
+        let most = (0..windows.len()).max_by(|a, b| gain(*a).total_cmp(&gain(*b)));
+        let best = most.map_or(window, |w| &windows[w]);
+        local.within(&best.track, best.from, best.to)
+    }
+
+    /// The class of the selected candidate `named`, and its rivals. A rival belongs to the class if
+    /// the named effect is not significant given it.
+    fn rivals(
+        &self,
+        screen: &RunScreen,
+        list: &[Candidate<Amplitude>],
+        named: usize,
+    ) -> (Vec<String>, Vec<Rival>) {
+        let rule = &self.rules().rivals;
+        let name = &list[named].effect;
+        let others = list.iter().enumerate().filter(|(j, candidate)| {
+            let s = &screen.scores[*j];
+            let is_outside = candidate.is_column() && !list[named].is_column();
+            candidate.effect != *name && !is_outside && s.usable && s.t.abs() >= rule.least_t
+        });
+        let others = others.map(|(j, candidate)| {
+            let s = &screen.scores[j];
+            Rival {
+                gain: s.gain,
+                correlation: screen.correlation(named, j),
+                t_of_named_beyond: screen.t_given(named, j),
+                ..candidate.rival(s.size, s.t)
+            }
+        });
+        rule.class(
+            &NamedEffect {
+                effect: name,
+                t: screen.scores[named].t,
+                gain: screen.scores[named].gain,
+                units: self.training.len(),
+            },
+            others.collect(),
+        )
     }
 }

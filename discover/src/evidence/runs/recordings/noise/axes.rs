@@ -1,5 +1,7 @@
 //! Noise of an instrument's axes by their spectra.
 
+use kufe_sled::effects::Sensor;
+
 use crate::evidence::runs::recordings::noise::colour::Colour;
 use crate::evidence::runs::recordings::noise::periodogram::Periodogram;
 use crate::evidence::runs::recordings::training_samples::TrainingSamples;
@@ -14,33 +16,36 @@ pub struct ColumnNoise {
 
 /// Noise of each axis of an instrument, by its spectrum.
 pub fn of_instrument(
-    learned: &[TrainingSamples],
-    axes: &[&str],
+    training: &[TrainingSamples],
+    axes: &[Sensor],
     from_hz: f64,
-    quietest: f64,
+    max_ratio: f64,
 ) -> Option<Vec<ColumnNoise>> {
     // A column that is always constant, as a roll split of zeros, is not measured: it has no noise.
-    let moves = |name: &str| learned.iter().any(|piece| piece.moves(name));
-    if !axes.iter().any(|name| moves(name)) {
-        let still = ColumnNoise {
+    let varies = |axis: &Sensor| training.iter().any(|piece| piece.varies(axis.name()));
+    if !axes.iter().any(varies) {
+        let silent = ColumnNoise {
             sd: 0.0,
             colour: Colour::WHITE,
         };
-        return Some(vec![still; axes.len()]);
+        return Some(vec![silent; axes.len()]);
     }
-    let dt = learned.first()?.run.dt_s;
-    let alike: Vec<&TrainingSamples> = learned.iter().filter(|p| p.run.dt_s == dt).collect();
-    let spectrum = |name: &&str| {
-        let columns: Vec<&[f64]> = alike.iter().filter_map(|p| p.column(name)).collect();
-        Periodogram::of(&columns, dt, from_hz).filter(|_| moves(name))
+    let dt = training.first()?.run.dt_s;
+    let same_rate: Vec<&TrainingSamples> = training.iter().filter(|p| p.run.dt_s == dt).collect();
+    let spectrum = |axis: &Sensor| {
+        let columns = same_rate
+            .iter()
+            .filter_map(|piece| piece.column(axis.name()));
+        let columns: Vec<&[f64]> = columns.collect();
+        Periodogram::of(&columns, dt, from_hz).filter(|_| varies(axis))
     };
     let seen: Vec<Option<Periodogram>> = axes.iter().map(spectrum).collect();
-    of_axes(&seen, dt, quietest)
+    of_axes(&seen, dt, max_ratio)
 }
 
 /// Noise of each axis; an axis that is constant or dominated by motion gets the noise of the
 /// quietest one.
-fn of_axes(seen: &[Option<Periodogram>], dt: f64, quietest: f64) -> Option<Vec<ColumnNoise>> {
+fn of_axes(seen: &[Option<Periodogram>], dt: f64, max_ratio: f64) -> Option<Vec<ColumnNoise>> {
     let power = |axis: &Periodogram| axis.lowest();
     let by_power = |a: &&Periodogram, b: &&Periodogram| power(a).total_cmp(&power(b));
     let quiet = seen.iter().flatten().min_by(by_power)?;
@@ -50,7 +55,7 @@ fn of_axes(seen: &[Option<Periodogram>], dt: f64, quietest: f64) -> Option<Vec<C
     };
     let of_quiet = noise(quiet)?;
     let of_axis = |axis: &Option<Periodogram>| {
-        let is_noise = |axis: &&Periodogram| power(axis) <= quietest * power(quiet);
+        let is_noise = |axis: &&Periodogram| power(axis) <= max_ratio * power(quiet);
         let noise = axis.as_ref().filter(is_noise).and_then(noise);
         noise.unwrap_or(of_quiet)
     };

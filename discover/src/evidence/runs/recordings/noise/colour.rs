@@ -45,27 +45,26 @@ impl Colour {
 
     /// Power at a frequency, relative to the power at frequency 0.
     fn power(self, f: f64, dt: f64) -> f64 {
-        match self.corner_hz.is_finite() {
-            true => {
-                1.0 / ((1.0 + (f / self.knee_hz).powi(2)) * (1.0 + (f / self.corner_hz).powi(4)))
-            }
-            false => {
-                let decay = self.decay(dt);
-                let turn = (2.0 * PI * f * dt).cos();
-                (1.0 - decay).powi(2) / (1.0 + decay * decay - 2.0 * decay * turn)
-            }
+        if self.corner_hz.is_finite() {
+            let knee = 1.0 + (f / self.knee_hz).powi(2);
+            return 1.0 / (knee * (1.0 + (f / self.corner_hz).powi(4)));
         }
+        let decay = self.decay(dt);
+        let turn = (2.0 * PI * f * dt).cos();
+        (1.0 - decay).powi(2) / (1.0 + decay * decay - 2.0 * decay * turn)
     }
 
+    /// `k` of the first-order low pass.
     fn decay(self, dt: f64) -> f64 {
         (-2.0 * PI * self.knee_hz * dt).exp()
     }
 
     /// tan(pi corner dt) of the bilinear transform; infinite above half the rate.
     fn warped(self, dt: f64) -> f64 {
-        match self.corner_hz * dt < 0.5 {
-            true => (PI * self.corner_hz * dt).tan(),
-            false => f64::INFINITY,
+        if self.corner_hz * dt < 0.5 {
+            (PI * self.corner_hz * dt).tan()
+        } else {
+            f64::INFINITY
         }
     }
 
@@ -81,11 +80,11 @@ impl Colour {
         // Starts in the stationary state.
         let own = (1.0 - decay) / (over * (1.0 - decay * decay).sqrt()) * normal(rng);
         let white = (0..n + BEGIN).map(|_| normal(rng) / over);
-        self.through(white, own, dt).skip(BEGIN).collect()
+        self.filter(white, own, dt).skip(BEGIN).collect()
     }
 
     /// Applies both filters; `own` is the initial state of the first.
-    fn through(
+    fn filter(
         self,
         samples: impl Iterator<Item = f64>,
         own: f64,
@@ -118,7 +117,7 @@ impl Colour {
         let slower = self.knee_hz.min(self.corner_hz);
         let samples = (TIMES / (2.0 * PI * slower * dt)).ceil() as usize + 2;
         let impulse = std::iter::once(1.0).chain(std::iter::repeat_n(0.0, samples));
-        self.through(impulse, 0.0, dt)
+        self.filter(impulse, 0.0, dt)
             .map(|response| response * response)
             .sum()
     }
@@ -139,7 +138,7 @@ impl Colour {
             finite.count() + 2 * power.iter().count()
         };
         let cost = |colour: Self, power: Option<i32>| {
-            let (misfit, level) = colour.fitted(seen, dt, power);
+            let (misfit, level) = colour.fit_amplitudes(seen, dt, power);
             let cost = seen.pieces * misfit + penalty * parameter_count(&colour, power) as f64;
             (cost, colour, level)
         };
@@ -193,7 +192,7 @@ impl Colour {
 
     /// Smallest misfit of this colour given the exponent of the motion, and the white noise's
     /// density.
-    fn fitted(self, seen: &Periodogram, dt: f64, power: Option<i32>) -> (f64, f64) {
+    fn fit_amplitudes(self, seen: &Periodogram, dt: f64, power: Option<i32>) -> (f64, f64) {
         const ROUNDS: usize = 8;
         let first = seen.frequency_hz[0];
         let shapes: Vec<[f64; 2]> = seen

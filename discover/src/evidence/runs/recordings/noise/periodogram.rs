@@ -42,12 +42,8 @@ impl Periodogram {
         let mut power = vec![0.0; highest - lowest + 1];
         let mut pieces = 0.0;
         for column in columns {
-            for piece in (0..)
-                .map(|k| k * (n / 2))
-                .take_while(|from| from + n <= column.len())
-                .map(|from| &column[from..from + n])
-                .filter(|piece| piece.iter().all(|x| x.is_finite()))
-            {
+            let is_complete = |piece: &&[f64]| piece.iter().all(|x| x.is_finite());
+            for piece in column.windows(n).step_by(n / 2).filter(is_complete) {
                 // The line through the ends is subtracted, so that a drift does not leak.
                 let rise = (piece[n - 1] - piece[0]) / (n - 1) as f64;
                 let mean = piece.iter().sum::<f64>() / n as f64;
@@ -60,9 +56,8 @@ impl Periodogram {
                     .collect();
                 for (k, sums) in power.chunks_mut(LANES).enumerate() {
                     let squares = magnitudes_squared(&level, lowest + k * LANES);
-                    sums.iter_mut()
-                        .zip(squares)
-                        .for_each(|(sum, square)| *sum += square);
+                    let both = sums.iter_mut().zip(squares);
+                    both.for_each(|(sum, square)| *sum += square);
                 }
                 pieces += 1.0;
             }
@@ -70,16 +65,13 @@ impl Periodogram {
         if pieces == 0.0 || power.iter().any(|p| *p <= 0.0) {
             return None;
         }
-        power
-            .iter_mut()
-            .for_each(|p| *p *= 2.0 * dt / (weight * pieces));
-        let frequency_hz = (lowest..=highest)
-            .map(|k| k as f64 / (n as f64 * dt))
-            .collect();
+        let scale = 2.0 * dt / (weight * pieces);
+        power.iter_mut().for_each(|p| *p *= scale);
+        let frequency_hz = |k: usize| k as f64 / (n as f64 * dt);
         // With this window and overlap the pieces count for two thirds of independent ones.
         let pieces = 2.0 / 3.0 * pieces;
         Some(Self {
-            frequency_hz,
+            frequency_hz: (lowest..=highest).map(frequency_hz).collect(),
             power,
             pieces,
         })

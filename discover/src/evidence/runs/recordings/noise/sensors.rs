@@ -1,6 +1,9 @@
 //! Noise of each sensor: as stated, or as estimated from the recordings.
 
+use std::ops::Range;
+
 use kufe_sled::Noise;
+use kufe_sled::effects::{SENSORS, Sensor};
 use rayon::prelude::*;
 
 use crate::evidence::runs::recordings::noise::axes::{ColumnNoise, of_instrument};
@@ -20,20 +23,26 @@ pub enum NoiseFrom {
     Doubted,
 }
 
-/// The sensors' noise, by column.
+/// The sensors' noise.
 #[derive(Clone, Copy, Debug)]
 pub struct SensorNoise {
-    pub accel_mps2: [ColumnNoise; 3],
-    pub rate_radps: [ColumnNoise; 3],
-    pub speed_mps: ColumnNoise,
-    pub slip_rad: ColumnNoise,
-    pub steer_rad: ColumnNoise,
-    pub roll_split_rad: ColumnNoise,
+    columns: [ColumnNoise; SENSORS],
 }
 
-const SENSORS: usize = 6;
-/// Names of the sensors, with the unit of their noise.
-const NAMES: [&str; SENSORS] = [
+const INSTRUMENTS: usize = 6;
+/// The sensors of each instrument.
+const AXES: [Range<usize>; INSTRUMENTS] = [0..3, 3..6, 6..7, 7..8, 8..9, 9..10];
+/// The axis from which an instrument's noise is estimated by differences.
+const REFERENCE_AXES: [Sensor; INSTRUMENTS] = [
+    Sensor::Ay,
+    Sensor::YawRate,
+    Sensor::Speed,
+    Sensor::Slip,
+    Sensor::Steering,
+    Sensor::RollSplit,
+];
+/// Names of the instruments, with the unit of their noise.
+const NAMES: [&str; INSTRUMENTS] = [
     "accelerometer [m/s2]",
     "rates [rad/s]",
     "speed [m/s]",
@@ -41,18 +50,11 @@ const NAMES: [&str; SENSORS] = [
     "steering [rad]",
     "roll split [rad]",
 ];
-/// Names of their axes.
-const AXES: [&[&str]; SENSORS] = [
-    &["x", "y", "z"],
-    &["roll", "pitch", "yaw"],
-    &[""],
-    &[""],
-    &[""],
-    &[""],
-];
+/// Names of the axes.
+const AXIS_NAMES: [&str; SENSORS] = ["x", "y", "z", "roll", "pitch", "yaw", "", "", "", ""];
 
-/// Standard deviations by sensor.
-fn each(noise: &Noise) -> [f64; SENSORS] {
+/// Standard deviations by instrument.
+fn each(noise: &Noise) -> [f64; INSTRUMENTS] {
     [
         noise.accel_mps2,
         noise.rate_radps,
@@ -64,124 +66,97 @@ fn each(noise: &Noise) -> [f64; SENSORS] {
 }
 
 /// Noise of these standard deviations.
-fn of_each(sd: [f64; SENSORS]) -> Noise {
-    let [
-        accel_mps2,
-        rate_radps,
-        speed_mps,
-        slip_rad,
-        steer_rad,
-        roll_split_rad,
-    ] = sd;
+fn of_each(sd: [f64; INSTRUMENTS]) -> Noise {
     Noise {
-        accel_mps2,
-        rate_radps,
-        speed_mps,
-        slip_rad,
-        steer_rad,
-        roll_split_rad,
+        accel_mps2: sd[0],
+        rate_radps: sd[1],
+        speed_mps: sd[2],
+        slip_rad: sd[3],
+        steer_rad: sd[4],
+        roll_split_rad: sd[5],
     }
 }
 
 impl SensorNoise {
     /// White noise of these standard deviations.
     pub fn white(sd: Noise) -> Self {
-        let of = |sd| ColumnNoise {
-            sd,
+        let silent = ColumnNoise {
+            sd: 0.0,
             colour: Colour::WHITE,
         };
         Self {
-            accel_mps2: [of(sd.accel_mps2); 3],
-            rate_radps: [of(sd.rate_radps); 3],
-            speed_mps: of(sd.speed_mps),
-            slip_rad: of(sd.slip_rad),
-            steer_rad: of(sd.steer_rad),
-            roll_split_rad: of(sd.roll_split_rad),
+            columns: [silent; SENSORS],
         }
+        .at_least(&sd)
+    }
+
+    /// The noise of a sensor at the recorded rate.
+    pub fn of(&self, sensor: Sensor) -> ColumnNoise {
+        self.columns[sensor as usize]
     }
 
     /// Noise from the recordings' spectra above this frequency; `None` if they are insufficient. An
-    /// axis with more than `quietest` times the power of its instrument's quietest axis is
+    /// axis with more than `max_ratio` times the power of its instrument's quietest axis is
     /// dominated by motion and gets the noise of the quietest axis.
-    pub fn of_spectra(learned: &[TrainingSamples], from_hz: f64, quietest: f64) -> Option<Self> {
-        let each: Vec<Option<Vec<ColumnNoise>>> = INSTRUMENTS
-            .par_iter()
-            .map(|axes| of_instrument(learned, axes, from_hz, quietest))
-            .collect();
-        let each: Vec<Vec<ColumnNoise>> = each.into_iter().collect::<Option<_>>()?;
-        let axes = |k: usize| <[ColumnNoise; 3]>::try_from(each[k].as_slice()).ok();
-        Some(Self {
-            accel_mps2: axes(0)?,
-            rate_radps: axes(1)?,
-            speed_mps: each[2][0],
-            slip_rad: each[3][0],
-            steer_rad: each[4][0],
-            roll_split_rad: each[5][0],
-        })
+    pub fn of_spectra(training: &[TrainingSamples], from_hz: f64, max_ratio: f64) -> Option<Self> {
+        let of_axes = |axes: &Range<usize>| {
+            of_instrument(training, &Sensor::ALL[axes.clone()], from_hz, max_ratio)
+        };
+        let each: Vec<Option<Vec<ColumnNoise>>> = AXES.par_iter().map(of_axes).collect();
+        let columns = each.into_iter().collect::<Option<Vec<_>>>()?.concat();
+        let columns = columns.try_into().ok()?;
+        Some(Self { columns })
     }
 
     /// This noise with a lower bound of each standard deviation.
-    pub fn at_least(self, least: &Noise) -> Self {
-        let of = |noise: ColumnNoise, least: f64| ColumnNoise {
-            sd: noise.sd.max(least),
-            ..noise
-        };
-        Self {
-            accel_mps2: self.accel_mps2.map(|axis| of(axis, least.accel_mps2)),
-            rate_radps: self.rate_radps.map(|axis| of(axis, least.rate_radps)),
-            speed_mps: of(self.speed_mps, least.speed_mps),
-            slip_rad: of(self.slip_rad, least.slip_rad),
-            steer_rad: of(self.steer_rad, least.steer_rad),
-            roll_split_rad: of(self.roll_split_rad, least.roll_split_rad),
+    pub fn at_least(mut self, least: &Noise) -> Self {
+        for (axes, least) in AXES.into_iter().zip(each(least)) {
+            for axis in &mut self.columns[axes] {
+                axis.sd = axis.sd.max(least);
+            }
         }
+        self
     }
 
     /// Standard deviation of each instrument's noisiest axis, as white noise.
     pub fn sd(&self) -> Noise {
-        of_each(self.instruments().map(|axes| loudest(axes).sd))
+        of_each(self.instruments().map(|axes| noisiest_axis(axes).sd))
     }
 
-    fn instruments(&self) -> [&[ColumnNoise]; INSTRUMENTS.len()] {
-        use std::slice::from_ref;
-        [
-            &self.accel_mps2,
-            &self.rate_radps,
-            from_ref(&self.speed_mps),
-            from_ref(&self.slip_rad),
-            from_ref(&self.steer_rad),
-            from_ref(&self.roll_split_rad),
-        ]
+    fn instruments(&self) -> [&[ColumnNoise]; INSTRUMENTS] {
+        AXES.map(|axes| &self.columns[axes])
     }
 
     /// A remark on noise from spectra, if the model states other or none.
     pub fn remark(&self, stated: bool) -> String {
-        let why = match stated {
-            true => "the sensors' noise is not the white noise that [noise] states",
-            false => "no [noise] in the model",
+        let why = if stated {
+            "the sensors' noise is not the white noise that [noise] states"
+        } else {
+            "no [noise] in the model"
         };
-        let of = |noise: &ColumnNoise| {
+        let text = |noise: &ColumnNoise| {
             let Colour { knee_hz, corner_hz } = noise.colour;
-            match knee_hz.min(corner_hz) {
-                corner if corner.is_finite() => {
-                    format!("{:.2e}, less above {corner:.0} Hz", noise.sd)
-                }
-                _ => format!("{:.2e}", noise.sd),
+            let corner = knee_hz.min(corner_hz);
+            if corner.is_finite() {
+                format!("{:.2e}, less above {corner:.0} Hz", noise.sd)
+            } else {
+                format!("{:.2e}", noise.sd)
             }
         };
-        let sensors = NAMES.into_iter().zip(AXES).zip(self.instruments());
+        let labels = AXES.map(|axes| &AXIS_NAMES[axes]);
+        let sensors = NAMES.into_iter().zip(labels).zip(self.instruments());
         let each: Vec<String> = sensors
-            .filter(|(_, axes)| loudest(axes).sd > 0.0)
+            .filter(|(_, axes)| noisiest_axis(axes).sd > 0.0)
             .map(|((name, labels), axes)| {
-                let texts: Vec<String> = axes.iter().map(of).collect();
-                match texts.iter().all(|axis| *axis == texts[0]) {
-                    true => format!("{name} {}", texts[0]),
-                    false => {
-                        let axes = labels.iter().zip(&texts);
-                        let axes: Vec<String> =
-                            axes.map(|(l, texts)| format!("{l} {texts}")).collect();
-                        format!("{name} {}", axes.join(", "))
-                    }
+                let texts: Vec<String> = axes.iter().map(text).collect();
+                if texts.iter().all(|axis| *axis == texts[0]) {
+                    return format!("{name} {}", texts[0]);
                 }
+                let axes = labels.iter().zip(&texts);
+                let axes: Vec<String> = axes
+                    .map(|(label, text)| format!("{label} {text}"))
+                    .collect();
+                format!("{name} {}", axes.join(", "))
             })
             .collect();
         format!(
@@ -192,33 +167,13 @@ impl SensorNoise {
 }
 
 /// The axis of the largest standard deviation.
-fn loudest(axes: &[ColumnNoise]) -> ColumnNoise {
+fn noisiest_axis(axes: &[ColumnNoise]) -> ColumnNoise {
     let more = |a: ColumnNoise, b: &ColumnNoise| if b.sd > a.sd { *b } else { a };
     axes.iter().fold(axes[0], more)
 }
 
-/// Columns of each instrument.
-const INSTRUMENTS: [&[&str]; SENSORS] = [
-    &["ax_mps2", "ay_mps2", "az_mps2"],
-    &["roll_rate_radps", "pitch_rate_radps", "yaw_rate_radps"],
-    &["v_mps"],
-    &["alpha_rad"],
-    &["delta_rad"],
-    &["gamma_rad"],
-];
-
-/// The column from which each sensor's noise is estimated by differences.
-const COLUMNS: [&str; SENSORS] = [
-    "ay_mps2",
-    "yaw_rate_radps",
-    "v_mps",
-    "alpha_rad",
-    "delta_rad",
-    "gamma_rad",
-];
-
 /// The stated noise, or the noise of the recordings if it is smaller.
-pub fn quieter(stated: &Noise, seen: &Noise, remarks: &mut Vec<String>) -> Noise {
+pub fn smaller_noise(stated: &Noise, seen: &Noise, remarks: &mut Vec<String>) -> Noise {
     let both = each(stated).into_iter().zip(each(seen));
     let smaller: Vec<String> = NAMES
         .iter()
@@ -232,67 +187,55 @@ pub fn quieter(stated: &Noise, seen: &Noise, remarks: &mut Vec<String>) -> Noise
             smaller.join("; ")
         ));
     }
-    by_sensor(stated, seen, f64::min)
+    by_instrument(stated, seen, f64::min)
 }
 
-/// One of two noises, by sensor.
-fn by_sensor(a: &Noise, b: &Noise, pick: fn(f64, f64) -> f64) -> Noise {
+/// One of two noises, by instrument.
+fn by_instrument(a: &Noise, b: &Noise, pick: fn(f64, f64) -> f64) -> Noise {
     let (a, b) = (each(a), each(b));
     of_each(std::array::from_fn(|k| pick(a[k], b[k])))
 }
 
 /// The larger of two noises, by sensor: noise with small differences may be filtered, and noise
 /// with little power below a corner may be white.
-pub fn louder(a: &Noise, b: &Noise) -> Noise {
-    by_sensor(a, b, f64::max)
+pub fn larger_noise(a: &Noise, b: &Noise) -> Noise {
+    by_instrument(a, b, f64::max)
 }
 
 /// Whether the stated noise disagrees with the differences of the recordings, for a sensor from
-/// which forces are computed. The noise is then coloured, filtered or misstated, and uncertain at
-/// the frequencies of the motion.
-pub fn doubted(stated: &Noise, seen: &Noise, [low, high]: [f64; 2]) -> bool {
-    [
-        (stated.rate_radps, seen.rate_radps),
-        (stated.speed_mps, seen.speed_mps),
-        (stated.slip_rad, seen.slip_rad),
-        (stated.steer_rad, seen.steer_rad),
-        (stated.roll_split_rad, seen.roll_split_rad),
-    ]
-    .iter()
-    .any(|(stated, seen)| *seen > 0.0 && !(low..=high).contains(&(seen / stated.max(1e-300))))
+/// which forces are computed: any but the accelerometer, the first instrument. The noise is then
+/// coloured, filtered or misstated, and uncertain at the frequencies of the motion.
+pub fn is_contradicted(stated: &Noise, seen: &Noise, [low, high]: [f64; 2]) -> bool {
+    let mut others = each(stated).into_iter().zip(each(seen)).skip(1);
+    others.any(|(stated, seen)| seen > 0.0 && !(low..=high).contains(&(seen / stated.max(1e-300))))
 }
 
 /// White noise from third differences d3, the median over runs: `var = mean(d3^2) / 20`.
-pub fn estimate(learned: &[TrainingSamples]) -> Noise {
-    by_third_differences(learned, &|_| 1)
+pub fn estimate(training: &[TrainingSamples]) -> Noise {
+    by_third_differences(training, |_| 1)
 }
 
 /// White noise with the power of the recordings between the motion and this corner \[Hz\], the
 /// median over runs: third differences of means over half the corner's period, `var = m
 /// mean(d3^2)/20` for means over m samples.
-pub fn estimate_below(learned: &[TrainingSamples], corner_hz: f64) -> Noise {
-    let samples =
-        |piece: &TrainingSamples| (0.5 / (corner_hz * piece.run.dt_s)).round().max(1.0) as usize;
-    by_third_differences(learned, &samples)
+pub fn estimate_below(training: &[TrainingSamples], corner_hz: f64) -> Noise {
+    by_third_differences(training, |dt| {
+        (0.5 / (corner_hz * dt)).round().max(1.0) as usize
+    })
 }
 
-fn by_third_differences(
-    learned: &[TrainingSamples],
-    samples: &dyn Fn(&TrainingSamples) -> usize,
-) -> Noise {
+/// `samples` is the number m of samples of a mean for a time between samples [s].
+fn by_third_differences(training: &[TrainingSamples], samples: impl Fn(f64) -> usize) -> Noise {
     let sd = |name: &str| -> f64 {
-        let mut each: Vec<f64> = learned
+        let mut each: Vec<f64> = training
             .iter()
-            .filter_map(|piece| Some((piece.column(name)?, samples(piece))))
+            .filter_map(|piece| Some((piece.column(name)?, samples(piece.run.dt_s))))
             .map(|(x, m)| {
                 let mean = |part: &[f64]| part.iter().sum::<f64>() / m as f64;
                 let means: Vec<f64> = x.chunks_exact(m).map(mean).collect();
                 let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).powi(2);
                 // Differences across a gap are omitted.
-                let squares = means
-                    .windows(4)
-                    .map(third)
-                    .filter(|square| square.is_finite());
+                let squares = means.windows(4).map(third).filter(|x| x.is_finite());
                 let (sum, count) = squares.fold((0.0, 0_usize), |(s, n), x| (s + x, n + 1));
                 (m as f64 * sum / (20.0 * count.max(1) as f64)).sqrt()
             })
@@ -300,5 +243,5 @@ fn by_third_differences(
         each.sort_by(f64::total_cmp);
         each.get(each.len() / 2).copied().unwrap_or(0.0)
     };
-    of_each(COLUMNS.map(sd))
+    of_each(REFERENCE_AXES.map(|axis| sd(axis.name())))
 }

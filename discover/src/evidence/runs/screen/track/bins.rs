@@ -2,10 +2,22 @@
 
 use std::collections::BTreeMap;
 
-use crate::evidence::runs::recordings::frame::Frame;
+use crate::evidence::runs::recordings::frame::{Frame, bin_of};
 
 /// A driver and the mean of one of his runs in a bin.
 pub type DriverMean<'a> = (&'a str, f64);
+
+/// The residual of all runs in a bin of distance.
+#[derive(Clone)]
+pub struct Bin {
+    pub track: String,
+    /// Start [m].
+    pub from_m: f64,
+    /// Mean over the runs [m/s2].
+    pub mean: f64,
+    /// Variance of the mean.
+    pub variance: f64,
+}
 
 /// Smallest number of runs of a bin.
 const MIN_RUNS: usize = 3;
@@ -29,21 +41,13 @@ pub fn by_bin<'a>(frames: &'a [Frame], rows: &[Vec<f64>], width: f64) -> ByBin<'
 /// Means of a run's rows by bin, without incomplete bins (at the ends of a run and next to a gap),
 /// whose few samples are noisier.
 pub fn of_run(frame: &Frame, rows: &[f64], width: f64) -> Vec<(i64, f64)> {
-    let bin_of = |s: &f64| (s / width).floor() as i64;
-    let mut sums: BTreeMap<i64, (f64, f64)> = BTreeMap::new();
-    for (s, r) in frame.rows(&frame.s).iter().zip(rows) {
-        let (count, sum) = sums.entry(bin_of(s)).or_default();
-        (*count, *sum) = (*count + 1.0, *sum + r);
-    }
+    let sums = frame.sums_by_bin(rows.iter().copied(), width);
     let ends = [sums.keys().next(), sums.keys().last()];
     let mut incomplete: Vec<i64> = ends.into_iter().flatten().copied().collect();
-    incomplete.extend(frame.rows_without_gaps(&frame.s).iter().map(bin_of));
-    let complete = sums
-        .into_iter()
-        .filter(|(bin, _)| !incomplete.contains(bin));
-    complete
-        .map(|(bin, (count, sum))| (bin, sum / count))
-        .collect()
+    let omitted = frame.omitted_rows(&frame.s).into_iter();
+    incomplete.extend(omitted.map(|s| bin_of(s, width)));
+    let complete = sums.iter().filter(|(bin, _)| !incomplete.contains(bin));
+    complete.map(|(bin, sum)| (*bin, sum.mean())).collect()
 }
 
 /// Rate of change of the speed between the halves of each bin, with the bin's number. With e the

@@ -15,15 +15,39 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::model::installation::{Information, Installation};
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
-use crate::evidence::runs::screen::track::bins::{between_drivers, by_bin, mean};
-use crate::evidence::runs::screen::track::chance::{
-    angle, inflation, minimise, p_value_of_maximum, two_sided,
+use crate::evidence::runs::screen::track::bins::{Bin, DriverMean, between_drivers, by_bin, mean};
+use crate::evidence::runs::screen::track::significance::{
+    angle, inflation, minimise, p_value_of_maximum, two_sided, weighted_dot,
 };
 use crate::procedure::candidate::Candidate;
 use crate::procedure::rules::RunRules;
 
 /// Number of bins on either side over which the scatter between drivers is averaged.
 const NEIGHBOURS: usize = 3;
+
+/// A candidate that is tested in the track channel.
+#[derive(Clone)]
+struct TrackCandidate {
+    /// Change of each bin's mean per unit, at the candidate's fitted size.
+    direction: Vec<f64>,
+    /// Angle through which the direction turns over the candidate's sizes [rad].
+    turn_rad: f64,
+    /// Standard deviation due to installation errors, in the candidate's unit.
+    tolerance: f64,
+}
+
+/// Departure of the profile of a track from its survey.
+pub struct ProfileDeparture {
+    pub p_value: f64,
+    /// Track and interval of the largest mean departure [m].
+    pub track: String,
+    pub from_m: f64,
+    pub to_m: f64,
+    /// Slope error there [rad].
+    pub slope: f64,
+    /// Survey deviation that would explain the departures [rad].
+    pub needed_sd: f64,
+}
 
 /// Scores of a candidate of the track channel, for one survey deviation.
 #[derive(Clone, Debug)]
@@ -37,20 +61,14 @@ pub struct TrackScore {
 /// Bin means of the track channel and the candidates that are tested in it.
 #[derive(Clone)]
 pub struct TrackChannel {
-    /// Bin means, by bin: track, from [m], mean [m/s2], variance of the mean.
-    bins: Vec<(String, f64, f64, f64)>,
+    bins: Vec<Bin>,
     /// Rows of each run.
     rows: Vec<Vec<f64>>,
-    /// Change of each bin by each candidate per unit, at the candidate's fitted size.
-    directions: Vec<Vec<f64>>,
-    /// Angle through which the direction of each candidate turns over its sizes [rad].
-    turns: Vec<f64>,
-    /// Standard deviation of each candidate due to installation errors, in its unit.
-    tolerances: Vec<f64>,
+    candidates: Vec<TrackCandidate>,
     /// Inflation of the variance of means over bins by their correlation.
     inflation: f64,
     /// Root mean square scatter of single runs about the bins' means [m/s2].
-    scatter: f64,
+    pub scatter: f64,
     /// Width of a bin [m].
     width: f64,
 }
@@ -63,42 +81,46 @@ fn rows_of(residual_model: &ResidualModel, frames: &[Frame]) -> Vec<Vec<f64>> {
 impl TrackChannel {
     /// Averages residuals over bins; `None` without a survey and with fewer than eight bins.
     pub fn new(residual_model: &ResidualModel, frames: &[Frame], rules: &RunRules) -> Option<Self> {
-        let (width, reach) = (rules.track_bin_m, NEIGHBOURS);
+        let width = rules.track_bin_m;
         if frames.iter().any(|f| f.slope.len() != f.len()) {
             return None;
         }
         let rows = rows_of(residual_model, frames);
-        let mut bins = Vec::new();
-        let (mut scatter, mut by_driver) = (Vec::new(), Vec::new());
-        for ((track, bin), runs) in &by_bin(frames, &rows, width) {
-            let (m, n) = (mean(runs), runs.len() as f64);
-            let variance = runs.iter().map(|(_, r)| (r - m).powi(2)).sum::<f64>() / (n - 1.0);
-            scatter.push(variance);
-            by_driver.push(between_drivers(runs));
-            bins.push(((*track).to_owned(), *bin as f64 * width, m, n));
-        }
-        if bins.len() < 8 {
+        let by_bin = by_bin(frames, &rows, width);
+        if by_bin.len() < 8 {
             return None;
         }
-        let common = scatter.iter().sum::<f64>() / scatter.len() as f64;
+        let scatter = |runs: &Vec<DriverMean>| {
+            let (m, n) = (mean(runs), runs.len() as f64);
+            runs.iter().map(|(_, r)| (r - m).powi(2)).sum::<f64>() / (n - 1.0)
+        };
+        let common = by_bin.values().map(scatter).sum::<f64>() / by_bin.len() as f64;
+        let tracks: Vec<&str> = by_bin.keys().map(|(track, _)| *track).collect();
+        let by_driver: Vec<_> = by_bin.values().map(|runs| between_drivers(runs)).collect();
         // A driver repeats his line: each driver counts as one run, by the scatter near the bin.
-        for k in 0..bins.len() {
-            let near = k.saturating_sub(reach)..(k + reach + 1).min(bins.len());
-            let there: Vec<f64> = near
-                .filter(|j| bins[*j].0 == bins[k].0)
-                .filter_map(|j| by_driver[j])
-                .collect();
-            let of_drivers = there.iter().sum::<f64>() / there.len().max(1) as f64;
-            bins[k].3 = of_drivers.max(common / bins[k].3);
-        }
-        let means: Vec<f64> = bins.iter().map(|b| b.2).collect();
+        let variance_near = |k: usize, runs: f64| {
+            let near = k.saturating_sub(NEIGHBOURS)..(k + NEIGHBOURS + 1).min(tracks.len());
+            let near = near.filter(|j| tracks[*j] == tracks[k]);
+            let of_drivers: Vec<f64> = near.filter_map(|j| by_driver[j]).collect();
+            let of_drivers = of_drivers.iter().sum::<f64>() / of_drivers.len().max(1) as f64;
+            of_drivers.max(common / runs)
+        };
+        let bins = by_bin
+            .iter()
+            .enumerate()
+            .map(|(k, ((track, bin), runs))| Bin {
+                track: (*track).to_owned(),
+                from_m: *bin as f64 * width,
+                mean: mean(runs),
+                variance: variance_near(k, runs.len() as f64),
+            });
+        let bins: Vec<Bin> = bins.collect();
+        let means: Vec<f64> = bins.iter().map(|bin| bin.mean).collect();
         Some(Self {
             inflation: inflation(&bins, &means),
             bins,
             rows,
-            directions: Vec::new(),
-            turns: Vec::new(),
-            tolerances: Vec::new(),
+            candidates: Vec::new(),
             scatter: common.sqrt(),
             width,
         })
@@ -120,18 +142,21 @@ impl TrackChannel {
         /// Relative accuracy of the best size, far below its error.
         const ACCURACY: f64 = 0.01;
         let small = 0.01 * candidate.typical;
-        let change = |size: f64| self.change(residual_model, frames, candidate, size);
+        let change = |size: f64| {
+            let moved = residual_model.with(candidate.active(size));
+            self.change_to(&moved, frames)
+        };
         let per_unit = |size: f64| -> Vec<f64> { change(size).iter().map(|x| x / size).collect() };
         let w = self.weights(slope_sd);
         let misfit = |change: &[f64]| -> f64 {
             let both = self.bins.iter().zip(change).zip(&w);
-            both.map(|((bin, change), w)| w * (bin.2 - change).powi(2))
+            both.map(|((bin, change), w)| w * (bin.mean - change).powi(2))
                 .sum()
         };
         let direct = per_unit(small);
         let both = self.bins.iter().zip(&direct).zip(&w);
         let [score, information] = both.fold([0.0; 2], |[s, i], ((bin, d), w)| {
-            [s + w * d * bin.2, i + w * d * d]
+            [s + w * d * bin.mean, i + w * d * d]
         });
         let mut sizes = vec![score / information.max(1e-300)];
         let [low, high] = [candidate.low, candidate.high].map(|bound| 0.5 * bound);
@@ -152,28 +177,15 @@ impl TrackChannel {
             (0..sizes.len()).min_by(|a, b| misfit(&changes[*a]).total_cmp(&misfit(&changes[*b])));
         let exact = best.map(|k| {
             let interval = [sizes[k] / RATIO, sizes[k] * RATIO];
-            per_unit(minimise(
-                |size| misfit(&change(size)),
-                interval,
-                ACCURACY * sizes[k].abs(),
-            ))
+            let tolerance = ACCURACY * sizes[k].abs();
+            per_unit(minimise(|size| misfit(&change(size)), interval, tolerance))
         });
-        let steps = changes.windows(2);
-        self.turns
-            .push(steps.map(|pair| angle(&pair[0], &pair[1], &w)).sum());
-        self.tolerances.push(tolerance);
-        self.directions.push(exact.unwrap_or(direct));
-    }
-
-    /// Change of each bin's mean by a candidate of this size.
-    fn change(
-        &self,
-        residual_model: &ResidualModel,
-        frames: &[Frame],
-        candidate: &Candidate<Amplitude>,
-        size: f64,
-    ) -> Vec<f64> {
-        self.change_to(&residual_model.with(candidate.active(size)), frames)
+        let steps = changes.windows(2).map(|pair| angle(&pair[0], &pair[1], &w));
+        self.candidates.push(TrackCandidate {
+            turn_rad: steps.sum(),
+            tolerance,
+            direction: exact.unwrap_or(direct),
+        });
     }
 
     /// Change of each bin's mean by another model.
@@ -189,14 +201,9 @@ impl TrackChannel {
 
     /// Closure error: root mean square of the bins' means as a slope [rad], less their scatter.
     pub fn closure(&self) -> f64 {
-        let n = self.bins.len() as f64;
-        let square = self.bins.iter().map(|b| b.2 * b.2 - b.3).sum::<f64>() / n;
+        let excess = self.bins.iter().map(|b| b.mean * b.mean - b.variance);
+        let square = excess.sum::<f64>() / self.bins.len() as f64;
         square.max(0.0).sqrt() / GRAVITY
-    }
-
-    /// Root mean square scatter of single runs about the bins' means [m/s2].
-    pub fn scatter(&self) -> f64 {
-        self.scatter
     }
 
     /// Information on tilt-like installation errors, for a model with none of them.
@@ -217,14 +224,14 @@ impl TrackChannel {
         let mut directions = DMatrix::zeros(self.bins.len(), count);
         for error in (0..count).filter(|error| stated.errors[*error].is_tilt()) {
             let moved = ResidualModel {
-                installation: stated.moved(error, 1.0),
+                installation: stated.with_error_changed(error, 1.0),
                 ..bare.clone()
             };
             let change = DVector::from_vec(self.change_to(&moved, frames));
             directions.set_column(error, &change);
         }
         let w = DVector::from_vec(self.weights(slope_sd));
-        let means = DVector::from_iterator(self.bins.len(), self.bins.iter().map(|bin| bin.2));
+        let means = DVector::from_iterator(self.bins.len(), self.bins.iter().map(|bin| bin.mean));
         let common_variance = 1.0 / (1.0 / (GRAVITY * slope_sd).powi(2) + w.sum());
         // W x, by the Sherman-Morrison formula.
         let weighted = |x: DVector<f64>| {
@@ -247,34 +254,29 @@ impl TrackChannel {
     /// Inverse variance of each bin's mean, including the survey's.
     fn weights(&self, slope_sd: f64) -> Vec<f64> {
         let survey = (GRAVITY * slope_sd).powi(2);
-        self.bins
-            .iter()
-            .map(|b| 1.0 / (b.3 + survey).max(1e-30))
-            .collect()
+        let weight = |bin: &Bin| 1.0 / (bin.variance + survey).max(1e-30);
+        self.bins.iter().map(weight).collect()
     }
 
     /// Scores candidate `c` for a survey deviation [rad].
     pub fn score(&self, c: usize, slope_sd: f64) -> TrackScore {
         let w = self.weights(slope_sd);
-        let d = &self.directions[c];
-        let information: f64 = d.iter().zip(&w).map(|(d, w)| d * d * w).sum();
-        let score: f64 = d
-            .iter()
-            .zip(&w)
-            .zip(&self.bins)
-            .map(|((d, w), b)| d * w * b.2)
-            .sum();
+        let candidate = &self.candidates[c];
+        let d = &candidate.direction;
+        let information = weighted_dot(d, d, &w);
+        let weighted = d.iter().zip(&w).zip(&self.bins);
+        let score: f64 = weighted.map(|((d, w), bin)| d * w * bin.mean).sum();
         let size = score / information.max(1e-300);
         let [scatter, null_scatter] = self.excess_scatter(d, size, &w);
         let error = |scatter: f64| {
             let statistical = (scatter / information.max(1e-300)).sqrt();
-            statistical.hypot(self.tolerances[c])
+            statistical.hypot(candidate.tolerance)
         };
-        let p = p_value_of_maximum(size / error(null_scatter), self.turns[c]);
+        let p = p_value_of_maximum(size / error(null_scatter), candidate.turn_rad);
         TrackScore {
             size,
             error: error(scatter),
-            p_value: (p * self.directions.len() as f64).min(1.0),
+            p_value: (p * self.candidates.len() as f64).min(1.0),
         }
     }
 
@@ -286,12 +288,9 @@ impl TrackChannel {
     /// hypothesis the inflation is at least the one before the fit.
     fn excess_scatter(&self, direction: &[f64], size: f64, w: &[f64]) -> [f64; 2] {
         let both = self.bins.iter().zip(direction);
-        let residual: Vec<f64> = both.map(|(b, d)| b.2 - d * size).collect();
-        let squares: f64 = residual
-            .iter()
-            .zip(w)
-            .map(|(residual, w)| w * residual * residual)
-            .sum();
+        let residual: Vec<f64> = both.map(|(bin, d)| bin.mean - d * size).collect();
+        let weighted = residual.iter().zip(w);
+        let squares: f64 = weighted.map(|(r, w)| w * r * r).sum();
         let birge = (squares / (self.bins.len() as f64 - 1.0)).max(1.0);
         let inflation = inflation(&self.bins, &residual);
         [birge * inflation, birge * inflation.max(self.inflation)]
@@ -300,11 +299,9 @@ impl TrackChannel {
     /// z of candidate `a` given `b`.
     pub fn t_given(&self, a: usize, b: usize, slope_sd: f64) -> f64 {
         let w = self.weights(slope_sd);
-        let dot = |x: &[f64], y: &[f64]| -> f64 {
-            x.iter().zip(y).zip(&w).map(|((x, y), w)| x * y * w).sum()
-        };
-        let y: Vec<f64> = self.bins.iter().map(|bin| bin.2).collect();
-        let (x, z) = (&self.directions[a], &self.directions[b]);
+        let dot = |x: &[f64], y: &[f64]| weighted_dot(x, y, &w);
+        let y: Vec<f64> = self.bins.iter().map(|bin| bin.mean).collect();
+        let [x, z] = [a, b].map(|c| &self.candidates[c].direction);
         let zz = dot(z, z).max(1e-300);
         let information = dot(x, x) - dot(x, z).powi(2) / zz;
         if information < 1e-6 * dot(x, x) {
@@ -318,77 +315,63 @@ impl TrackChannel {
     /// Correlation of two candidates over the bins.
     pub fn correlation(&self, a: usize, b: usize, slope_sd: f64) -> f64 {
         let w = self.weights(slope_sd);
-        let dot = |x: &[f64], y: &[f64]| -> f64 {
-            x.iter().zip(y).zip(&w).map(|((x, y), w)| x * y * w).sum()
-        };
-        let (x, z) = (&self.directions[a], &self.directions[b]);
+        let dot = |x: &[f64], y: &[f64]| weighted_dot(x, y, &w);
+        let [x, z] = [a, b].map(|c| &self.candidates[c].direction);
         dot(x, z) / (dot(x, x) * dot(z, z)).sqrt().max(1e-300)
     }
 
     /// Tests the profile against the survey, given a common slope, as a whole and in every interval
     /// (Bonferroni).
-    ///
-    /// Returns the p-value, the interval of largest mean departure (track, from, to [m], slope
-    /// error [rad]) and the survey deviation that would explain it [rad].
-    pub fn profile(&self, slope_sd: f64) -> (f64, String, f64, f64, f64, f64) {
+    pub fn profile(&self, slope_sd: f64) -> ProfileDeparture {
         let w = self.weights(slope_sd);
         let total: f64 = w.iter().sum();
-        let mean = self.bins.iter().zip(&w).map(|(b, w)| b.2 * w).sum::<f64>() / total;
-        let chi2: f64 = self
-            .bins
-            .iter()
-            .zip(&w)
-            .map(|(b, w)| (b.2 - mean).powi(2) * w)
-            .sum();
+        let weighted = || self.bins.iter().zip(&w);
+        let mean = weighted().map(|(b, w)| b.mean * w).sum::<f64>() / total;
+        let departure = |bin: &Bin| bin.mean - mean;
+        let mean_departure =
+            |bins: &[Bin]| bins.iter().map(departure).sum::<f64>() / bins.len() as f64;
+        let squares = weighted().map(|(b, w)| departure(b).powi(2) * w);
+        let chi2: f64 = squares.sum();
         // The effective number of correlated bins is smaller: statistic and degrees of freedom are
         // divided by the inflation.
         let n = self.bins.len() as f64;
         let freedom = ((n - 1.0) / self.inflation).max(2.0);
-        let p =
-            ChiSquared::new(freedom).map_or(1.0, |law| 1.0 - law.cdf(chi2 * freedom / (n - 1.0)));
-        let mut best = (String::new(), 0.0, 0.0, 0.0, 0.0_f64);
+        let chi2 = chi2 * freedom / (n - 1.0);
+        let p_of_whole = ChiSquared::new(freedom).map_or(1.0, |law| 1.0 - law.cdf(chi2));
         let survey = (GRAVITY * slope_sd).powi(2);
         let (mut largest, mut count) = (0.0_f64, 0.0);
+        let (mut strongest, mut strength) = (&self.bins[..1], 0.0);
         for width in [1, 2, 4, 8] {
             for window in self.bins.windows(width) {
-                if window[0].0 != window[width - 1].0 {
+                if window[0].track != window[width - 1].track {
                     continue;
                 }
-                let m = window.iter().map(|b| b.2 - mean).sum::<f64>() / width as f64;
+                let m = mean_departure(window);
                 // A survey error may be common to an interval; errors of runs are correlated in
                 // neighbouring bins only.
-                let own = window.iter().map(|b| b.3).sum::<f64>() / (width * width) as f64;
+                let variances = window.iter().map(|bin| bin.variance);
+                let own = variances.sum::<f64>() / (width * width) as f64;
                 let reach = (width as f64).min(self.inflation);
                 largest = largest.max(m.abs() / (survey + own * reach).sqrt());
                 count += 1.0;
-                let strength = m.abs() * (width as f64).sqrt();
-                if strength > best.4 {
-                    best = (
-                        window[0].0.clone(),
-                        window[0].1,
-                        window[width - 1].1 + self.width,
-                        m / -GRAVITY,
-                        strength,
-                    );
+                let of_window = m.abs() * (width as f64).sqrt();
+                if of_window > strength {
+                    (strongest, strength) = (window, of_window);
                 }
             }
         }
-        let excess = self
-            .bins
-            .iter()
-            .map(|b| (b.2 - mean).powi(2) - b.3)
-            .sum::<f64>()
-            / n;
+        let excess = self.bins.iter().map(|b| departure(b).powi(2) - b.variance);
+        let excess = excess.sum::<f64>() / n;
         // A single interval hardly changes the sum: the largest departure is tested separately.
-        let p = p.min(two_sided(largest) * count);
-        // The residual is dv/dt - g slope: a residual of +1 is a slope stated too small.
-        (
-            p,
-            best.0,
-            best.1,
-            best.2,
-            -best.3,
-            excess.max(0.0).sqrt() / GRAVITY,
-        )
+        let p_value = p_of_whole.min(two_sided(largest) * count);
+        ProfileDeparture {
+            p_value,
+            track: strongest[0].track.clone(),
+            from_m: strongest[0].from_m,
+            to_m: strongest[strongest.len() - 1].from_m + self.width,
+            // The residual is dv/dt - g slope: a residual of +1 is a slope stated too small.
+            slope: mean_departure(strongest) / GRAVITY,
+            needed_sd: excess.max(0.0).sqrt() / GRAVITY,
+        }
     }
 }

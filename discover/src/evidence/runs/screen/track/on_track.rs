@@ -9,7 +9,7 @@ use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::fit::simulated_runs::RunSimulator;
 use crate::evidence::runs::model::installation::{Information, Installation, InstallationError};
 use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ResidualModel, TRACK};
-use crate::evidence::runs::screen::track::channel::TrackChannel;
+use crate::evidence::runs::screen::track::channel::{ProfileDeparture, TrackChannel};
 use crate::finding::{Fitted, Rival};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{Account, Dependence, Selection};
@@ -31,13 +31,18 @@ impl SurveyedTrack {
     /// Whether the channel agrees with the forces' estimate of a candidate; true for candidates
     /// that are not in the channel.
     pub fn agrees(&self, candidate: &Candidate<Amplitude>, size: f64, error: f64) -> bool {
-        let same =
-            |c: &Candidate<Amplitude>| c.effect == candidate.effect && c.key == candidate.key;
-        self.list.iter().position(same).is_none_or(|c| {
+        let mut list = self.list.iter();
+        let same = list.position(|other| is_same_amplitude(other, candidate));
+        same.is_none_or(|c| {
             let seen = self.channel.score(c, self.sd);
             (seen.size - size).abs() < self.agree_within * seen.error.hypot(error)
         })
     }
+}
+
+/// Whether two candidates are the same amplitude of an effect.
+fn is_same_amplitude(a: &Candidate<Amplitude>, b: &Candidate<Amplitude>) -> bool {
+    a.effect == b.effect && a.key == b.key
 }
 
 /// An assumption about the track's survey.
@@ -93,14 +98,12 @@ impl Campaign<'_> {
             return None;
         }
         let own = sensor_effects(&residual_model.effects);
-        match &self.survey {
-            Some((known, survey)) if *known == own => survey.clone(),
-            _ => {
-                let survey = self.survey_of(residual_model, simulator, account);
-                self.survey = Some((own, survey.clone()));
-                survey
-            }
+        if let Some((_, survey)) = self.survey.as_ref().filter(|(known, _)| *known == own) {
+            return survey.clone();
         }
+        let survey = self.survey_of(residual_model, simulator, account);
+        self.survey = Some((own, survey.clone()));
+        survey
     }
 
     fn survey_of(
@@ -112,37 +115,31 @@ impl Campaign<'_> {
         if !self.used[3] {
             return None;
         }
-        let list: Vec<Candidate<Amplitude>> = self
-            .fresh(residual_model, &self.candidates.track)
-            .into_iter()
-            .filter(|c| !c.is_profile())
-            .collect();
+        let mut list = self.fresh(residual_model, &self.candidates.track);
+        list.retain(|candidate| !candidate.is_profile());
         let stated = self.model.survey.map(|s| s.slope_sd_rad);
         let sd = stated.unwrap_or(self.rules().slope_sd_rad);
         // A tilt that was estimated from the channel itself would conceal its signal.
+        let installation = &residual_model.installation;
         let residual_model = &ResidualModel {
-            installation: residual_model
-                .installation
-                .with_zeroed(InstallationError::is_tilt),
+            installation: installation.with_zeroed(InstallationError::is_tilt),
             ..residual_model.clone()
         };
         let mut channel = TrackChannel::new(residual_model, &self.training, self.rules())?;
         if stated.is_none() && account.steps.is_empty() {
             account.remarks.push(format!(
-                "no [survey] in the model: a slope deviation of {} rad is assumed",
-                self.rules().slope_sd_rad
+                "no [survey] in the model: a slope deviation of {sd} rad is assumed"
             ));
         }
         let quiet = simulator.sensors_only();
         let simulated = quiet.simulated(&self.training, residual_model, 5_000_003);
-        let expected = TrackChannel::new(residual_model, &simulated, self.rules())?.scatter();
-        if channel.scatter() > self.rules().track_agrees * expected {
-            let message = format!(
-                "from run to run the speed's derivative, the accelerometer and the track's slope disagree by {:.3} m/s2, the sensors' noise explains {expected:.3}: the track channel is not used, and slope, track-profile and the accelerometer's pitch are not judged",
-                channel.scatter()
-            );
+        let expected = TrackChannel::new(residual_model, &simulated, self.rules())?.scatter;
+        let scatter = channel.scatter;
+        if scatter > self.rules().track_agrees * expected {
             if account.steps.is_empty() {
-                account.remarks.push(message);
+                account.remarks.push(format!(
+                    "from run to run the speed's derivative, the accelerometer and the track's slope disagree by {scatter:.3} m/s2, the sensors' noise explains {expected:.3}: the track channel is not used, and slope, track-profile and the accelerometer's pitch are not judged"
+                ));
             }
             return None;
         }
@@ -164,9 +161,7 @@ impl Campaign<'_> {
         let known = self.model.tolerances.unwrap_or_default();
         match candidate.unit.as_str() {
             "rad" => (known.accel_bias_mps2 / GRAVITY).hypot(known.misalignment_rad),
-            "m/s2" => known
-                .accel_bias_mps2
-                .hypot(GRAVITY * known.misalignment_rad),
+            "m/s2" => (known.accel_bias_mps2).hypot(GRAVITY * known.misalignment_rad),
             // Delays of the speed and of the accelerometer; and relative to the slope, which is not
             // low-passed as the signals are.
             "s" => {
@@ -189,36 +184,41 @@ impl Campaign<'_> {
             "m/s2" => known.accel_bias_mps2,
             _ => 0.0,
         };
-        match sd > 0.0 {
-            true => (FREEDOM + 1.0) * ((size / sd).powi(2) / FREEDOM).ln_1p(),
-            false => 0.0,
+        if sd > 0.0 {
+            (FREEDOM + 1.0) * ((size / sd).powi(2) / FREEDOM).ln_1p()
+        } else {
+            0.0
         }
     }
 
-    /// The selected effect in the track channel, if one is significant.
+    /// The selected effect in the track channel, if one is significant: a slope or a sensor error,
+    /// else a departure of the profile.
     pub fn on_the_track(
         &self,
         residual_model: &ResidualModel,
         track: &SurveyedTrack,
         account: &mut Account,
     ) -> Option<Selection<Amplitude>> {
+        self.slope_or_sensor(residual_model, track, account)
+            .or_else(|| self.profile_departure(residual_model, track, account))
+    }
+
+    /// The candidate of the largest posterior density, if one is significant.
+    fn slope_or_sensor(
+        &self,
+        residual_model: &ResidualModel,
+        track: &SurveyedTrack,
+        account: &mut Account,
+    ) -> Option<Selection<Amplitude>> {
         let rules = self.rules();
-        let SurveyedTrack {
-            channel, list, sd, ..
-        } = track;
-        let sd = *sd;
+        let (channel, list, sd) = (&track.channel, &track.list, track.sd);
         // A sensor error also acts on the forces: candidates that these contradict are excluded.
-        let agrees = |c: usize| {
-            self.by_forces
-                .iter()
-                .find(|(known, ..)| known.effect == list[c].effect && known.key == list[c].key)
-                .is_none_or(|(known, size, error)| track.agrees(known, *size, *error))
+        let agrees = |c: &usize| {
+            let mut by_forces = self.by_forces.iter();
+            let same = by_forces.find(|(known, ..)| is_same_amplitude(known, &list[*c]));
+            same.is_none_or(|(known, size, error)| track.agrees(known, *size, *error))
         };
-        let consistent: Vec<usize> = (0..list.len()).filter(|c| agrees(*c)).collect();
-        let z = |c: usize, factor: f64| {
-            let seen = channel.score(c, sd * factor);
-            seen.size / seen.error
-        };
+        let consistent: Vec<usize> = (0..list.len()).filter(agrees).collect();
         let significant = |factor: f64| -> Vec<usize> {
             let is_significant = |c: &usize| {
                 let seen = channel.score(*c, sd * factor);
@@ -236,72 +236,84 @@ impl Campaign<'_> {
                 force_gains[c] = self.force_gain(residual_model, without, candidate, size);
             }
         }
-        let best = |among: Vec<usize>, factor: f64| -> Option<usize> {
+        // The significant candidate of the largest posterior density.
+        let selected = |factor: f64| -> Option<usize> {
             let posterior = |c: usize| {
-                let size = channel.score(c, sd * factor).size;
-                z(c, factor).powi(2) + force_gains[c] - self.prior_penalty(&list[c], size, sd)
+                let seen = channel.score(c, sd * factor);
+                let penalty = self.prior_penalty(&list[c], seen.size, sd);
+                (seen.size / seen.error).powi(2) + force_gains[c] - penalty
             };
-            among
-                .into_iter()
-                .max_by(|a, b| posterior(*a).total_cmp(&posterior(*b)))
+            let candidates = significant(factor).into_iter();
+            candidates.max_by(|a, b| posterior(*a).total_cmp(&posterior(*b)))
         };
-        let selected = |factor: f64| best(significant(factor), factor);
-        let named = selected(1.0);
-        if let Some(named) = named {
-            let seen = channel.score(named, sd);
-            // A rival is excluded if the forces contradict its size but not the named one's.
-            let needed = rules.track_rivals.needed_t.powi(2);
-            let contradicted = |j: &usize| force_gains[*j] < force_gains[named] - needed;
-            let rivals = consistent.iter().copied();
-            let rivals = rivals.filter(|j| *j != named && !contradicted(j));
-            let others = rivals.map(|j| {
-                let seen = channel.score(j, sd);
-                Rival {
-                    correlation: channel.correlation(named, j, sd),
-                    t_of_named_beyond: channel.t_given(named, j, sd),
-                    in_class: true,
-                    ..list[j].rival(seen.size, seen.size / seen.error)
-                }
-            });
-            let t = seen.size / seen.error;
-            let (class, rivals) = rules.track_rivals.class(
-                &NamedEffect {
-                    effect: &list[named].effect,
-                    t,
-                    gain: t * t,
-                    units: self.training.len(),
-                },
-                others.collect(),
-            );
-            let error = seen.error.hypot(self.line_sd(&list[named]));
-            if selected(2.0).is_none() {
-                account.depends.push(on_survey(format!(
-                    "{} is significant at the stated survey deviation but not at twice it",
-                    list[named].effect
-                )));
+        let named = selected(1.0)?;
+        let seen = channel.score(named, sd);
+        // A rival is excluded if the forces contradict its size but not the named one's.
+        let needed = rules.track_rivals.needed_t.powi(2);
+        let contradicted = |j: &usize| force_gains[*j] < force_gains[named] - needed;
+        let rivals = consistent.iter().copied();
+        let rivals = rivals.filter(|j| *j != named && !contradicted(j));
+        let others = rivals.map(|j| {
+            let seen = channel.score(j, sd);
+            Rival {
+                correlation: channel.correlation(named, j, sd),
+                t_of_named_beyond: channel.t_given(named, j, sd),
+                in_class: true,
+                ..list[j].rival(seen.size, seen.size / seen.error)
             }
-            let candidate = list[named].clone();
-            let place = ("all runs", CHANNEL_NAMES[TRACK]);
-            return Some(Selection {
-                class,
-                rivals,
-                p_value: seen.p_value,
-                parameters: self.track_estimate(&candidate, seen.size, error),
-                ..Selection::new(candidate, seen.size, seen.error, place)
-            });
+        });
+        let t = seen.size / seen.error;
+        let (class, rivals) = rules.track_rivals.class(
+            &NamedEffect {
+                effect: &list[named].effect,
+                t,
+                gain: t * t,
+                units: self.training.len(),
+            },
+            others.collect(),
+        );
+        let candidate = list[named].clone();
+        let error = seen.error.hypot(self.line_sd(&candidate));
+        if selected(2.0).is_none() {
+            account.depends.push(on_survey(format!(
+                "{} is significant at the stated survey deviation but not at twice it",
+                candidate.effect
+            )));
         }
+        let place = ("all runs", CHANNEL_NAMES[TRACK]);
+        Some(Selection {
+            class,
+            rivals,
+            p_value: seen.p_value,
+            parameters: self.track_estimate(&candidate, seen.size, error),
+            ..Selection::new(candidate, seen.size, seen.error, place)
+        })
+    }
+
+    /// The departure of the track's profile from its survey, if it is significant and plausible.
+    fn profile_departure(
+        &self,
+        residual_model: &ResidualModel,
+        track: &SurveyedTrack,
+        account: &mut Account,
+    ) -> Option<Selection<Amplitude>> {
+        let (channel, sd) = (&track.channel, track.sd);
+        let alpha = self.rules().alpha_track;
         let profile = self.candidates.track.iter().find(|c| c.is_profile())?;
-        if residual_model
-            .effects
-            .active
-            .iter()
-            .any(|e| e.effect_name() == profile.effect)
-        {
+        let mut active = residual_model.effects.active.iter();
+        if active.any(|e| e.effect_name() == profile.effect) {
             return None;
         }
-        let (p, track, from, to, slope, needed_sd) = channel.profile(sd);
-        if p > rules.alpha_track {
-            if channel.profile(0.5 * sd).0 <= rules.alpha_track && needed_sd > sd {
+        let ProfileDeparture {
+            p_value,
+            track,
+            from_m,
+            to_m,
+            slope,
+            needed_sd,
+        } = channel.profile(sd);
+        if p_value > alpha {
+            if channel.profile(0.5 * sd).p_value <= alpha && needed_sd > sd {
                 account.remarks.push(format!("the track's profile would be off if its survey were twice as good as stated; {needed_sd:.5} rad fits it"));
             }
             return None;
@@ -309,23 +321,23 @@ impl Campaign<'_> {
         // A slope error beyond the bounds of a profile is not an error of the survey.
         if !profile.admits(slope) {
             account.remarks.push(format!(
-                "on track {track}, s {from:.0}-{to:.0} m, the speed's derivative, the accelerometer and the slope disagree by {slope:.3} rad, more than a plausible profile error: a sensor or the distance is wrong there"
+                "on track {track}, s {from_m:.0}-{to_m:.0} m, the speed's derivative, the accelerometer and the slope disagree by {slope:.3} rad, more than a plausible profile error: a sensor or the distance is wrong there"
             ));
             return None;
         }
-        if channel.profile(2.0 * sd).0 > rules.alpha_track {
+        if channel.profile(2.0 * sd).p_value > alpha {
             account.depends.push(on_survey(format!(
                 "the track's profile departs from its survey at the stated deviation of {sd:.5} rad, not at twice it; {needed_sd:.5} rad fits it"
             )));
         }
-        let candidate = profile.within(&track, from, to);
+        let candidate = profile.within(&track, from_m, to_m);
         let place = format!(
-            "s {from:.0}-{to:.0} m on track {track} most; the whole profile departs by {needed_sd:.5} rad"
+            "s {from_m:.0}-{to_m:.0} m on track {track} most; the whole profile departs by {needed_sd:.5} rad"
         );
         let place = (place.as_str(), CHANNEL_NAMES[TRACK]);
         Some(Selection {
             parameters: self.track_estimate(&candidate, slope, needed_sd),
-            p_value: p,
+            p_value,
             ..Selection::new(candidate, slope, needed_sd, place)
         })
     }
@@ -338,7 +350,7 @@ impl Campaign<'_> {
             model_error: model.model_error,
             ..fit.residual_model
         };
-        Some(self.misfit(&model, &fit.whitener) + model.installation.penalty_relative_to_zero())
+        Some(self.penalised_misfit(&model, &fit.whitener))
     }
 
     /// Twice the decrease of the forces' misfit by a candidate of this size, relative to the misfit
@@ -361,8 +373,7 @@ impl Campaign<'_> {
     fn mean_speed(&self) -> f64 {
         let frames = self.training.iter();
         let speeds = frames.flat_map(|frame| frame.samples().map(|i| frame.v[i]));
-        let add = |(sum, count), v: f64| (sum + v, count + 1.0);
-        let (sum, count) = speeds.fold((0.0, 0.0), add);
+        let [sum, count] = speeds.fold([0.0; 2], |[sum, n], v| [sum + v, n + 1.0]);
         sum / f64::max(count, 1.0)
     }
 

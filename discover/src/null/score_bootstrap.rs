@@ -1,4 +1,4 @@
-//! Randomisation tests of sizes from the scores of independent units: runs, or sessions.
+//! Randomisation tests of sizes from the [`Scores`] of independent units: runs, or sessions.
 //!
 //! With u_i the score of unit i, I_i its information, V the variance of the sum of scores due to
 //! random effects common to all units, and random weights w_i of mean 0 and variance 1:
@@ -28,42 +28,20 @@ use crate::null::random::{below, sign, stream};
 use crate::null::sign_flips::{MaxT, drawn};
 use crate::regression::scores::Scores;
 
-/// Scores of several candidates by unit.
-#[derive(Clone)]
-pub struct UnitScores {
-    /// Scores: candidates by units.
-    pub u: DMatrix<f64>,
-    /// Information about each candidate's size: candidates by units.
-    pub information: DMatrix<f64>,
-    /// Contribution of the fitted random effects to each sum.
-    pub shared: Vec<f64>,
-    /// Derivative of each sum by a standard deviation of each random effect: candidates by effects.
-    pub common: DMatrix<f64>,
-}
-
-impl UnitScores {
-    /// Scores with runs as units.
-    pub fn of(scores: &Scores) -> Self {
-        Self {
-            u: scores.u.clone(),
-            information: scores.information.clone(),
-            shared: scores.shared.clone(),
-            common: scores.common.clone(),
-        }
-    }
-
+impl Scores {
     /// Scores of the selected candidates.
-    pub fn only(&self, selected: &[usize]) -> Self {
+    pub(crate) fn only(&self, selected: &[usize]) -> Self {
         Self {
             u: self.u.select_rows(selected),
             information: self.information.select_rows(selected),
+            raw: selected.iter().map(|c| self.raw[*c]).collect(),
             shared: selected.iter().map(|c| self.shared[*c]).collect(),
             common: self.common.select_rows(selected),
         }
     }
 
     /// Appends candidate `candidate` of other scores of the same units.
-    pub fn push(&mut self, from: &Self, candidate: usize) {
+    pub(crate) fn push(&mut self, from: &Self, candidate: usize) {
         let rows = self.u.nrows();
         let appended = |to: &DMatrix<f64>, from: &DMatrix<f64>| {
             let mut appended = to.clone().insert_row(rows, 0.0);
@@ -74,13 +52,14 @@ impl UnitScores {
         self.information = appended(&self.information, &from.information);
         self.common = appended(&self.common, &from.common);
         self.shared.push(from.shared[candidate]);
+        self.raw.push(from.raw[candidate]);
     }
 
     /// Scores with sessions as units: sums over the runs of each session; `None` with fewer than
     /// two sessions.
     ///
     /// `sessions`: number of each run's session.
-    pub fn by_sessions(&self, sessions: &[usize]) -> Option<Self> {
+    pub(crate) fn by_sessions(&self, sessions: &[usize]) -> Option<Self> {
         let groups = sessions.iter().max().map_or(0, |last| last + 1);
         let summed = |of: &DMatrix<f64>| {
             let mut sums = DMatrix::zeros(of.nrows(), groups);
@@ -98,17 +77,17 @@ impl UnitScores {
     }
 
     /// Observed t of each candidate.
-    pub fn t(&self) -> Vec<f64> {
+    pub(crate) fn t(&self) -> Vec<f64> {
         Weighted::of(self, |_| 1.0, &self.shared).studentised(&self.totals())
     }
 
     /// The distribution of the largest |t| with a random sign of each unit.
-    pub fn by_sign_flips(&self, draws: usize, seed: u64) -> MaxT {
+    pub(crate) fn by_sign_flips(&self, draws: usize, seed: u64) -> MaxT {
         self.drawn(draws, (seed, 0xF11B), sign)
     }
 
     /// The distribution of the largest |t| with a random one of Webb's weights for each unit.
-    pub fn by_wild_bootstrap(&self, draws: usize, seed: u64) -> MaxT {
+    pub(crate) fn by_wild_bootstrap(&self, draws: usize, seed: u64) -> MaxT {
         let webb = [-1.5_f64, -1.0, -0.5, 0.5, 1.0, 1.5].map(|w| w.signum() * w.abs().sqrt());
         self.drawn(draws, (seed, 0xC105), |rng| webb[below(rng, webb.len())])
     }
@@ -143,19 +122,18 @@ impl UnitScores {
     fn totals(&self) -> Vec<Totals> {
         let of = |c: usize| {
             let information = self.information.row(c);
-            let variance = self.common.row(c).norm_squared();
             Totals {
                 units: information.iter().filter(|i| **i > 0.0).count() as f64,
-                information: information.sum() + variance,
+                information: self.total_information(c),
                 squares: information.norm_squared(),
-                variance,
+                variance: self.shared_variance(c),
             }
         };
         (0..self.u.nrows()).map(of).collect()
     }
 
     /// t of candidate `a` minus `share` times candidate `b`, with the scatter taken about 0.
-    pub fn t_less(&self, a: usize, b: usize, share: f64) -> f64 {
+    pub(crate) fn t_of_difference(&self, a: usize, b: usize, share: f64) -> f64 {
         let difference = self.u.row(a) - self.u.row(b) * share;
         let common = self.common.row(a) - self.common.row(b) * share;
         let sum = difference.sum() + self.shared[a] - share * self.shared[b];
@@ -185,7 +163,7 @@ struct Weighted {
 }
 
 impl Weighted {
-    fn of(scores: &UnitScores, weight: impl Fn(usize) -> f64, random: &[f64]) -> Self {
+    fn of(scores: &Scores, weight: impl Fn(usize) -> f64, random: &[f64]) -> Self {
         let count = scores.u.nrows();
         let mut all = Self {
             sums: random.to_vec(),
@@ -231,7 +209,7 @@ mod tests {
 
     /// Scores of twenty candidates in sessions of four runs. Runs of a session are correlated by
     /// 0.3; the first candidate has this mean score per information.
-    fn drawn(sessions: usize, mean: f64, rng: &mut ChaCha8Rng) -> UnitScores {
+    fn drawn(sessions: usize, mean: f64, rng: &mut ChaCha8Rng) -> Scores {
         let faults = DMatrix::from_fn(20, sessions, |_, _| normal(rng));
         let information = DMatrix::from_fn(
             20,
@@ -243,9 +221,10 @@ mod tests {
             let of_effect = if c == 0 { mean } else { 0.0 };
             f64::sqrt(information[(c, i)]) * own + information[(c, i)] * of_effect
         });
-        UnitScores {
+        Scores {
             u,
             information,
+            raw: vec![0.0; 20],
             shared: vec![0.0; 20],
             common: DMatrix::zeros(20, 0),
         }
@@ -297,7 +276,8 @@ mod tests {
 
     #[test]
     fn t_is_that_of_weighted_least_squares_with_a_robust_error() {
-        let scores = UnitScores {
+        let scores = Scores {
+            raw: vec![4.0],
             u: DMatrix::from_row_slice(1, 3, &[2.0, 1.0, 4.0]),
             information: DMatrix::from_row_slice(1, 3, &[1.0, 0.5, 1.5]),
             shared: vec![0.0],

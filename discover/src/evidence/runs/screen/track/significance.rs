@@ -2,12 +2,19 @@
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
+use crate::evidence::runs::screen::track::bins::Bin;
+
 /// Angle between two changes of the bins, up to sign \[rad\].
 pub fn angle(a: &[f64], b: &[f64], w: &[f64]) -> f64 {
-    let dot =
-        |x: &[f64], y: &[f64]| -> f64 { x.iter().zip(y).zip(w).map(|((x, y), w)| x * y * w).sum() };
-    let square = (dot(a, a) * dot(b, b)).max(1e-300);
-    (dot(a, b).abs() / square.sqrt()).min(1.0).acos()
+    let square = (weighted_dot(a, a, w) * weighted_dot(b, b, w)).max(1e-300);
+    (weighted_dot(a, b, w).abs() / square.sqrt())
+        .min(1.0)
+        .acos()
+}
+
+/// `sum x y w`.
+pub fn weighted_dot(x: &[f64], y: &[f64], w: &[f64]) -> f64 {
+    x.iter().zip(y).zip(w).map(|((x, y), w)| x * y * w).sum()
 }
 
 /// Two-sided p-value of the maximum |z| over all directions of a candidate that is nonlinear in its
@@ -24,13 +31,13 @@ pub fn two_sided(z: f64) -> f64 {
 
 /// Inflation of the variance of a mean over bins by autocorrelation, `(1 + rho) / (1 - rho)` with
 /// rho the lag-1 correlation of neighbouring bins of a track.
-pub fn inflation(bins: &[(String, f64, f64, f64)], values: &[f64]) -> f64 {
+pub fn inflation(bins: &[Bin], values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let square = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n;
     let neighbours = bins.windows(2).zip(values.windows(2));
     let products: Vec<f64> = neighbours
-        .filter(|(bins, _)| bins[0].0 == bins[1].0)
+        .filter(|(bins, _)| bins[0].track == bins[1].track)
         .map(|(_, pair)| (pair[0] - mean) * (pair[1] - mean))
         .collect();
     let lag = products.iter().sum::<f64>() / products.len().max(1) as f64;
