@@ -115,7 +115,13 @@ impl Correction {
         });
         let exchanges = EXCHANGES.into_iter().map(Correction::Exchange);
         let all = scales.chain(exchanges).chain([Correction::AddGravity]);
-        all.filter(|one| slow.has(one.sensors())).collect()
+        // Without the vertical force the terms of roll and pitch rate are not known.
+        let is_related = |one: &Correction| {
+            let mut sensors = one.sensors().iter();
+            slow.has(&[Az]) || sensors.any(|sensor| !matches!(sensor, RollRate | PitchRate))
+        };
+        all.filter(|one| slow.has(one.sensors()) && is_related(one))
+            .collect()
     }
 
     fn sensors(&self) -> &[Sensor] {

@@ -256,7 +256,28 @@ fn run_notes(run: &Run, length_s: f64, used_s: f64) -> Vec<Note> {
     }
     let remarks = run.remarks.iter().cloned();
     notes.extend(remarks.map(|what| Note::new("", 0.001, "nothing, or record it", what)));
+    notes.extend(distance_note(run));
     notes
+}
+
+/// A note on a speed whose integral differs from the recorded distance; `None` for a distance that
+/// restarts.
+fn distance_note(run: &Run) -> Option<Note> {
+    /// Largest relative difference: runs leave the middle of the track by a few per cent.
+    const MAX_DIFFERENCE: f64 = 0.04;
+    let s_m = run.columns.get("s_m")?;
+    let recorded = s_m.last()? - s_m.first()?;
+    let travelled = run.travelled_m(run.len() - 1)?;
+    let difference = travelled / recorded - 1.0;
+    let restarts = s_m.windows(2).any(|pair| pair[1] < pair[0] - 1.0);
+    (difference.abs() > MAX_DIFFERENCE && difference.abs() < 0.5 && !restarts).then(|| {
+        let what = format!(
+            "adds up to {travelled:.1} m, and s_m to {recorded:.1} m: {:+.1} %",
+            100.0 * difference
+        );
+        let advice = "calibrate the speed, or correct s_m";
+        Note::new("v_mps", difference.abs(), advice, what)
+    })
 }
 
 /// Notes on a channel.

@@ -17,7 +17,7 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::ops::{Div, Index, IndexMut, Range, Sub};
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 
 use crate::column::{COLUMNS, SENSORS, Sensor};
 use crate::friction::GRAVITY;
@@ -124,6 +124,26 @@ impl SlowChannels {
     /// Whether all of these are recorded.
     pub fn has(&self, sensors: &[Sensor]) -> bool {
         sensors.iter().all(|sensor| self[*sensor].is_some())
+    }
+
+    /// Whether all axes of the accelerometer and of the gyroscope are recorded.
+    pub fn has_box(&self) -> bool {
+        self.has(&Sensor::ACCELEROMETER) && self.has(&Sensor::GYROSCOPE)
+    }
+
+    /// The channels with accelerometer and gyroscope rotated.
+    pub fn rotated(&self, rotation: &Rotation3<f64>) -> SlowChannels {
+        let mut rotated = self.clone();
+        for axes in [Sensor::ACCELEROMETER, Sensor::GYROSCOPE] {
+            for (i, own) in self.vectors(axes, [0.0; 3]).iter().enumerate() {
+                for (sensor, x) in axes.iter().zip(&(rotation * own)) {
+                    if let Some(values) = &mut rotated[*sensor] {
+                        values[i] = *x;
+                    }
+                }
+            }
+        }
+        rotated
     }
 
     /// A channel; the value `absent` throughout if it is not recorded.
@@ -374,6 +394,21 @@ fn displacement_effects(slow: &SlowChannels, weight: &Vector3<f64>) -> Vec<DVect
     effects.filter(|effect| effect.amax() > 0.0).collect()
 }
 
+/// Change of the weighted residuals by a small rotation of the sensor box about each axis; none
+/// unless all its channels are recorded.
+fn rotation_effects(slow: &SlowChannels, weight: &Vector3<f64>) -> Vec<DVector<f64>> {
+    const STEP_RAD: f64 = 1e-3;
+    if !slow.has_box() {
+        return Vec::new();
+    }
+    let now = weighted(slow, weight);
+    let effect = |axis| {
+        let rotation = Rotation3::new(Vector3::ith(axis, STEP_RAD));
+        weighted(&slow.rotated(&rotation), weight) - &now
+    };
+    [0, 1, 2].map(effect).into()
+}
+
 /// Multiple of the change from `slow` to `changed` that minimises the residuals, for a change in
 /// which the relations are linear.
 ///
@@ -414,7 +449,8 @@ fn displace_slip_sensor(slow: &SlowChannels) -> Option<SlowChannels> {
 /// Delay of one channel relative to all others, and its standard error [s].
 ///
 /// The delay is the shift of least residual, fitted together with displacements as in
-/// [`required_change`]. The noise of a channel is the same at every shift, whereas it would attenuate
+/// [`required_change`] and a small rotation of the sensor box, which would appear as delays of some
+/// of its channels. The noise of a channel is the same at every shift, whereas it would attenuate
 /// a regression on the channel's rate. The error is that of halves of the run.
 ///
 /// `None` for a channel without a relation, for the lateral acceleration without a slip sensor (the
@@ -437,6 +473,7 @@ pub(super) fn delay(slow: &SlowChannels, sensor: Sensor) -> Option<Coefficient> 
         let residual = weighted(&shifted, &weight);
         let count = residual.len();
         let mut columns = displacement_effects(&shifted, &weight);
+        columns.extend(rotation_effects(&shifted, &weight));
         columns.push(DVector::repeat(count, 1.0));
         let basis = DMatrix::from_columns(&columns).qr().q();
         let rest = &residual - &basis * basis.tr_mul(&residual);

@@ -83,7 +83,10 @@ impl BoxRotation {
         // A roll does not change the relations; a wrong forward axis violates them.
         let min_gain = rules.min_gain * if is_turned { 1.0 } else { -1.0 };
         let is_better = |slow: &&&SlowChannels| {
-            let (before, after) = (Consistency::of(slow), Consistency::of(&found.applied(slow)));
+            let (before, after) = (
+                Consistency::of(slow),
+                Consistency::of(&slow.rotated(&found.rotation)),
+            );
             after.is_below(rules.satisfied_below)
                 && before.disagreement() - after.disagreement() >= min_gain
         };
@@ -92,28 +95,12 @@ impl BoxRotation {
         (share >= rules.min_run_share).then_some(found)
     }
 
-    /// The channels, rotated to the axes of the sled.
-    fn applied(&self, slow: &SlowChannels) -> SlowChannels {
-        let mut turned = slow.clone();
-        for axes in [Sensor::ACCELEROMETER, Sensor::GYROSCOPE] {
-            for (i, own) in slow.vectors(axes, [0.0; 3]).iter().enumerate() {
-                let sled = self.rotation * own;
-                for (sensor, x) in axes.iter().zip(&sled) {
-                    if let Some(values) = &mut turned[*sensor] {
-                        values[i] = *x;
-                    }
-                }
-            }
-        }
-        turned
-    }
-
     /// Rotates the channels of a run if all are recorded. Returns the fault if it is reported.
     pub fn correct(&self, run: &Run, slow: &mut SlowChannels) -> Option<Fault> {
         if !is_complete(slow) {
             return None;
         }
-        let turned = self.applied(slow);
+        let turned = slow.rotated(&self.rotation);
         let before = std::mem::replace(slow, turned);
         let evidence = Consistency::of(&before).describe_change(&Consistency::of(slow));
         self.is_reported.then(|| self.fault(run, &evidence))
@@ -147,8 +134,7 @@ impl BoxRotation {
 
 /// Whether a run has an accelerometer, a gyroscope and the speed.
 fn is_complete(slow: &SlowChannels) -> bool {
-    let boxes = [Sensor::ACCELEROMETER, Sensor::GYROSCOPE].concat();
-    slow.has(&boxes) && slow.has(&[Sensor::Speed])
+    slow.has_box() && slow.has(&[Sensor::Speed])
 }
 
 fn mean_force(slow: &SlowChannels) -> Vector3<f64> {

@@ -439,3 +439,32 @@ fn a_correction_is_not_proved_while_a_relation_disagrees() {
     assert!(!faults.is_empty());
     assert!(faults.iter().all(|fault| !fault.proven), "{faults:#?}");
 }
+
+#[test]
+fn a_box_pitched_by_two_degrees_has_no_delays() {
+    let (sine, cosine) = 2_f64.to_radians().sin_cos();
+    let mut run = clean();
+    for [along, up] in [
+        ["ax_mps2", "az_mps2"],
+        ["roll_rate_radps", "yaw_rate_radps"],
+    ] {
+        let (x, z) = (run.columns[along].clone(), run.columns[up].clone());
+        let pairs = || x.iter().zip(&z);
+        let turned: Vec<f64> = pairs().map(|(x, z)| cosine * x - sine * z).collect();
+        run.columns.insert(along.to_owned(), turned);
+        let turned = pairs().map(|(x, z)| sine * x + cosine * z).collect();
+        run.columns.insert(up.to_owned(), turned);
+    }
+    let pitched = said(&run, |lines| lines);
+    let mut later = pitched
+        .notes
+        .iter()
+        .filter(|note| note.what.contains("later"));
+    assert!(later.next().is_none(), "{:?}", pitched.notes);
+}
+
+#[test]
+fn a_speed_off_by_six_per_cent_differs_from_the_distance() {
+    let fast = changed("v_mps", |_, v| 1.06 * v);
+    assert!(notes(&fast, "v_mps").contains("+6.0 %"), "{:?}", fast.notes);
+}
