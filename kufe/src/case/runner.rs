@@ -191,7 +191,9 @@ pub struct SectionTable {
     pub points_m: Option<Vec<[f64; 2]>>,
     /// Depth of wear at the lowest point [m].
     pub worn_m: Option<f64>,
-    /// Ratio of the radius of the worn flat's edges to that of the section; 0.2 where absent.
+    /// Roundness of the worn flat's edges, 0 for sharp ones; 0.2 where absent. Heights are
+    /// (v + sqrt(v^2 + e^2)) / 2, with v the height when new less worn_m and e = worn_edge worn_m.
+    /// The surface is rounder than a flat with fillets, and its peak lower.
     pub worn_edge: Option<f64>,
 }
 

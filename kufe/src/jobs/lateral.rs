@@ -49,12 +49,15 @@ pub fn fit_lateral(
     }
     watch.progress("fitting");
     let fit = fit(&loaded.prepared, &loaded.vehicle, leave_out_contacts)?;
-    for one in &fit.slip_offsets {
+    let offsets = fit.slip_offsets.iter().map(|one| {
+        let offset = measured(one.offset_rad, 1.96 * one.error_rad, "rad");
+        format!("session {}, {}: {offset}", one.session, one.runner.name())
+    });
+    let offsets: Vec<String> = offsets.collect();
+    if !offsets.is_empty() {
         watch.warn(&format!(
-            "session {}: the zero of the {} runner's slip angle is off by {}, which the fit subtracts: calibrate the slip or the steering sensor",
-            one.session,
-            one.runner.name(),
-            measured(one.offset_rad, 1.96 * one.error_rad, "rad")
+            "slip angles have zero offsets, which the fit subtracts: {}; calibrate the slip and the steering sensor",
+            offsets.join("; ")
         ));
     }
     let model = fit.applied_to(&loaded.model).to_toml();

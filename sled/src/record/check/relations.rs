@@ -449,9 +449,10 @@ fn displace_slip_sensor(slow: &SlowChannels) -> Option<SlowChannels> {
 /// Delay of one channel relative to all others, and its standard error [s].
 ///
 /// The delay is the shift of least residual, fitted together with displacements as in
-/// [`required_change`] and a small rotation of the sensor box, which would appear as delays of some
-/// of its channels. The noise of a channel is the same at every shift, whereas it would attenuate
-/// a regression on the channel's rate. The error is that of halves of the run.
+/// [`required_change`]. The noise of a channel is the same at every shift, whereas it would attenuate
+/// a regression on the channel's rate. The error is that of halves of the run, and the change of the
+/// delay if a small rotation of the sensor box is fitted, too: it would appear as delays of some of
+/// its channels.
 ///
 /// `None` for a channel without a relation, for the lateral acceleration without a slip sensor (the
 /// lateral force due to slip would appear as a delay), and if the least residual of the run or of a
@@ -467,38 +468,43 @@ pub(super) fn delay(slow: &SlowChannels, sensor: Sensor) -> Option<Coefficient> 
         return None;
     }
     let weight = weight(&centred);
-    // Sums of squared residuals by shift and block.
+    // Sums of squared residuals by shift and block, and their sum if a rotation is fitted, too.
     let squares = |shift: usize| {
         let shifted = slow.shifted(sensor, reach, shift);
         let residual = weighted(&shifted, &weight);
         let count = residual.len();
         let mut columns = displacement_effects(&shifted, &weight);
-        columns.extend(rotation_effects(&shifted, &weight));
         columns.push(DVector::repeat(count, 1.0));
-        let basis = DMatrix::from_columns(&columns).qr().q();
-        let rest = &residual - &basis * basis.tr_mul(&residual);
+        let rest = |columns: &[DVector<f64>]| {
+            let basis = DMatrix::from_columns(columns).qr().q();
+            &residual - &basis * basis.tr_mul(&residual)
+        };
         let mut sums = [0.0; BLOCKS];
-        for (i, x) in rest.iter().enumerate() {
+        for (i, x) in rest(&columns).iter().enumerate() {
             sums[i * BLOCKS / count] += x * x;
         }
-        sums
+        columns.extend(rotation_effects(&shifted, &weight));
+        (sums, rest(&columns).norm_squared())
     };
-    let squares: Vec<[f64; BLOCKS]> = (0..=2 * reach).map(squares).collect();
-    let best_delay = |is_used: &dyn Fn(usize) -> bool| {
-        let sum = |sums: &[f64; BLOCKS]| -> f64 {
-            let used = sums.iter().enumerate().filter(|(block, _)| is_used(*block));
-            used.map(|(_, sum)| sum).sum()
-        };
-        let sums: Vec<f64> = squares.iter().map(sum).collect();
+    let (squares, rotated): (Vec<[f64; BLOCKS]>, Vec<f64>) = (0..=2 * reach).map(squares).unzip();
+    let least = |sums: &[f64]| {
         let best = (0..sums.len()).min_by(|a, b| sums[*a].total_cmp(&sums[*b]))?;
         let (before, after) = (sums.get(best.wrapping_sub(1))?, sums.get(best + 1)?);
         // The vertex of the parabola through the least and its neighbours.
         let vertex = 0.5 * (before - after) / (before - 2.0 * sums[best] + after);
         Some((best as f64 - reach as f64 + vertex) * slow.dt_s)
     };
+    let best_delay = |is_used: &dyn Fn(usize) -> bool| {
+        let sum = |sums: &[f64; BLOCKS]| -> f64 {
+            let used = sums.iter().enumerate().filter(|(block, _)| is_used(*block));
+            used.map(|(_, sum)| sum).sum()
+        };
+        least(&squares.iter().map(sum).collect::<Vec<f64>>())
+    };
     let all = best_delay(&|_| true)?;
     // The difference between a half and the whole has the variance of the whole.
     let half = |first: usize| best_delay(&|block| (block + first) % BLOCKS < BLOCKS / 2);
     let halves: Vec<f64> = (0..BLOCKS).map(half).collect::<Option<_>>()?;
-    Some((all, root_mean_square(halves.iter().map(|half| half - all))))
+    let error = root_mean_square(halves.iter().map(|half| half - all));
+    Some((all, error.hypot(least(&rotated)? - all)))
 }
