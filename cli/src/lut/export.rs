@@ -157,18 +157,15 @@ impl Forms {
         requested
     }
 
-    /// Checks that a rocker radius is given for the formats without that axis.
+    /// Checks that a radius is given for the formats of a table with rocker radii that do not have
+    /// this axis.
     ///
     /// # Errors
-    /// [`Failure::Usage`] if the table has a rocker radius axis and none is given.
-    pub fn check_radius(&self, has_axis: bool) -> Result<(), Failure> {
-        let has_none =
-            |format: Format| matches!(format, Format::Csv | Format::Mat | Format::Octave);
+    /// [`Failure::Usage`] if it is not given.
+    pub fn require_radius(&self) -> Result<(), Failure> {
+        let has_axis = |format| matches!(format, Format::Csv | Format::Mat | Format::Octave);
         let mut requested = self.requested(Path::new("")).into_iter();
-        if has_axis
-            && self.rocker_radius_m.is_none()
-            && requested.any(|(_, format)| !has_none(format))
-        {
+        if self.rocker_radius_m.is_none() && requested.any(|(_, format)| !has_axis(format)) {
             return Err(Failure::Usage(
                 "the table has a rocker radius axis, and C, Simulink and FMUs have none: give --rocker-radius-m".into(),
             ));

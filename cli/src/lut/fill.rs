@@ -16,7 +16,7 @@ use crate::output::OutputFiles;
 use crate::terminal::{Global, misspelt, warn};
 use crate::text::document_text;
 
-/// Measured relative error of the interpolation above which a table of given nodes is warned about.
+/// Measured relative error of the interpolation above which a table is warned about.
 const MAX_INTERPOLATION: f64 = 0.1;
 
 /// Arguments of `kufe lut` without a subcommand.
@@ -44,8 +44,9 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         return Err(Failure::Usage(text));
     }
     let spec = TableSpec::read(path)?;
-    let has_radii = spec.plan.get(AxisKind::RockerRadius).is_some();
-    args.forms.check_radius(has_radii)?;
+    if spec.plan.get(AxisKind::RockerRadius).is_some() {
+        args.forms.require_radius()?;
+    }
     let out = args.out.clone();
     let out = out.unwrap_or_else(|| path.with_extension("lut"));
     let started = Instant::now();
@@ -80,17 +81,17 @@ pub fn finish(
     let summary = TableSummary::new(table, solves, seconds)?;
     let contents = document_text(&TableInfo::new(table, None)?)?;
     let worst = table.interpolation_error(table.judged(), Mode::Smooth)?;
+    if let Some(error) = worst.as_ref().filter(|error| error.max > MAX_INTERPOLATION) {
+        warn(&format!(
+            "between the nodes the {} is uncertain by up to {}: nodes closer together lower that, or from and to in place of values, or flush where the runner lies flush on the track",
+            table.judged().title(),
+            percent(error.max)
+        ));
+    }
     let worst = worst.map_or(String::new(), |error| {
         let place = error.max_at.named();
         let place = place.map(|(key, value)| format!("{key} = {}", short(value)));
         let place = place.collect::<Vec<_>>().join(", ");
-        if error.max > MAX_INTERPOLATION {
-            warn(&format!(
-                "between the nodes the {} is uncertain by up to {}: nodes closer together lower that, or from and to in place of values, or flush where the runner lies flush on the track",
-                table.judged().title(),
-                percent(error.max)
-            ));
-        }
         format!("smooth interpolation is least accurate at {place}\n")
     });
     global.print(&summary, || {

@@ -149,7 +149,7 @@ thresholds! {
         /// with which the channel is used. Chosen.
         pub track_agrees: f64 = 3.0,
         /// Standard deviation of the surveyed slope if none is stated \[rad\]. Chosen: 0.002 of a
-        /// levelling over 5 m to 1 cm, and 0.0035 of a mean driven line a decimetre beside the
+        /// levelling over 5 m to 1 cm, and 0.0035 of a mean driven line a decimetre off the
         /// surveyed one where the bank grows by 0.035 rad/m. With 0.002 one campaign without an
         /// effect was called not identifiable.
         pub slope_sd_rad: f64 = 0.004,

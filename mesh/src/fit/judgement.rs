@@ -120,14 +120,15 @@ impl Judgement {
                 }
             }
         }
-        let near = |sample: &&Sample| {
+        let is_near = |sample: &&Sample| {
             let place = (sample.at[0] - x0) / (x1 - x0) * STATIONS as f64;
             let station = (place.round() as usize).min(STATIONS);
             sample.height <= keel[station] + JUDGED_HEIGHT + 3.0 * noise
         };
         let residual = |s: &Sample| s.weight * (surface.spline.value(s.at) - s.height);
-        let residuals: Vec<f64> = samples.iter().filter(near).map(residual).collect();
-        let mut vertices: Vec<[f64; 2]> = samples.iter().filter(near).map(|s| s.at).collect();
+        let near: Vec<&Sample> = samples.iter().filter(is_near).collect();
+        let residuals: Vec<f64> = near.iter().map(|s| residual(s)).collect();
+        let mut vertices: Vec<[f64; 2]> = near.iter().map(|s| s.at).collect();
         vertices.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let square = residuals.iter().fold(0.0, |sum, r| sum + r * r);
         let axes = surface.spline.axes.each_ref();

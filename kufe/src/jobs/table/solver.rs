@@ -183,6 +183,7 @@ impl Solver {
         if self.anchors.get().is_some() || self.loaded.case.sliding.is_some() {
             return Ok(());
         }
+        watch.progress("comparing boundary elements with finite elements at the table's corners");
         let problem = |point: &Point| self.problem(point).map_err(at_point(point));
         let problems = self.ends.iter().map(problem);
         let problems = problems.collect::<Result<Vec<Problem>, Failure>>()?;
@@ -300,9 +301,6 @@ impl Solver {
         let missing = points.iter().filter(|point| store.get(point).is_none());
         let groups = groups(missing);
         if !groups.is_empty() {
-            watch.progress(
-                "comparing boundary elements with finite elements at the table's corners",
-            );
             self.anchor(watch).map_err(interrupted)?;
         }
         let solved = AtomicUsize::new(0);

@@ -237,15 +237,16 @@ impl Campaign<'_> {
                 continue;
             }
             let reason = trial.reasons.join("; ");
-            withheld.push(Withheld {
-                model: ModelKind::WithEffect,
-                effects: account.steps.iter().map(|s| s.effect.clone()).collect(),
-                reason: reason.clone(),
-            });
             // A dependence that simulations cannot include stays.
             let kept = last.unwritten.as_ref().map(|unwritten| unwritten.step);
             let all = 0..account.steps.len();
             let steps: Vec<usize> = all.filter(|step| Some(*step) != kept).collect();
+            let effects = steps.iter().map(|step| account.steps[*step].effect.clone());
+            withheld.push(Withheld {
+                model: ModelKind::WithEffect,
+                effects: effects.collect(),
+                reason: reason.clone(),
+            });
             let Some((step, fit, shorter)) = self.best_without_a_step(&last, &steps, given)? else {
                 account.withhold(&steps, &reason);
                 if let Some(unwritten) = &mut last.unwritten {
