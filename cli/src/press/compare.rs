@@ -118,7 +118,9 @@ fn text(document: &Comparison) -> String {
     let map = &document.map;
     let [x, y] = [map.largest_x_m, map.largest_y_m].map(|place| quantity(place, "m"));
     let (most, moved) = (quantity(map.largest_pa, "Pa"), quantity(map.moved_n, "N"));
-    format!("{table}the maps differ by up to {most}, at x = {x}, y = {y}; {moved} act elsewhere\n")
+    format!(
+        "{table}the maps differ by up to {most}, at x = {x}, y = {y}; redistributed force {moved}\n"
+    )
 }
 
 /// A quantity with its errors; a star where the difference exceeds them.

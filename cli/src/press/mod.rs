@@ -50,9 +50,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         subsurface: args.subsurface,
         ..Options::default()
     };
-    if args.lists.is_series() {
+    if args.lists.count() > 1 {
         return series::run(args, &loaded, global, &options);
     }
+    let single = args.lists.combinations().into_iter().next();
+    let loaded = single.unwrap_or_default().applied_to(&loaded)?;
     let inputs = case_inputs(args.case.as_deref(), &loaded)?;
     let output = OutputDir::begin("press", &inputs, &args.out, global.force)?;
     let bar = global.progress();

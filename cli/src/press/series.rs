@@ -304,19 +304,14 @@ impl Lists {
         ]
     }
 
-    /// Whether there is any list.
-    pub fn is_series(&self) -> bool {
-        self.all().iter().any(|(values, _)| !values.is_empty())
-    }
-
-    /// Number of combinations.
-    fn count(&self) -> usize {
+    /// Number of combinations; 1 without lists.
+    pub fn count(&self) -> usize {
         let lengths = self.all().map(|(values, _)| values.len().max(1));
         lengths.iter().fold(1, |n: usize, &k| n.saturating_mul(k))
     }
 
     /// All combinations; the load varies fastest.
-    fn combinations(&self) -> Vec<VariedKeys> {
+    pub fn combinations(&self) -> Vec<VariedKeys> {
         let mut combinations = vec![VariedKeys::default()];
         let lists = self.all().into_iter();
         for (values, set) in lists.filter(|(list, _)| !list.is_empty()) {

@@ -70,7 +70,7 @@ fn in_field(p_max_mesh: f64, stress_max: f64) -> Option<Figure> {
     let more = stress_max / p_max_mesh - 1.0;
     (more > 0.005).then(|| {
         let note = format!(
-            "stress, {} over the pressure, as it is carried on from within the cells: for the pressure take contact_pressure_pa",
+            "stress, {} above the pressure because it is extrapolated from within the cells; the pressure is contact_pressure_pa",
             percent(more)
         );
         Figure::new("in field.vtu", quantity(stress_max, "Pa"), note)

@@ -91,11 +91,11 @@ impl Step {
 }
 
 impl VariedKeys {
-    /// A case with these values.
+    /// The case with these values.
     ///
     /// # Errors
     /// [`Failure::BadInput`] for a rocker radius of a hull.
-    fn applied_to(&self, loaded: &LoadedCase) -> Result<LoadedCase, Failure> {
+    pub fn applied_to(&self, loaded: &LoadedCase) -> Result<LoadedCase, Failure> {
         let mut loaded = loaded.clone();
         let case = &mut loaded.case;
         if let Some(fz_n) = self.fz_n {

@@ -180,13 +180,37 @@ fn a_step_short_of_its_accuracy_is_reported_and_the_others_are_solved() {
         .replace("[ice]", sharp)
         .replace("p_max = 0.02", "p_max = 0.0005");
     bench.write("flat.toml", case);
-    let output = bench.kufe(&["press", "flat.toml", "--fz-n", "1000"]);
+    let output = bench.kufe(&["press", "flat.toml", "--fz-n", "1000,1100"]);
     assert_eq!(output.status.code(), Some(4), "{}", errors(&output));
     let rows = table(&bench, "out");
     assert!(
         rows[0]["p_max_pa"].is_number() && rows[0]["error"].is_string(),
         "{}",
         rows[0]
+    );
+}
+
+/// A single value replaces that of the case: the result is that of a case with this value.
+#[test]
+fn single_values_are_no_series() {
+    let bench = Bench::new();
+    bench.write("case.toml", CASE);
+    bench.write("heavy.toml", CASE.replace("fz_n = 1000.0", "fz_n = 125.0"));
+    bench.succeeds(&["press", "heavy.toml", "-o", "expected"]);
+    bench.succeeds(&["press", "case.toml", "-o", "out", "--fz-n", "125"]);
+    let pressures = ["expected", "out"]
+        .map(|folder| json(&bench.path(folder).join("result.json"))["p_max_pa"].as_f64());
+    assert!(
+        pressures[0].is_some() && pressures[0] == pressures[1],
+        "{pressures:?}"
+    );
+    assert!(!bench.path("out/step-001").exists());
+    let output = bench.kufe(&["press", "case.toml", "--fz-n=-1", "-o", "out", "--force"]);
+    assert_eq!(output.status.code(), Some(3), "{}", errors(&output));
+    assert!(
+        errors(&output).contains("load.fz_n = -1"),
+        "{}",
+        errors(&output)
     );
 }
 

@@ -351,8 +351,8 @@ fn best(
 fn above_ice_strength(problem: &Problem, solution: &Solution) -> Option<String> {
     (problem.ice.hardness.is_none() && solution.p_max > ICE_STRENGTH).then(|| {
         format!(
-            "the peak of {} is above 10 MPa, from which on ice near 0 °C yields (10-30 MPa): read this linear elastic answer \
-             as a pressure test of the runner, or bound the pressure with ice.hardness_pa",
+            "the peak of {} is above 10 MPa, and ice near 0 °C yields at 10 to 30 MPa: use this linear elastic result to \
+             compare runners, or bound the pressure with ice.hardness_pa",
             quantity(solution.p_max, "Pa")
         )
     })
