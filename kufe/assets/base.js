@@ -81,7 +81,7 @@ function metres(value, digits = 3) {
   return `${figure(1e6 * value, digits)} \u00b5m`;
 }
 
-/** Round positions between two ends, about `count` of them: three at least where as many are asked for. */
+/** Round positions between two ends, about `count` of them: at least three if as many are requested. */
 function ticks(from, to, count) {
   const span = to - from;
   if (!(span > 0)) return [from];

@@ -62,7 +62,7 @@ function contactPage(main, between = null) {
       const x = { title: `${name} [mm]`, from: cutLines.mm[0], to: cutLines.mm[cutLines.mm.length - 1] };
       const marks = [{ x: mark }];
       pressure.draw({ x, y: { title: "p [MPa]", from: 0, to: 1.05 * top || 1 }, marks, height: 190, series: [{ x: cutLines.mm, y: cutLines.p, colour: "var(--accent)", fill: true }] });
-      // The hull rises far beyond the ice's bowl: it leaves the paper above, where the two can still be told apart.
+      // The hull rises far above the deformed ice: it is clipped at the top, where the two are still distinguishable.
       const depth = Math.max(...cutLines.ice.map(Math.abs), 1e-6), highest = Math.max(...cutLines.hull.filter(Number.isFinite), ...cutLines.ice);
       heights.draw({
         x, y: { title: "height [\u00b5m]", to: highest > 2.5 * depth ? 2.5 * depth : undefined }, marks, height: 190,
@@ -239,7 +239,7 @@ function nearSpec(data, withHull, lift) {
   const at = (i, j) => j * ej * grid.nx + i * ei, onIce = (i, j) => place(i, j, uz[at(i, j)]);
   const ice = surface(nx, ny, onIce, () => rgbOf("ice"), rimOf(data, at, true));
   const patch = surface(nx, ny, onIce, (i, j) => viridis(p[at(i, j)] / (top || 1)), rimOf(data, at));
-  // The hull ends where it is too high to be seen beside the ice.
+  // The hull ends where it is too high to be shown with the ice.
   const height = (i, j) => uz[at(i, j)] + gap[at(i, j)];
   const under = surface(nx, ny, (i, j) => place(i, j, Number.isFinite(height(i, j)) ? height(i, j) : ceiling), null, heightRim(height, ceiling));
   const [x, y, z] = [[-1.1, 1.1], [-0.6, 0.6], [-0.4, 0.22]];

@@ -39,13 +39,13 @@ function runsPage(main, data) {
   const tracks = [...new Set(runs.map((run) => run.track))];
   const address = new URLSearchParams(location.hash.slice(1));
   const named = (name) => runs.find((run) => run.run === name);
-  const asked = address.getAll("run").map(named).filter(Boolean);
+  const requested = address.getAll("run").map(named).filter(Boolean);
   const quickest = (list) => list.reduce((best, run) => (run.seconds < best.seconds ? run : best));
-  const { track } = asked[0] ?? runs.find((run) => address.has("track") && run.track === address.get("track")) ?? runs[0];
+  const { track } = requested[0] ?? runs.find((run) => address.has("track") && run.track === address.get("track")) ?? runs[0];
   const onFirst = runs.filter((run) => run.track === track);
-  const first = asked[0] ?? quickest(onFirst);
+  const first = requested[0] ?? quickest(onFirst);
   const state = {
-    reference: first, shown: new Set(asked.length > 0 ? asked : [first, ...onFirst.filter((run) => run !== first).slice(0, RUNS_AT_FIRST - 1)]), over: address.get("over") === "time" ? "t" : "s",
+    reference: first, shown: new Set(requested.length > 0 ? requested : [first, ...onFirst.filter((run) => run !== first).slice(0, RUNS_AT_FIRST - 1)]), over: address.get("over") === "time" ? "t" : "s",
     against: "nothing", from: 0, to: 1, cursor: null,
     channels: new Set(data.channels.filter((channel) => channel.key !== "s_m").slice(0, CHANNELS_AT_FIRST).map((channel) => channel.key)),
   };

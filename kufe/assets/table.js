@@ -3,7 +3,7 @@
 // Data: { name, axes: [{ name, points, from, to, outside }], fz, curvature, flush or null, layers: [name] or null, nodes, thinned, check_count,
 // checks: [{ fz, curvature, layer }], by_boundary_elements, quantities: [{ name, label, unit, times, errors: { mode: number }, values:
 // [layer][fz][curvature], solver: the same or null, check_errors: [number or null] }], solver_error, judged, interpolation_requested, case, case_sha256, version }.
-// A layer is one of the runner's rocker radii, speeds and temperatures of the ice; judged is the quantity that the errors are asked of.
+// A layer is one of the runner's rocker radii, speeds and temperatures of the ice; judged is the quantity whose errors are requested.
 // With flush [curvature, scale, from, to] the numbers in `curvature` are reduced curvatures, 0 to 1.
 
 const AXES = {
@@ -47,7 +47,7 @@ function tablePage(main, data) {
       panel("Over normal force", overForce.box),
       panel("Over track curvature", overCurvature.box),
       panel("Interpolation", table(["quantity", "smooth", "bilinear"], data.quantities.map((q) => [q.label, percent(q.errors.smooth), percent(q.errors.bilinear)])),
-        fact(`Largest relative error at ${data.check_count} solves that are no nodes${data.interpolation_requested ? `; asked of the ${ofJudged}: ${percent(data.interpolation_requested)}` : ""}.`)),
+        fact(`Largest relative error at ${data.check_count} solves that are no nodes${data.interpolation_requested ? `; requested of the ${ofJudged}: ${percent(data.interpolation_requested)}` : ""}.`)),
       panel("The case", caseOf(data.case, [["sha256 of case and hull", data.case_sha256], ["made by", `kufe ${data.version}`]]))),
   );
 
