@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use kufe_contact::{Ice, Load, Problem, Runner, Tilt, hertz};
 use kufe_mesh::{
-    Axis, Estimate, FittedUnderside, Hull, HullOptions, Orientation, PlacedScan, ScanFrame,
-    Underside, keel_spacing, load_hull, smaller_by, strips_of_hull, strips_warning, unlike_runner,
+    Axis, Estimate, FittedUnderside, Hull, HullOptions, HullReport, Orientation, PlacedScan,
+    ScanFrame, Underside, keel_spacing, load_hull, smaller_by, strips_of_hull, strips_warning,
+    unlike_runner,
 };
 
 use crate::case::{Case, CaseError, FittedHull};
@@ -49,29 +50,13 @@ pub fn check_hull(
     forces: &[f64],
     p_max: Option<f64>,
 ) -> Result<ExaminedHull, Failure> {
-    let unrotated = HullOptions {
-        up: Some(Axis::Z),
-        ..HullOptions::default()
-    };
-    let (of_file, read) = load_hull(file, &unrotated)?;
-    let Some(placed) = PlacedScan::of(&of_file)? else {
-        return Err(not_rounded(file, &of_file));
-    };
+    let (scan, mut report) = read_scan(file)?;
     let PlacedScan {
         hull,
-        mut frame,
+        frame,
         noise,
         orientation,
-    } = placed;
-    let mut report = kufe_mesh::check_hull(&hull)?;
-    report.warnings.splice(0..0, read.removed);
-    let placed = ScanFrame::of(&hull)?;
-    let unlike = unlike_runner(&hull, placed.as_ref());
-    report.warnings.extend(unlike);
-    if let Some(placed) = placed {
-        frame.rocker_radius = placed.rocker_radius;
-        frame.section_radius = placed.section_radius;
-    }
+    } = scan;
     let Some(spacing) = keel_spacing(&hull, frame.section_radius) else {
         return Err(not_rounded(file, &hull));
     };
@@ -148,6 +133,29 @@ pub fn check_hull(
         options: frame.options,
         offset_m,
     })
+}
+
+/// The hull of a file in runner axes, with the radii measured there, and the report of its check.
+fn read_scan(file: &Path) -> Result<(PlacedScan, HullReport), Failure> {
+    let unrotated = HullOptions {
+        up: Some(Axis::Z),
+        ..HullOptions::default()
+    };
+    let (of_file, read) = load_hull(file, &unrotated)?;
+    let Some(mut scan) = PlacedScan::of(&of_file)? else {
+        return Err(not_rounded(file, &of_file));
+    };
+    let mut report = kufe_mesh::check_hull(&scan.hull)?;
+    report.warnings.splice(0..0, read.removed);
+    let frame = ScanFrame::of(&scan.hull)?;
+    report
+        .warnings
+        .extend(unlike_runner(&scan.hull, frame.as_ref()));
+    if let Some(frame) = frame {
+        scan.frame.rocker_radius = frame.rocker_radius;
+        scan.frame.section_radius = frame.section_radius;
+    }
+    Ok((scan, report))
 }
 
 /// The names of those of pitch and roll that are unknown.
