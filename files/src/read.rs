@@ -64,6 +64,10 @@ pub fn broken_at(text: &str, span: Option<Range<usize>>, message: &str) -> Strin
     let message = message.lines().collect::<Vec<_>>().join("; ");
     let message = message
         .replace("invalid type: string", "found")
+        .replace("invalid type: integer", "found")
+        .replace("invalid type: floating point", "found")
+        .replace("invalid type: sequence", "found an array")
+        .replace("invalid type: map", "found a table")
         .replace("invalid value: string", "found")
         .replace("expected f64", "expected a number")
         .replace("expected usize", "expected a whole number, 0 or more")

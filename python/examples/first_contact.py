@@ -65,7 +65,7 @@ print(table)
 force = np.linspace(250.0, 4000.0, 200)
 figure, axes = plt.subplots(figsize=(8, 4), layout="constrained")
 for curvature in (-0.02, 0.0, 0.02):
-    p_max, _ = table.lookup(force, curvature)
+    p_max, _, _ = table.lookup(force, curvature)
     name = "straight" if curvature == 0 else f"{'valley' if curvature > 0 else 'crest'} of 50 m"
     axes.plot(force / 1e3, p_max / 1e6, label=name)
 axes.set(xlabel="normal force [kN]", ylabel="peak pressure [MPa]", ylim=(0, None))

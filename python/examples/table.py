@@ -19,10 +19,10 @@ radius_m = { values = [inf, 80.0, 50.0] }
 checks = 2
 """)
 table = kufe.fill_table("front.toml")
-looked_up_pa, outside = table.lookup(1400.0, 1.0 / 65.0)
+looked_up_pa, error_pa, outside = table.lookup(1400.0, 1.0 / 65.0)
 solved = kufe.press(kufe.Case.example().replace({"load.fz_n": 1400.0, "track.radius_m": 65.0}))
 difference = float(looked_up_pa) / solved.p_max_pa - 1.0
-print(f"lookup {float(looked_up_pa) / 1e6:.1f} MPa, solve {solved.p_max_pa / 1e6:.1f} MPa: {100 * difference:+.2f} %")
+print(f"lookup {float(looked_up_pa) / 1e6:.1f} ± {float(error_pa) / 1e6:.1f} MPa, solve {solved.p_max_pa / 1e6:.1f} MPa: {100 * difference:+.2f} %")
 assert not outside and abs(difference) < 0.02
 
 loads_n = np.geomspace(250.0, 4000.0, 100)

@@ -20,6 +20,18 @@ class InputError(Error, ValueError):
     __module__ = "kufe"
 
 
+class FileError(InputError, OSError):
+    """The system cannot read or write a file; `errno` is its reason."""
+
+    __module__ = "kufe"
+
+
+class MissingFileError(FileError, FileNotFoundError):
+    """A file does not exist."""
+
+    __module__ = "kufe"
+
+
 class NotConvergedError(Error):
     """An iteration stopped short of the requested accuracy."""
 

@@ -296,12 +296,13 @@ class Table:
         ice_c: ArrayLike | None = None,
         mode: _Mode = "smooth",
         rocker_radius_m: ArrayLike | None = None,
-    ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
         """
         One quantity at forces [N], curvatures [1/m] and, where the table has those axes, speeds
-        [m/s], temperatures of the ice [C] and rocker radii [m], which are broadcast, and where an
-        input was outside the table; the rules of the axes then replace it. NaN and masked inputs
-        give NaN and the flag. A rocker radius outside is refused.
+        [m/s], temperatures of the ice [C] and rocker radii [m], which are broadcast; its errors, of
+        the interpolation and, where known, of the solver (NaN where neither is known); and where an
+        input was outside the table: the rules of the axes then replace it, and the error is that
+        within. NaN and masked inputs give NaN and the flag. A rocker radius outside is refused.
         """
     def interpolation_error(
         self, quantity: _Quantity = "p_max", *, mode: _Mode = "smooth"
@@ -543,9 +544,16 @@ def slide(
     """Solve steady sliding on ice that yields: groove, melt film and friction."""
 
 def fill_table(
-    table: _Path, out: _Path | None = None, *, progress: _Progress = None
+    table: _Path,
+    out: _Path | None = None,
+    *,
+    case: Case | Hull | _Path | None = None,
+    progress: _Progress = None,
 ) -> Table:
-    """Solve the table that a table file specifies and write it; resumes after an interruption."""
+    """
+    Solve the table that a table file specifies and write it; resumes after an interruption. `case`
+    replaces the case that the file names.
+    """
 
 def check_hull(
     path: _Path,
@@ -556,7 +564,7 @@ def check_hull(
 ) -> HullCheck:
     """
     Examine the hull of a scanner under normal forces [N]; `p_max` is the relative error of the peak
-    pressure for which it is examined, 0.05 where absent.
+    pressure for which it is examined; where absent 0.05, or 0.01 for a hull without noise.
     """
 
 def friction(

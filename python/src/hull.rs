@@ -243,8 +243,8 @@ pub struct HullCheck {
 
 /// Checks a scanned hull: unit, axes, rotation, spacing, noise, and the loads that it resolves.
 ///
-/// `fz_n` are normal forces [N]; `p_max` is the requested relative error of the peak pressure, 0.05
-/// where absent.
+/// `fz_n` are normal forces [N]; `p_max` is the requested relative error of the peak pressure, where
+/// absent 0.05, or 0.01 for a hull without noise.
 #[pyfunction]
 #[pyo3(
     signature = (path, fz_n = None, *, p_max = None, progress = None),

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use kufe::jobs::table::{Solver, TableSpec, fill, read_table};
-use kufe::jobs::write_whole;
+use kufe::jobs::{case_file::LoadedCase, write_whole};
+use kufe::results::lookup_error;
 use kufe_lut::{Interpolator, Mode, Point, Quantity};
 use numpy::{
     IntoPyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
@@ -12,7 +13,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyTuple};
 
 use crate::array::numbers;
-use crate::contact::view;
+use crate::contact::{loaded_case, view};
 use crate::error::{InputError, bad_input, raised};
 use crate::work::work;
 
@@ -31,8 +32,12 @@ pub struct Table {
 /// second.
 const SAMPLES_PER_CHECK: usize = 100_000;
 
-/// An interpolated array with its out-of-range flags.
-type Answer<'py> = (Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<bool>>);
+/// An interpolated array with its errors and its out-of-range flags.
+type Answer<'py> = (
+    Bound<'py, PyArrayDyn<f64>>,
+    Bound<'py, PyArrayDyn<f64>>,
+    Bound<'py, PyArrayDyn<bool>>,
+);
 
 /// A function and its arguments that restore the object from a pickle.
 type Pickled<'py> = (Bound<'py, PyAny>, (Bound<'py, PyBytes>, Option<String>));
@@ -67,9 +72,10 @@ impl Table {
     }
 
     /// One quantity at forces [N], curvatures [1/m] and, where the table has those axes, speeds
-    /// [m/s], temperatures of the ice [C] and rocker radii [m], which are broadcast, and where an
-    /// input was outside the table; the rules of the axes then replace it. NaN and masked inputs
-    /// give NaN and the flag. A rocker radius outside is refused.
+    /// [m/s], temperatures of the ice [C] and rocker radii [m], which are broadcast; its errors, of
+    /// the interpolation and, where known, of the solver (NaN where neither is known); and where an
+    /// input was outside the table: the rules of the axes then replace it, and the error is that
+    /// within. NaN and masked inputs give NaN and the flag. A rocker radius outside is refused.
     #[pyo3(signature = (fz_n, curvature_1pm, quantity = "p_max", *, v_mps = None, ice_c = None, mode = "smooth", rocker_radius_m = None))]
     #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
     fn lookup<'py>(
@@ -129,8 +135,15 @@ impl Table {
                 py.check_signals()?;
             }
         }
+        let relative = lookup_error(&self.table, quantity, mode).map_err(bad_input)?;
+        let relative = relative.unwrap_or(f64::NAN);
+        let errors: Vec<f64> = values
+            .iter()
+            .map(|value| (relative * value).abs())
+            .collect();
         Ok((
             values.into_pyarray(py).reshape(shape.clone())?,
+            errors.into_pyarray(py).reshape(shape.clone())?,
             outside.into_pyarray(py).reshape(shape)?,
         ))
     }
@@ -267,20 +280,23 @@ impl Table {
 
 /// Solves every point of the table that a table file specifies and writes it to `out`, the file's
 /// name with `.lut` where absent. Solved points are stored next to it: after Ctrl-C the same call
-/// resumes.
+/// resumes. `case`, as for `press`, replaces the case that the table file names.
 #[pyfunction]
-#[pyo3(signature = (table, out = None, *, progress = None))]
+#[pyo3(signature = (table, out = None, *, case = None, progress = None))]
 pub fn fill_table(
     py: Python<'_>,
     table: PathBuf,
     out: Option<PathBuf>,
+    case: Option<&Bound<'_, PyAny>>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Table> {
     let out = out.unwrap_or_else(|| table.with_extension("lut"));
     let path = out.clone();
+    let case = case.map(loaded_case).transpose()?;
     let filled = work(py, progress, move |watch, _| {
         let spec = TableSpec::read(&table)?;
-        let solver = Solver::new(&spec, watch)?;
+        let loaded = case.map_or_else(|| LoadedCase::read(&spec.case), Ok)?;
+        let solver = Solver::new(&spec, loaded, watch)?;
         fill(&spec, &solver, &path, watch)
     })?;
     py.detach(|| write(&filled.swept.table, &out))?;

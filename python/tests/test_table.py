@@ -1,5 +1,6 @@
 """Lookup tables."""
 
+import errno
 import os
 import pathlib
 import pickle
@@ -46,21 +47,35 @@ def test_nodes_are_single_solves(table):
 
 
 def test_lookups_broadcast_and_say_where_they_are_outside(table):
-    values, outside = table.lookup(np.array([[500.0], [1000.0], [9000.0]]), [0.0, 0.02])
+    values, _, outside = table.lookup(np.array([[500.0], [1000.0], [9000.0]]), [0.0, 0.02])
     assert values.shape == outside.shape == (3, 2)
     assert np.array_equal(values[:2], table.values()[:2])
     assert outside.tolist() == [[False, False], [False, False], [True, True]]
-    scalar, flag = table.lookup(1000.0, 0.0, "area")
+    scalar, _, flag = table.lookup(1000.0, 0.0, "area")
     assert scalar.shape == () and not flag
     assert float(scalar) == table.values("area")[1, 0]
-    nan, flag = table.lookup(float("nan"), 0.0)
-    assert np.isnan(nan) and flag
+    nan, error, flag = table.lookup(float("nan"), 0.0)
+    assert np.isnan(nan) and np.isnan(error) and flag
+
+
+def test_lookups_have_the_errors_of_interpolation_and_solver(table):
+    for mode in ("smooth", "bilinear"):
+        values, errors, _ = table.lookup([700.0, 1500.0], 0.01, mode=mode)
+        relative = table.solver_error + table.interpolation_error(mode=mode)
+        assert errors == pytest.approx(relative * values, rel=1e-12)
+
+
+def test_a_case_replaces_that_of_the_table_file(table, tmp_path):
+    wanted = tmp_path / "table.toml"
+    wanted.write_text(TABLE.replace("case.toml", "none.toml"))
+    replaced = kufe.fill_table(wanted, case=kufe.Case(PARABOLOID))
+    assert np.array_equal(replaced.values(), table.values())
 
 
 def test_the_smooth_mode_keeps_the_power_law(table):
     middle = np.sqrt(500.0 * 1000.0)
-    smooth, _ = table.lookup(middle, 0.0)
-    plain, _ = table.lookup(middle, 0.0, mode="bilinear")
+    smooth, _, _ = table.lookup(middle, 0.0)
+    plain, _, _ = table.lookup(middle, 0.0, mode="bilinear")
     exact = table.values()[0, 0] * (middle / 500.0) ** (1 / 3)
     assert abs(smooth / exact - 1) < 0.003 < abs(plain / exact - 1)
 
@@ -80,6 +95,13 @@ def test_bad_tables_and_names_are_refused(table, tmp_path):
     broken.write_text("{}")
     with pytest.raises(kufe.InputError, match="broken.lut"):
         kufe.Table.read(broken)
+    with pytest.raises(FileNotFoundError, match="none.lut") as missing:
+        kufe.Table.read(tmp_path / "none.lut")
+    assert isinstance(missing.value, kufe.InputError) and missing.value.errno == errno.ENOENT
+    with pytest.raises(FileNotFoundError, match="none.toml"):
+        kufe.Case.read(tmp_path / "none.toml")
+    with pytest.raises(OSError, match="cannot be written"):
+        table.write(tmp_path / "broken.lut" / "table.lut")
     with pytest.raises(kufe.InputError, match="p_max, p_mean"):
         table.lookup(1.0, 0.0, "pmax")
     with pytest.raises(kufe.InputError, match="smooth or bilinear"):
@@ -119,7 +141,7 @@ def test_a_table_that_slides_is_what_slide_says(tmp_path):
     assert table.v_mps.tolist() == [6.0, 25.0] and table.ice_c.tolist() == [-9.0, -4.0]
     slid = kufe.slide(kufe.Case(case), v_mps=25.0, ice_c=-4.0)
     assert table.values("mu")[1, 0, 1, 1] == pytest.approx(slid.result["mu"], rel=1e-9)
-    mu, outside = table.lookup(1000.0, 0.0, "mu", v_mps=[6.0, 25.0, 30.0], ice_c=-4.0)
+    mu, _, outside = table.lookup(1000.0, 0.0, "mu", v_mps=[6.0, 25.0, 30.0], ice_c=-4.0)
     assert np.array_equal(mu[:2], table.values("mu")[1, 0, :, 1])
     assert outside.tolist() == [False, False, True]
     with pytest.raises(kufe.InputError, match="v_mps"):
@@ -146,13 +168,13 @@ def test_nodes_of_reduced_curvatures_are_at_their_track_curvatures():
     # The ends do not depend on the force, the middle does.
     assert np.ptp(curvature[:, [0, -1]], axis=0).tolist() == [0.0, 0.0]
     assert np.ptp(curvature[:, 1:-1], axis=0).min() > 1e-6
-    found, outside = table.lookup(table.fz_n[:, None], curvature)
+    found, _, outside = table.lookup(table.fz_n[:, None], curvature)
     np.testing.assert_allclose(found, table.values(), rtol=1e-9)
     assert not outside.any()
     pandas = pytest.importorskip("pandas")
     frame = table.to_dataframe()
     assert isinstance(frame, pandas.DataFrame)
-    found, _ = table.lookup(frame.fz_n, frame.curvature_1pm)
+    found, _, _ = table.lookup(frame.fz_n, frame.curvature_1pm)
     np.testing.assert_allclose(found, frame.p_max, rtol=1e-9)
     assert frame.reduced_curvature.max() == 1.0
     pytest.importorskip("xarray")
@@ -163,7 +185,7 @@ def test_nodes_of_reduced_curvatures_are_at_their_track_curvatures():
 
 def test_masked_inputs_are_nan(table):
     forces = np.ma.masked_array([500.0, 1000.0, 2000.0], mask=[False, True, False])
-    values, outside = table.lookup(forces, 0.0)
+    values, _, outside = table.lookup(forces, 0.0)
     assert values[[0, 2]].tolist() == table.values()[[0, 2], 0].tolist()
     assert np.isnan(values[1]) and outside.tolist() == [False, True, False]
 
@@ -174,7 +196,7 @@ def test_rocker_radii_broadcast(tmp_path):
     (tmp_path / "table.toml").write_text(TABLE + axes + "[accuracy]\nchecks = 0\n")
     table = kufe.fill_table(tmp_path / "table.toml")
     radii = np.array([[40.0], [20.0], [30.0]])
-    values, outside = table.lookup([500.0, 1000.0], 0.0, rocker_radius_m=radii)
+    values, _, outside = table.lookup([500.0, 1000.0], 0.0, rocker_radius_m=radii)
     assert values.shape == (3, 2) and not outside.any()
     assert np.array_equal(values[:2], table.values()[:2, 0, ::-1].T)
     assert (values[2] == table.lookup([500.0, 1000.0], 0.0, rocker_radius_m=30.0)[0]).all()

@@ -162,7 +162,7 @@ struct Check {
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_values_t = [250.0, 500.0, 1000.0, 2000.0, 4000.0])]
     fz_n: Vec<f64>,
     /// Relative error of the peak pressure for which it is examined, and that the case requests
-    /// [default: 0.05, and 0.01 in the case of a hull without noise]
+    /// [default: 0.05, or 0.01 for a hull without noise]
     #[arg(long, value_name = "SHARE")]
     p_max: Option<f64>,
     /// Write a case that reads the hull with these options
@@ -262,7 +262,8 @@ fn verdict(load: &ResolvedLoad, unknown: Option<&str>) -> String {
     let (fz, known) = (quantity(load.fz_n, "N"), percent(load.p_max_error));
     let surface = measured(load.approach_m, load.error_m, "m");
     let verdict = match unknown {
-        _ if !load.resolved => "too coarse".to_owned(),
+        _ if load.enough.is_some() => "too coarse".to_owned(),
+        _ if !load.resolved => "not determined by its vertices".to_owned(),
         None => "fine enough".to_owned(),
         Some(angles) => format!("but for its unknown {angles}"),
     };

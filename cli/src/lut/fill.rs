@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use kufe::jobs::Failure;
 use kufe::jobs::table::{Solver, TableSpec};
+use kufe::jobs::{Failure, case_file::LoadedCase};
 use kufe::plot::{percent, short};
 use kufe::results::{TableInfo, TableSummary};
 use kufe_files::resolved;
@@ -51,7 +51,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let out = out.unwrap_or_else(|| path.with_extension("lut"));
     let started = Instant::now();
     let (solver, filled, files) = global.watched(|watch| {
-        let solver = Solver::new(&spec, watch)?;
+        let solver = Solver::new(&spec, LoadedCase::read(&spec.case)?, watch)?;
         let mut outputs = args.forms.paths(&out);
         outputs.push(out.clone());
         let files = OutputFiles::begin("lut", &solver.inputs(&spec)?, &outputs, global.force)?;

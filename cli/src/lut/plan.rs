@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use kufe::jobs::{
     Failure, Located, Watch,
+    case_file::LoadedCase,
     table::{PlanFile, PointStore, Solver, TableSpec},
 };
 use kufe_lut::{Origin, Progress, replay};
@@ -224,7 +225,7 @@ fn solver(spec: &TableSpec) -> Result<Solver, Failure> {
         warn: Some(&warn),
         ..Watch::default()
     };
-    Solver::new(spec, &watch)
+    Solver::new(spec, LoadedCase::read(&spec.case)?, &watch)
 }
 
 fn same_origin(file: &Path, planned: &Origin, now: &Origin) -> Result<(), Failure> {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use kufe::jobs::{Failure, Located, table::read_table};
 use kufe::plot::{measured, short, shown_unit};
-use kufe::results::{Description, TableLookup};
+use kufe::results::{Description, LookupValue, TableLookup};
 use kufe_lut::{Axes, AxisKind, MIN_SPEED, Mode, Outside, Point, curvature_from_pitch};
 
 use crate::terminal::{Global, warn};
@@ -49,7 +49,7 @@ pub struct Args {
 /// Interpolates every quantity and prints it.
 ///
 /// # Errors
-/// [`Failure::Usage`] if the track is not given, and for a force that is not positive;
+/// [`Failure::Usage`] if the track is not given, and for a force that is not finite;
 /// [`Failure::BadInput`] for the table.
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let usage = |text: &str| Err(Failure::Usage(text.into()));
@@ -76,9 +76,8 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
             "track curvature of {curvature} 1/m: expected a finite one, and no radius of 0"
         ));
     }
-    if !(fz > 0.0 && fz.is_finite()) {
-        let expected = "a finite number above 0 N: without a force there is no contact";
-        return Err(Failure::option("fz-n", fz, expected));
+    if !fz.is_finite() {
+        return Err(Failure::option("fz-n", fz, "a finite force [N]"));
     }
     let table = read_table(&args.table)?;
     let at = Point {
@@ -148,20 +147,29 @@ fn text(found: &TableLookup, axes: &Axes, outside: &[OutOfRange]) -> String {
         let amount = measured(one.value, one.error.unwrap_or(0.0), &unit);
         text += &format!("{:<28} {amount}\n", Description::of(one.quantity).label);
     }
-    let with = found.values.iter().filter(|one| one.includes_solver);
-    let with = with.map(|one| Description::of(one.quantity).label);
-    let with: Vec<&str> = with.collect();
-    text += &if with.len() == found.values.len() {
-        "errors: interpolation and the solver\n".to_owned()
-    } else {
-        format!(
-            "errors: interpolation, and the solver too for the {}\n",
-            with.join(", ")
-        )
+    let labels = |known: fn(&LookupValue) -> bool| {
+        let values = found.values.iter().filter(|one| known(one));
+        let labels = values.map(|one| Description::of(one.quantity).label);
+        labels.collect::<Vec<_>>().join(", ")
     };
+    for (errors, labels) in [
+        (
+            "errors of interpolation and solver",
+            labels(|one| one.includes_solver),
+        ),
+        (
+            "errors of interpolation alone, none of the solver is known",
+            labels(|one| !one.includes_solver && one.error.is_some()),
+        ),
+        ("no error is known", labels(|one| one.error.is_none())),
+    ] {
+        if !labels.is_empty() {
+            text += &format!("{errors}: {labels}\n");
+        }
+    }
     if found.out_of_range {
-        let is_linear = |kind: &AxisKind| axes.outside(*kind) == Outside::Linear;
-        let what = if AxisKind::ALL.iter().any(is_linear) {
+        let is_linear = |(kind, ..): &OutOfRange| axes.outside(*kind) == Outside::Linear;
+        let what = if outside.iter().any(is_linear) {
             "the value at its edge or a straight continuation, as its axes state; the errors are those within"
         } else {
             "clipped to its nearest value, whose errors these are"

@@ -103,6 +103,15 @@ impl MeshSolve<'_> {
                 tolerance: options.residual,
             });
         }
+        // Where the ice yields on all nodes, the mesh may bear less than the load.
+        let carried = contact.resultant(&state)[0];
+        if matches!(problem.load, Load::Force { .. }) && carried <= 0.0 {
+            return Err(Error::NoAnswer {
+                name: "force carried [N]",
+                value: carried,
+                expected: "the requested normal force: a lower one, or harder ice",
+            });
+        }
         Ok((state, progress))
     }
 
@@ -174,7 +183,7 @@ pub(crate) mod tests {
     use crate::grid::grading::Resolution;
     use crate::grid::patch::Patch;
     use crate::mesh::discretise::Reach;
-    use crate::{Ice, Options, Problem, Runner};
+    use crate::{Ice, Options, Problem, Runner, Tilt};
 
     /// A mesh of a problem's patch as found, and what it is solved from.
     pub(crate) struct MeshProblem {
@@ -209,6 +218,29 @@ pub(crate) mod tests {
             }
             .solve(self.patch.motion, &self.forces)
         }
+    }
+
+    #[test]
+    fn a_load_above_what_yielding_ice_bears_on_the_patch_is_refused()
+    -> Result<(), Box<dyn std::error::Error>> {
+        let runner = Runner::rigid(Arc::new(Paraboloid::new(30.0, 0.005)?));
+        let mut ice = Ice::half_space(9e9, 0.33);
+        ice.hardness = Some(10e6);
+        let problem = |fz| Problem::new(runner.clone(), ice.clone(), Load::central(fz, Tilt::Free));
+        let one = MeshProblem::new(problem(1000.0), 4.0)?;
+        let heavier = problem(1e5);
+        let options = Options::default();
+        let checked = CheckedProblem::new(&heavier, &options)?;
+        let mesh = checked.mesh(&one.patch, Resolution::of(4.0), Reach::Patch)?;
+        let solve = MeshSolve {
+            checked: &checked,
+            mesh: &mesh,
+            stored: StorageLimit::USUAL,
+            report: &|_, _| {},
+        };
+        let found = solve.solve(one.patch.motion, &one.forces);
+        assert!(matches!(found, Err(Error::NoAnswer { .. })));
+        Ok(())
     }
 
     #[test]

@@ -147,9 +147,10 @@ impl FigureHistory {
         self.peak.similar()
     }
 
-    /// The limits; `None` while there are too few meshes.
+    /// The limits; `None` while there are too few meshes, and on meshes without contact.
     pub fn limits(&self) -> Option<Limits> {
-        self.peak.limit().and_then(|peak| self.of(peak))
+        let limits = self.peak.limit().and_then(|peak| self.of(peak));
+        limits.filter(|limits| !limits.relative.is_nan())
     }
 
     /// The last mesh with its error estimates.
@@ -352,6 +353,22 @@ mod tests {
             uncertainty: [0.0; 3],
         };
         watched.push(figures, PLACE, [cells; 3], false);
+    }
+
+    #[test]
+    fn meshes_without_contact_have_no_limits() {
+        let mut watched = FigureHistory::new(None, ErrorFloor::default());
+        let none = Figures {
+            p_max: 0.0,
+            area: 0.0,
+            length: 0.0,
+            width: 0.0,
+            uncertainty: [0.0; 3],
+        };
+        for cells in [3.0, 4.0, 6.0] {
+            watched.push(none, PLACE, [cells; 3], false);
+        }
+        assert!(watched.limits().is_none());
     }
 
     #[test]

@@ -39,6 +39,9 @@ const FINE: Criteria = Criteria {
 /// below which the window is fitted again.
 const AROUND: f64 = 2.0;
 const MIN_AROUND: f64 = 1.0;
+/// Open cells around the contact in a window that is fitted again: its cells are finer than those of
+/// the first window, and each further fit solves another grid.
+const AROUND_AGAIN: f64 = 20.0;
 /// Ratio of the depth of a place outside the window to the approach that counts as contact.
 const DEEP: f64 = 1e-3;
 /// Number of unknowns that a cell counts for: transforms work on a grid padded to twice the cells
@@ -143,7 +146,7 @@ impl<'a> Asperities<'a> {
             };
             let touched = contact.touched();
             if !window.contains(&contact.window.around(touched, MIN_AROUND)) {
-                window = contact.window.around(touched, MIN_CELLS);
+                window = contact.window.around(touched, AROUND_AGAIN);
                 windows += 1;
                 before = Some(contact);
                 continue;

@@ -50,6 +50,9 @@ impl Case {
     /// # Errors
     /// [`CaseError`] with the line, the key, the value and what was expected.
     pub fn parse(text: &str) -> Result<Case, CaseError> {
+        if let Some(error) = CaseError::not_a_table(text) {
+            return Err(error);
+        }
         let case: Case =
             toml::from_str(text).map_err(|error| CaseError::from_toml(text, &error))?;
         case.check().map_err(|error| error.locate(text))?;

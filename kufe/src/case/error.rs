@@ -2,7 +2,7 @@
 
 use toml::de::{DeTable, DeValue};
 
-use crate::case::range::Range;
+use crate::case::range::{RANGES, Range};
 
 /// Errors of a case file.
 #[derive(Debug, thiserror::Error)]
@@ -81,6 +81,21 @@ impl CaseError {
         move |source| CaseError::File { key, source }
     }
 
+    /// The error for the first value in `text` that is no table where a table is expected. The
+    /// deserializer would take an array for the values of the table's keys, in their order.
+    pub(super) fn not_a_table(text: &str) -> Option<CaseError> {
+        let root = DeTable::parse(text).ok()?;
+        let (key, span, found) = value_for_table(root.get_ref(), "")?;
+        let form = if LISTS.contains(&&*key) {
+            format!("[[{key}]]")
+        } else {
+            format!("[{key}]")
+        };
+        let message = format!("found {found}, expected a table: `{form}` and its keys below");
+        let message = kufe_files::broken_at(text, Some(span), &message);
+        Some(CaseError::Syntax(message))
+    }
+
     /// Converts an error of the TOML reader into one line with its place.
     pub(super) fn from_toml(text: &str, error: &toml::de::Error) -> CaseError {
         let span = error.span().unwrap_or(0..0);
@@ -100,6 +115,33 @@ impl CaseError {
         }
         self
     }
+}
+
+/// Keys of arrays of tables.
+const LISTS: [&str; 2] = ["runner.mount.held", "runner.mount.carries"];
+
+/// The first value that is no table although the keys of `RANGES` lie below its key: its dotted key,
+/// the place of the key in the text, and what the value is.
+fn value_for_table(
+    table: &DeTable,
+    within: &str,
+) -> Option<(String, std::ops::Range<usize>, &'static str)> {
+    table.iter().find_map(|(name, value)| {
+        let key = format!("{within}{}", name.get_ref());
+        let below = format!("{key}.");
+        let found = match value.get_ref() {
+            DeValue::Table(inner) => return value_for_table(inner, &below),
+            DeValue::Array(items) if LISTS.contains(&&*key) => {
+                let is_table = |item: &DeValue| matches!(item, DeValue::Table(_));
+                items.iter().find(|item| !is_table(item.get_ref()))?;
+                "an item that is none"
+            }
+            DeValue::Array(_) => "an array",
+            _ => "a single value",
+        };
+        let is_table = RANGES.iter().any(|range| range.key.starts_with(&below));
+        is_table.then(|| (key, name.span(), found))
+    })
 }
 
 /// The error for the first string within `span` where a number with a range is expected.
@@ -153,4 +195,54 @@ fn line_of(text: &str, key: &str) -> Option<usize> {
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::case::Case;
+
+    #[test]
+    fn arrays_and_values_in_place_of_tables_are_refused_with_the_table_expected() {
+        let case = toml::toml! {
+            [runner]
+            shape = { kind = "paraboloid", rocker_radius_m = 30.0, section_radius_m = 0.005 }
+            [ice]
+            youngs_modulus_pa = 9.0e9
+            poissons_ratio = 0.33
+            thickness_m = "half-space"
+            [load]
+            fz_n = 1000.0
+        };
+        let case = case.to_string();
+        Case::parse(&case).unwrap();
+        let shape = case.find("[runner.shape]").unwrap()..case.find("[ice]").unwrap();
+        let with_shape = |shape_text: &str| case.replace(&case[shape.clone()], shape_text);
+        let carries = "[runner.mount]\ncarries = [[0.1, 0.05, 0.5]]\n";
+        for (text, expected) in [
+            (
+                case.replace("[load]", "[[load]]"),
+                "found an array, expected a table: `[load]`",
+            ),
+            (case.replace("[ice]", "[[ice]]"), "`[ice]`"),
+            (
+                with_shape("shape = [\"paraboloid\", 30.0, 0.005]\n"),
+                "expected a table: `[runner.shape]`",
+            ),
+            (
+                with_shape("shape = \"paraboloid\"\n"),
+                "found a single value, expected a table: `[runner.shape]`",
+            ),
+            (
+                format!("track = [40.0]\n{case}"),
+                "line 1: `track = [40.0]`: found an array",
+            ),
+            (
+                format!("{case}{carries}"),
+                "expected a table: `[[runner.mount.carries]]`",
+            ),
+        ] {
+            let error = Case::parse(&text).unwrap_err().to_string();
+            assert!(error.contains(expected), "{text}: {error}");
+        }
+    }
 }

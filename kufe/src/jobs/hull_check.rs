@@ -5,19 +5,20 @@ use std::sync::Arc;
 
 use kufe_contact::{Ice, Load, Problem, Runner, Tilt, hertz};
 use kufe_mesh::{
-    Axis, Estimate, FittedUnderside, Hull, HullOptions, Orientation, PlacedScan, ScanFrame,
-    Underside, keel_spacing, load_hull, smaller_by, strips_of_hull, strips_warning, unlike_runner,
+    Axis, Estimate, FittedUnderside, Hull, HullOptions, HullReport, Orientation, PlacedScan,
+    ScanFrame, Underside, keel_spacing, load_hull, smaller_by, strips_of_hull, strips_warning,
+    unlike_runner,
 };
 
 use crate::case::{Case, CaseError, FittedHull};
 use crate::jobs::failure::{Failure, Located};
-use crate::jobs::press::hull_error::{bootstrap_scans, relative_peak_error};
+use crate::jobs::press::hull_error::{bootstrap_scans, contact_on_hull, in_hole};
+use crate::plot::quantity;
 use crate::results::{HullCheck, ResolvedLoad, Sampling};
 
-/// Default of the requested relative error of the peak, for the check and for the case of a hull
-/// with noise.
+/// Default of the requested relative error of the peak on a hull with noise.
 const DEFAULT_RTOL: f64 = 0.05;
-/// Default of the relative error that the case of a hull without noise requests.
+/// Default of that on a hull without noise.
 const RTOL_WITHOUT_NOISE: f64 = 0.01;
 /// Young's modulus [Pa] and Poisson's ratio of ice as cases have them by default.
 const ICE_MODULUS: f64 = 9.0e9;
@@ -49,33 +50,21 @@ pub fn check_hull(
     forces: &[f64],
     p_max: Option<f64>,
 ) -> Result<ExaminedHull, Failure> {
-    let unrotated = HullOptions {
-        up: Some(Axis::Z),
-        ..HullOptions::default()
-    };
-    let (of_file, read) = load_hull(file, &unrotated)?;
-    let Some(placed) = PlacedScan::of(&of_file)? else {
-        return Err(not_rounded(file, &of_file));
-    };
+    let (scan, mut report) = read_scan(file)?;
     let PlacedScan {
         hull,
-        mut frame,
+        frame,
         noise,
         orientation,
-    } = placed;
-    let mut report = kufe_mesh::check_hull(&hull)?;
-    report.warnings.splice(0..0, read.removed);
-    let placed = ScanFrame::of(&hull)?;
-    let unlike = unlike_runner(&hull, placed.as_ref());
-    report.warnings.extend(unlike);
-    if let Some(placed) = placed {
-        frame.rocker_radius = placed.rocker_radius;
-        frame.section_radius = placed.section_radius;
-    }
+    } = scan;
     let Some(spacing) = keel_spacing(&hull, frame.section_radius) else {
         return Err(not_rounded(file, &hull));
     };
-    let rtol = p_max.unwrap_or(DEFAULT_RTOL);
+    let p_max = p_max.unwrap_or(if noise.found > 0.0 {
+        DEFAULT_RTOL
+    } else {
+        RTOL_WITHOUT_NOISE
+    });
     let strips = strips_of_hull(&hull);
     let [vertices, triangles] = [hull.positions.len(), hull.triangles.len()];
     let bounds = hull.bounds();
@@ -85,7 +74,7 @@ pub fn check_hull(
     let [x, y] = [0, 1].map(|axis| middle.map(|middle| middle[axis]));
     let offset_m = [x, keel.or(y)];
     let place = offset_m.map(Option::unwrap_or_default);
-    let mut outliers = None;
+    let (mut outliers, mut undetermined) = (None, Vec::new());
     let loads = FittedUnderside::new(&hull, noise.found)
         .map_err(|error| error.to_string())
         .and_then(|underside| {
@@ -94,22 +83,22 @@ pub fn check_hull(
             let scans = bootstrap_scans(&fitted);
             let known = |&fz: &f64| {
                 let radii = [frame.rocker_radius, frame.section_radius];
-                known_peak(&fitted, scans.as_deref(), radii, place, fz, rtol, spacing)
+                let (load, reason) =
+                    known_peak(&fitted, scans.as_deref(), radii, place, fz, p_max, spacing)?;
+                undetermined.extend(reason);
+                Ok(load)
             };
             forces.iter().map(known).collect::<Result<Vec<_>, String>>()
         });
-    report.warnings.extend(outliers);
+    report
+        .warnings
+        .extend(outliers.into_iter().chain(undetermined));
     let unknown = unknown_angles(orientation.as_ref());
     report.warnings.extend(unknown.as_ref().map(|angles| {
         format!(
             "the {angles} of the hull cannot be determined from its shape: correct the case where the hull is turned"
         )
     }));
-    let default_rtol = if noise.found > 0.0 {
-        DEFAULT_RTOL
-    } else {
-        RTOL_WITHOUT_NOISE
-    };
     let [length_m, width_m, height_m] = report.extent;
     let result = HullCheck {
         file: file.to_path_buf(),
@@ -140,10 +129,33 @@ pub fn check_hull(
     Ok(ExaminedHull {
         result,
         unknown_angles: unknown,
-        p_max: p_max.unwrap_or(default_rtol),
+        p_max,
         options: frame.options,
         offset_m,
     })
+}
+
+/// The hull of a file in runner axes, with the radii measured there, and the report of its check.
+fn read_scan(file: &Path) -> Result<(PlacedScan, HullReport), Failure> {
+    let unrotated = HullOptions {
+        up: Some(Axis::Z),
+        ..HullOptions::default()
+    };
+    let (of_file, read) = load_hull(file, &unrotated)?;
+    let Some(mut scan) = PlacedScan::of(&of_file)? else {
+        return Err(not_rounded(file, &of_file));
+    };
+    let mut report = kufe_mesh::check_hull(&scan.hull)?;
+    report.warnings.splice(0..0, read.removed);
+    let frame = ScanFrame::of(&scan.hull)?;
+    report
+        .warnings
+        .extend(unlike_runner(&scan.hull, frame.as_ref()));
+    if let Some(frame) = frame {
+        scan.frame.rocker_radius = frame.rocker_radius;
+        scan.frame.section_radius = frame.section_radius;
+    }
+    Ok((scan, report))
 }
 
 /// The names of those of pitch and roll that are unknown.
@@ -165,7 +177,8 @@ fn not_rounded(file: &Path, hull: &Hull) -> Failure {
 }
 
 /// Error of the peak under the force `fz` [N] at an offset [m] along and across, as pressing the
-/// hull would state it, and the noise and spacing that would lower it to `rtol` and to half.
+/// hull would state it, and the noise and spacing that would lower it to `rtol` and to half; and the
+/// reason why the vertices do not determine the contact, where they do not.
 fn known_peak(
     hull: &FittedHull,
     scans: Option<&[Arc<dyn Underside>]>,
@@ -174,9 +187,7 @@ fn known_peak(
     fz: f64,
     rtol: f64,
     spacing: f64,
-) -> Result<ResolvedLoad, String> {
-    let contact = hertz(along.max(across), along.min(across), ICE_PLANE_STRAIN, fz);
-    let approach = contact.map_err(|error| error.to_string())?.approach;
+) -> Result<(ResolvedLoad, Option<String>), String> {
     let runner = Runner::rigid(hull.underside.clone());
     let ice = Ice::half_space(ICE_MODULUS, ICE_RATIO);
     let load = Load::Force {
@@ -186,9 +197,25 @@ fn known_peak(
         tilt: Tilt::LEVEL,
     };
     let problem = Problem::new(runner, ice, load);
-    let error_m = hull.underside.error_for(approach);
-    let p_max_error = relative_peak_error(&problem, hull, scans).unwrap_or(error_m / approach);
     let noise = hull.noise.found;
+    let (approach, error_m, p_max_error, undetermined) =
+        match contact_on_hull(&problem, hull, scans) {
+            Some((found, p_max_error)) => {
+                let error_m = hull.underside.error_within(found.patch);
+                let hole = in_hole(hull, found.patch);
+                (found.approach, error_m, p_max_error, hole)
+            }
+            None => {
+                let contact = hertz(along.max(across), along.min(across), ICE_PLANE_STRAIN, fz);
+                let approach = contact.map_err(|error| error.to_string())?.approach;
+                let error_m = hull.underside.error_for(approach);
+                let unknown = (noise > 0.0).then(|| {
+                    "how far the noise moves the peak could not be estimated by boundary elements"
+                        .into()
+                });
+                (approach, error_m, error_m / approach, unknown)
+            }
+        };
     let sampling_for = |factor: f64| {
         let smaller = smaller_by(factor, noise > 0.0);
         Sampling {
@@ -196,16 +223,18 @@ fn known_peak(
             spacing_m: spacing / smaller,
         }
     };
-    let resolved = p_max_error <= rtol;
-    Ok(ResolvedLoad {
+    let is_fine = p_max_error <= rtol;
+    let resolved = ResolvedLoad {
         fz_n: fz,
         approach_m: approach,
-        resolved,
+        resolved: is_fine && undetermined.is_none(),
         p_max_error,
         error_m,
-        enough: (!resolved).then(|| sampling_for(p_max_error / rtol)),
+        enough: (!is_fine).then(|| sampling_for(p_max_error / rtol)),
         halves: sampling_for(2.0),
-    })
+    };
+    let undetermined = undetermined.map(|reason| format!("{}: {reason}", quantity(fz, "N")));
+    Ok((resolved, undetermined))
 }
 
 /// The middle of a hull along and across [m] if its origin lies outside its bounds.

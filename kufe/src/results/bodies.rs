@@ -68,7 +68,8 @@ pub struct ResolvedLoad {
     pub fz_n: f64,
     /// Approach under it [m].
     pub approach_m: f64,
-    /// Whether the error of the peak is within the requested one.
+    /// Whether the error of the peak is within the requested one, and the vertices determine the
+    /// contact: most of its length has vertices.
     pub resolved: bool,
     /// Relative error of the peak due to noise and spacing of the vertices, as in the result of
     /// pressing the hull.

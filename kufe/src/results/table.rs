@@ -267,6 +267,17 @@ fn by_key<S: Serializer>(values: &[LookupValue], serializer: S) -> Result<S::Ok,
     map.end()
 }
 
+/// Relative error of interpolated values: the sum of the largest errors of interpolation and solver;
+/// `None` where neither is known.
+///
+/// # Errors
+/// Those of the interpolation at the checks.
+pub fn lookup_error(table: &Table, quantity: Quantity, mode: Mode) -> Result<Option<f64>, Error> {
+    let measured = error(table, quantity, mode)?;
+    let solver = table.solver_error_of(quantity);
+    Ok(solver.map_or(measured, |s| Some(s + measured.unwrap_or(0.0))))
+}
+
 impl TableLookup {
     /// Interpolates every quantity of a table.
     ///
@@ -278,14 +289,12 @@ impl TableLookup {
             let interpolator = Interpolator::new(table, quantity, mode, at.rocker_radius)?;
             let found = interpolator.at(at);
             out_of_range |= found.out_of_range;
-            let measured = error(table, quantity, mode)?;
-            let solver = table.solver_error_of(quantity);
-            let relative = solver.map_or(measured, |s| Some(s + measured.unwrap_or(0.0)));
+            let relative = lookup_error(table, quantity, mode)?;
             values.push(LookupValue {
                 quantity,
                 value: found.value,
                 error: relative.map(|relative| (relative * found.value).abs()),
-                includes_solver: solver.is_some(),
+                includes_solver: table.solver_error_of(quantity).is_some(),
             });
         }
         let axes = table.axes();

@@ -57,7 +57,7 @@ impl HullFormat {
     }
 }
 
-/// Reads the hull file `path` and checks its largest body.
+/// Reads the hull file `path` and checks its most extended body.
 ///
 /// # Errors
 /// [`MeshError::Io`] if the file cannot be read, [`MeshError::File`] if its content is invalid.

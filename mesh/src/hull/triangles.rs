@@ -1,7 +1,6 @@
 //! Triangle hulls: vertices, checks, axes and units.
 
-use std::cmp::Reverse;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fmt;
 use std::str::FromStr;
 
@@ -451,14 +450,14 @@ pub fn check_hull(hull: &Hull) -> Result<HullReport, MeshError> {
     })
 }
 
-/// Reduces a hull to the runner, its largest body without repeated triangles, and checks it. The
-/// report lists the removed parts.
+/// Reduces a hull to the runner, its most extended body, without repeated triangles, and checks it.
+/// The report lists the removed parts.
 ///
 /// # Errors
 /// As [`check_hull`].
 pub fn checked_runner(mut hull: Hull) -> Result<(Hull, HullReport), MeshError> {
     let repeated = remove_repeated(&mut hull);
-    let others = remove_small_bodies(&mut hull);
+    let others = remove_other_bodies(&mut hull);
     let mut report = check_hull(&hull)?;
     report.removed.extend(repeated.into_iter().chain(others));
     report.warnings.extend_from_slice(&report.removed);
@@ -479,8 +478,38 @@ fn remove_repeated(hull: &mut Hull) -> Option<String> {
     (repeated > 0).then(|| format!("{repeated} triangles repeat others and take no part"))
 }
 
-/// Removes all connected surfaces except the one with the most triangles.
-fn remove_small_bodies(hull: &mut Hull) -> Option<String> {
+/// A connected surface: integrals of 1, the position and its square over its area.
+#[derive(Clone, Copy, Default)]
+struct Body {
+    triangles: usize,
+    area: f64,
+    first_moment: Vector3<f64>,
+    second_moment: f64,
+}
+
+impl Body {
+    /// Adds a triangle with these corners.
+    fn add(&mut self, corners: [Vector3<f64>; 3]) {
+        let [a, b, c] = corners;
+        let sum = a + b + c;
+        let area = 0.5 * (b - a).cross(&(c - a)).norm();
+        let squares: f64 = [a, b, c, sum].iter().map(Vector3::norm_squared).sum();
+        self.triangles += 1;
+        self.area += area;
+        self.first_moment += area / 3.0 * sum;
+        self.second_moment += area / 12.0 * squares;
+    }
+
+    /// Polar second moment of area about the centroid: large for a long surface, whatever its
+    /// rotation and its number of triangles.
+    fn extension(&self) -> f64 {
+        self.second_moment - self.first_moment.norm_squared() / self.area.max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Removes all connected surfaces except the one with the largest second moment of area: a runner
+/// is longer than its holder, and longer than what a scanner adds.
+fn remove_other_bodies(hull: &mut Hull) -> Option<String> {
     let mut leads: Vec<u32> = (0..hull.positions.len() as u32).collect();
     fn lead(leads: &mut [u32], mut of: u32) -> u32 {
         while leads[of as usize] != of {
@@ -495,13 +524,15 @@ fn remove_small_bodies(hull: &mut Hull) -> Option<String> {
             leads[one.max(other) as usize] = one.min(other);
         }
     }
-    let mut sizes: HashMap<u32, usize> = HashMap::new();
-    for [corner, ..] in &hull.triangles {
-        *sizes.entry(lead(&mut leads, *corner)).or_default() += 1;
+    let origin = Vector3::from(hull.positions.first().copied()?);
+    let mut bodies: BTreeMap<u32, Body> = BTreeMap::new();
+    for corners in &hull.triangles {
+        let body = bodies.entry(lead(&mut leads, corners[0])).or_default();
+        body.add(corners.map(|corner| Vector3::from(hull.positions[corner as usize]) - origin));
     }
-    let mut bodies: Vec<(u32, usize)> = sizes.into_iter().collect();
-    bodies.sort_by_key(|(lead, size)| (Reverse(*size), *lead));
-    let [(runner, size), others @ ..] = &bodies[..] else {
+    let mut bodies: Vec<(u32, Body)> = bodies.into_iter().collect();
+    bodies.sort_by(|(_, a), (_, b)| b.extension().total_cmp(&a.extension()));
+    let [(runner, Body { triangles, .. }), others @ ..] = &bodies[..] else {
         return None;
     };
     if others.is_empty() {
@@ -520,12 +551,13 @@ fn remove_small_bodies(hull: &mut Hull) -> Option<String> {
     }
     hull.positions = positions;
     const SHOWN: usize = 5;
-    let shown = others.iter().take(SHOWN).map(|(_, size)| size.to_string());
+    let shown = others.iter().take(SHOWN);
+    let shown = shown.map(|(_, body)| body.triangles.to_string());
     let shown = shown.collect::<Vec<_>>().join(", ");
     let more = if others.len() > SHOWN { ", ..." } else { "" };
     Some(format!(
-        "the file holds {} bodies apart: the largest ({size} triangles) is the runner, the others \
-         ({shown}{more}) take no part",
+        "the file holds {} bodies apart: the most extended one ({triangles} triangles) is taken as \
+         the runner, the others ({shown}{more}) take no part; to press another, export it alone",
         bodies.len()
     ))
 }
@@ -654,7 +686,7 @@ mod tests {
 
     /// Twice the triangles of an open hull, with a speck below it that is first in the file.
     #[test]
-    fn the_runner_is_the_largest_body_with_each_triangle_once() {
+    fn the_runner_is_the_most_extended_body_with_each_triangle_once() {
         let mut runner = tetrahedron(1.0);
         runner.triangles.pop();
         let corners = |at: f64| [0.0, 1e-3, 2e-3].map(|x| [x, 1e-3 * x, at]);
@@ -679,8 +711,36 @@ mod tests {
         };
         assert!(repeated.starts_with("3 triangles repeat"), "{repeated}");
         assert!(
-            bodies.contains("largest (3 triangles)") && bodies.contains("others (1)"),
+            bodies.contains("one (3 triangles)") && bodies.contains("others (1)"),
             "{bodies}"
         );
+    }
+
+    /// A holder of more triangles, above a runner that is turned.
+    #[test]
+    fn a_holder_of_more_triangles_is_not_taken_for_the_runner() {
+        let sheet = |[long, wide]: [f64; 2], count: i32, at: f64| {
+            let places = |half: f64| -> Vec<f64> {
+                (-count..=count)
+                    .map(|k| half * f64::from(k) / f64::from(count))
+                    .collect()
+            };
+            let (x, y) = (places(0.5 * long), places(0.5 * wide));
+            let heights = vec![at; x.len() * y.len()];
+            Hull::underside_of(&x, &y, &heights)
+        };
+        let runner = sheet([0.6, 0.01], 4, 0.0);
+        let mut both = sheet([0.1, 0.08], 20, 0.05);
+        let first = both.positions.len() as u32;
+        both.positions.extend(&runner.positions);
+        let corners = runner.triangles.iter();
+        both.triangles
+            .extend(corners.map(|t| t.map(|corner| corner + first)));
+        let turn: [[f64; 3]; 3] = Rotation3::from_euler_angles(0.4, 1.0, 2.0)
+            .into_inner()
+            .into();
+        let (found, report) = checked_runner(both.transformed(turn)).unwrap();
+        assert_eq!(found.triangles.len(), runner.triangles.len());
+        assert!(report.removed[0].contains("one (128 triangles) is taken as the runner"));
     }
 }

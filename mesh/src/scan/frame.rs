@@ -205,22 +205,27 @@ fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<([f64; 2],
     Some(([rocker_radius, section_radius], significant))
 }
 
-/// Radius of the section at the lowest vertex [m], from points nearby along the hull; the examined
-/// width decreases while the curvature is significant.
+/// Radius of the section at the lowest vertex [m], from points nearby along the hull. The examined
+/// width decreases while the curvature is significant and changes by more than its standard error:
+/// from there on a narrower section has no less bias, only more noise.
 fn section_radius(points: &[[f64; 3]], lowest: &[f64; 3]) -> Option<f64> {
     let off = |p: &[f64; 3]| (p[1] - lowest[1]).abs();
     let mut half = points.iter().map(off).fold(0.0, f64::max);
-    let mut found = None;
+    let mut found: Option<f64> = None;
     loop {
         // Excludes the walls and the other side of the hull.
         let own = |p: &&[f64; 3]| off(p) <= half && p[2] - lowest[2] < SHALLOW * half;
         let section: Vec<[f64; 3]> = points.iter().filter(own).copied().collect();
         let fitted = surface(&section, &[[0, 0], [0, 1], [0, 2], [1, 0], [2, 0]]);
-        let curved = |f: &Fitted| f.coefficients[2] >= SIGNIFICANT * f.errors[2];
-        let Some(fitted) = fitted.filter(curved) else {
-            return found;
+        let estimate = fitted.map(|f| (f.coefficients[2], f.errors[2]));
+        let differs = |c: f64, error: f64| found.is_none_or(|wider| (c - wider).abs() > error);
+        let narrower = estimate.filter(|&(c, error)| {
+            radius(c, MAX_RADII[1]).is_some() && c >= SIGNIFICANT * error && differs(c, error)
+        });
+        let Some((curvature, _)) = narrower else {
+            return found.and_then(|c| radius(c, MAX_RADII[1]));
         };
-        found = radius(fitted.coefficients[2], MAX_RADII[1]);
+        found = Some(curvature);
         half *= 0.7;
     }
 }
@@ -236,4 +241,41 @@ fn surface(points: &[[f64; 3]], powers: &[[i32; 2]]) -> Option<Fitted> {
 fn radius(c: f64, flattest: f64) -> Option<f64> {
     let radius = 0.5 / c;
     (c > 0.0 && radius < flattest).then_some(radius)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A scan over 0.5 m of an underside of these radii [m], with a flat of this height [m] worn
+    /// into its section, 2 m above its origin and in single precision.
+    fn far_scan(rocker: f64, section: f64, flat: f64) -> Hull {
+        let x: Vec<f64> = (-125..=125).map(|i| 2e-3 * f64::from(i)).collect();
+        let y: Vec<f64> = (-80..=80).map(|j| 5e-5 * f64::from(j)).collect();
+        let height = |x: f64, y: f64| {
+            let lowest = section - (section * section - y * y).sqrt();
+            x * x / (2.0 * rocker) + lowest.max(flat)
+        };
+        let heights = y.iter().flat_map(|&y| x.iter().map(move |&x| height(x, y)));
+        let single = heights.map(|z| f64::from((z + 2.0) as f32));
+        Hull::underside_of(&x, &y, &single.collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn single_precision_far_from_the_origin_leaves_the_radii() {
+        for rocker in [30.0, 300.0] {
+            let frame = ScanFrame::of(&far_scan(rocker, 5e-3, 0.0));
+            let frame = frame.expect("triangles").expect("a side");
+            let radii = [frame.rocker_radius / rocker, frame.section_radius / 5e-3];
+            assert!(radii.iter().all(|r| (r - 1.0).abs() < 0.01), "{radii:?}");
+        }
+    }
+
+    #[test]
+    fn a_runner_worn_flat_has_the_radius_around_the_flat() {
+        let frame = ScanFrame::of(&far_scan(30.0, 5e-3, 1e-6));
+        let frame = frame.expect("triangles").expect("a side");
+        let section = frame.section_radius / 5e-3;
+        assert!((section - 1.0).abs() < 0.2, "{section}");
+    }
 }

@@ -76,6 +76,16 @@ fn a_node_equals_press_at_that_load_track_speed_and_ice() {
         outside.contains("outside the table") && outside.contains("coefficient of friction"),
         "{outside}"
     );
+    // No solve states an error of the groove's depth.
+    let with_solver = outside
+        .lines()
+        .find(|line| line.starts_with("errors of interpolation and"));
+    assert!(with_solver.is_some_and(|line| !line.contains("depth of the groove")));
+    let without = |line: &str| {
+        let is_without = line.contains("none of the solver") || line.starts_with("no error");
+        is_without && line.contains("depth of the groove")
+    };
+    assert!(outside.lines().any(without), "{outside}");
     let output = bench.kufe(&[
         "lut",
         "query",

@@ -155,6 +155,49 @@ fn noise_is_measured_and_the_noise_that_would_do_does() {
     assert_eq!(quieter["loads"][2]["resolved"], true, "{quieter:#}");
 }
 
+/// A keel that is worn by 2 µm, so that its vertices leave the peak uncertain by 2 %, and one with a
+/// hole of 18 mm under the contact.
+#[test]
+fn a_check_says_of_a_worn_keel_and_of_a_hole_what_press_says() {
+    let bench = Bench::new();
+    let size = ["--length-m", "0.3", "--edge-length-m", "0.001"];
+    bench.succeeds(&[&["hull", "bob", "-o", "bob.obj"][..], &size].concat());
+    let obj = std::fs::read_to_string(bench.path("bob.obj")).expect("a hull");
+    let worn = |[x, y, z]: [f64; 3]| [x, y, z.max(x * x / 60.0 + 2e-6)];
+    bench.write("worn.obj", scanned(&obj, 0.0, worn));
+    let numbers = |line: &str| -> Vec<f64> {
+        let words = line.split_whitespace().skip(1);
+        words.filter_map(|word| word.parse().ok()).collect()
+    };
+    let vertices = obj.lines().filter(|line| line.starts_with("v "));
+    let vertices: Vec<Vec<f64>> = vertices.map(numbers).collect();
+    let is_in_hole = |corner: &f64| {
+        let vertex = &vertices[*corner as usize - 1];
+        vertex[0].abs() < 8.5e-3 && vertex[1].abs() < 5e-4 && vertex[2] < 1e-3
+    };
+    let kept = obj
+        .lines()
+        .filter(|line| !(line.starts_with("f ") && numbers(line).iter().any(is_in_hole)));
+    bench.write("hole.obj", kept.collect::<Vec<_>>().join("\n"));
+    let said = |name: &str, code: i32, expected: &str| {
+        let (hull, case) = (format!("{name}.obj"), format!("{name}.toml"));
+        let words = ["hull", "check", &hull, "--fz-n", "250", "-o", &case];
+        let printed = bench.succeeds(&words);
+        assert!(!printed.contains("fine enough"), "{printed}");
+        let pressed = bench.kufe(&["press", &case, "-o", name]);
+        assert_eq!(pressed.status.code(), Some(code), "{}", errors(&pressed));
+        assert!(errors(&pressed).contains(expected), "{}", errors(&pressed));
+        printed
+    };
+    said("worn", 4, "its vertices leave the peak uncertain");
+    let no_vertex = "no vertex of the hull lies in the contact";
+    let printed = said("hole", 0, no_vertex);
+    assert!(
+        printed.contains(&format!("250 N: {no_vertex}")),
+        "{printed}"
+    );
+}
+
 /// An open scan of a round section, 8 mm wide, turned by yaw 3, pitch 1 and roll 2 degrees: noise of
 /// 5 µm, vertices off their grid, and rims ragged by up to `depth` [m].
 fn ragged(seed: u64, depth: f64) -> String {

@@ -13,7 +13,9 @@ use crate::case::{Case, FittedHull, IceTable, LoadTable, RunnerTable, SlidingTab
 use crate::jobs::case_file::{LoadedCase, depth, patch};
 use crate::jobs::failure::Failure;
 use crate::jobs::press::check::Check;
-use crate::jobs::press::hull_error::{HullError, bootstrap_scans, noise_error, spacing_error};
+use crate::jobs::press::hull_error::{
+    HullError, bootstrap_scans, in_hole, noise_error, spacing_error,
+};
 use crate::jobs::slide::{SolvedSliding, solve_sliding};
 use crate::jobs::watch::Watch;
 use crate::plot::{percent, quantity};
@@ -295,7 +297,7 @@ pub fn press_prepared(
         by_vertices,
         coarse.map(|error| coarse_vertices(error, solution.approach)),
         scanned.and_then(|hull| at_rim(hull, &solution)),
-        scanned.and_then(|hull| in_hole(hull, &solution)),
+        scanned.and_then(|hull| in_hole(hull, patch(&solution.surface))),
         missed_scan.and_then(|hull| loaded.turned(hull)),
     ];
     let deep = sliding.as_ref().and_then(SolvedSliding::too_deep);
@@ -434,23 +436,6 @@ fn at_rim(hull: &FittedHull, solution: &Solution) -> Option<String> {
             "the contact reaches the rim of what was scanned ({}): its pressure there is that of the rim; scan farther, or correct yaw, pitch \
              and roll (`kufe hull check`)",
             reached.join("; ")
-        )
-    })
-}
-
-/// The warning that most of the contact lies where the hull has no vertices, as in a hole of a scan.
-fn in_hole(hull: &FittedHull, solution: &Solution) -> Option<String> {
-    let around = patch(&solution.surface);
-    let [x0, x1, y0, y1] = around;
-    let [from, to] = hull.underside.longest_gap(around);
-    (to - from > 0.5 * (x1 - x0)).then(|| {
-        format!(
-            "no vertex of the hull lies in the contact ({} x {}) from x = {} to {}: the surface there is interpolated, which no stated \
-             error includes where it is a hole of the scan",
-            quantity(x1 - x0, "m"),
-            quantity(y1 - y0, "m"),
-            quantity(from, "m"),
-            quantity(to, "m")
         )
     })
 }

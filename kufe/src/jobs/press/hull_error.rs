@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::case::FittedHull;
+use crate::plot::quantity;
 use kufe_contact::{BoundaryElements, CheckUnavailable, Problem, Runner};
 use kufe_contact::{boundary_elements, boundary_elements_to_compare};
 use kufe_mesh::{Noise, Underside};
@@ -97,21 +98,38 @@ pub(super) fn spacing_error(
     }
 }
 
-/// Relative error of the peak due to the noise in `scans` and the spacing of the vertices:
-/// [`noise_error`] and [`spacing_error`] added in quadrature, without a finite element solution.
-/// `None` where boundary elements do not apply.
-pub(crate) fn relative_peak_error(
+/// The contact on a hull by boundary elements, and the relative error of its peak due to the noise
+/// in `scans` and the spacing of the vertices: [`noise_error`] and [`spacing_error`] added in
+/// quadrature. `None` where boundary elements do not apply.
+pub(crate) fn contact_on_hull(
     problem: &Problem,
     hull: &FittedHull,
     scans: Option<&[Arc<dyn Underside>]>,
-) -> Option<f64> {
+) -> Option<(BoundaryElements, f64)> {
     let found = boundary_elements_to_compare(problem).ok()?;
     let by_spacing = spacing_error(problem, hull, found.patch, found.approach);
     let by_noise = match scans {
         Some(_) => noise_error(problem, || scans)?.p_max,
         None => 0.0,
     };
-    Some(by_spacing.p_max.hypot(by_noise))
+    Some((found, by_spacing.p_max.hypot(by_noise)))
+}
+
+/// The warning that most of the length of a contact `patch` `[x_min, x_max, y_min, y_max]` [m] has
+/// no vertices, as in a hole of a scan.
+pub(crate) fn in_hole(hull: &FittedHull, patch: [f64; 4]) -> Option<String> {
+    let [x0, x1, y0, y1] = patch;
+    let [from, to] = hull.underside.longest_gap(patch);
+    (to - from > 0.5 * (x1 - x0)).then(|| {
+        format!(
+            "no vertex of the hull lies in the contact ({} x {}) from x = {} to {}: the surface there is interpolated, which no stated \
+             error includes where it is a hole of the scan",
+            quantity(x1 - x0, "m"),
+            quantity(y1 - y0, "m"),
+            quantity(from, "m"),
+            quantity(to, "m")
+        )
+    })
 }
 
 /// The problem with a rigid runner, on ice whose compliance includes that of the steel.

@@ -53,17 +53,16 @@ struct Anchors {
 }
 
 impl Solver {
-    /// The solver of a table.
+    /// The solver of a table, of the case `loaded`.
     ///
     /// The tolerance is `accuracy.p_max` of the table file. Without that key it is the tolerance of
     /// the case, and at most half of the requested interpolation error, so that no nodes are added
     /// because of the solver's error.
     ///
     /// # Errors
-    /// [`Failure::BadInput`] if the case cannot be read or an axis does not apply to it.
-    pub fn new(spec: &TableSpec, watch: &Watch) -> Result<Solver, Failure> {
-        let loaded = LoadedCase::read(&spec.case)?;
-        let case = spec.case.display();
+    /// [`Failure::BadInput`] if the case's hull cannot be obtained or an axis does not apply to it.
+    pub fn new(spec: &TableSpec, loaded: LoadedCase, watch: &Watch) -> Result<Solver, Failure> {
+        let case = &loaded.name;
         let refused = |reason: String| Err(Failure::in_file(&spec.path, reason));
         if spec.plan.get(AxisKind::RockerRadius).is_some() && loaded.case.runner.shape.is_none() {
             return refused(format!(
