@@ -14,7 +14,8 @@ pub fn sentence(report: &Report, account: &Account, nothing: &str) -> String {
         format!("{} = {value} {} ({low} to {high})", p.name, p.unit)
     };
     let name = |step: &Step| {
-        let sizes: Vec<String> = step.parameters.iter().map(size).collect();
+        let sizes = step.parameters.iter().map(size);
+        let sizes: Vec<String> = step.contacts_in_words().into_iter().chain(sizes).collect();
         let class = match step.class.len() {
             0 | 1 => String::new(),
             _ => format!(", or one of {}", step.class[1..].join(", ")),

@@ -2,6 +2,8 @@
 //!
 //! [`Report`] is the whole document; [`Picture`]s are only on the page.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -128,9 +130,35 @@ pub struct Step {
     /// Places at which runs hit a wall, with the force of each run.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<ContactPlace>,
+    /// Forces over all of these contacts; absent without any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contact_forces: Option<ContactForces>,
     /// Evidence of each kind of data of a campaign alone.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub evidence: Vec<OfKind>,
+}
+
+impl Step {
+    /// Force, number and places of the contacts with walls, in words; `None` without contacts.
+    pub fn contacts_in_words(&self) -> Option<String> {
+        /// Largest number of places that are named.
+        const MAX_NAMED: usize = 5;
+        let forces = self.contact_forces.as_ref()?;
+        let mut places: Vec<&ContactPlace> = self.contacts.iter().collect();
+        places.sort_by_key(|place| std::cmp::Reverse(place.hit));
+        let named = places.iter().take(MAX_NAMED);
+        let mut named: Vec<String> = named.map(|place| place.in_words()).collect();
+        if places.len() > MAX_NAMED {
+            named.push(format!("{} more", places.len() - MAX_NAMED));
+        }
+        Some(format!(
+            "{} in {} of {} runs, at {}",
+            forces.in_words(),
+            forces.hit,
+            forces.runs,
+            named.join(", ")
+        ))
+    }
 }
 
 /// Evidence of one kind of data of a campaign.
@@ -172,6 +200,72 @@ pub struct ContactPlace {
     pub drivers: Vec<DriverContacts>,
     /// The runs that hit, the held-out ones last.
     pub contacts: Vec<RunContact>,
+}
+
+impl ContactPlace {
+    /// Track, place and number of runs that hit.
+    fn in_words(&self) -> String {
+        let [from, to, hit] = [self.from_m.round(), self.to_m.round(), self.hit as f64];
+        let plural = if self.hit == 1 { "" } else { "s" };
+        format!("{} {from}-{to} m ({hit} run{plural})", self.track)
+            .trim_start()
+            .to_owned()
+    }
+}
+
+/// Number and magnitude of the forces of contacts with walls.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct ContactForces {
+    /// Number of contacts.
+    pub contacts: usize,
+    /// Number of runs that hit at least once.
+    pub hit: usize,
+    /// Number of runs on the tracks with these contacts.
+    pub runs: usize,
+    /// Median of the peak forces \[N\].
+    pub median_n: f64,
+    /// Smallest peak force \[N\].
+    pub min_n: f64,
+    /// Largest peak force \[N\].
+    pub max_n: f64,
+}
+
+impl ContactForces {
+    /// The forces of all contacts at these places; `None` without contacts.
+    pub fn of(places: &[ContactPlace]) -> Option<Self> {
+        let contacts = places.iter().flat_map(|place| &place.contacts);
+        let hit: BTreeSet<&str> = contacts.clone().map(|one| one.run.as_str()).collect();
+        let tracks = places
+            .iter()
+            .map(|place| (place.track.as_str(), place.runs));
+        let tracks: BTreeMap<&str, usize> = tracks.collect();
+        let mut forces: Vec<f64> = contacts.map(|one| one.force_n.abs()).collect();
+        forces.sort_by(f64::total_cmp);
+        let (half, last) = (forces.len() / 2, forces.len().checked_sub(1)?);
+        Some(Self {
+            contacts: forces.len(),
+            hit: hit.len(),
+            runs: tracks.values().sum(),
+            median_n: 0.5 * (forces[half] + forces[last - half]),
+            min_n: forces[0],
+            max_n: forces[last],
+        })
+    }
+
+    /// Median and range.
+    fn in_words(&self) -> String {
+        let Self {
+            contacts,
+            median_n,
+            min_n,
+            max_n,
+            ..
+        } = self;
+        if *contacts == 1 {
+            return format!("{median_n:.0} N");
+        }
+        format!("{median_n:.0} N (median of {contacts} contacts, {min_n:.0} to {max_n:.0} N)")
+    }
 }
 
 /// Contacts of one driver at a place.
@@ -610,4 +704,50 @@ pub struct Curve {
     pub x: Vec<f64>,
     /// Ordinates.
     pub y: Vec<f64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn place(track: &str, from_m: f64, forces: &[(&str, f64)]) -> ContactPlace {
+        let contact = |(run, force_n): &(&str, f64)| RunContact {
+            run: (*run).to_owned(),
+            driver: String::new(),
+            from_m,
+            to_m: from_m + 10.0,
+            force_n: *force_n,
+            error_n: 10.0,
+        };
+        ContactPlace {
+            track: track.to_owned(),
+            from_m,
+            to_m: from_m + 10.2,
+            force_n: 0.0,
+            spread_n: 0.0,
+            runs: 4,
+            hit: forces.len(),
+            drivers: Vec::new(),
+            contacts: forces.iter().map(contact).collect(),
+        }
+    }
+
+    #[test]
+    fn contacts_state_force_place_and_share_of_the_runs() {
+        let mut step = Step {
+            contacts: vec![
+                place("east", 20.0, &[("a", -900.0)]),
+                place("east", 60.0, &[("a", 500.0), ("b", 700.0)]),
+                place("west", 10.0, &[("c", 400.0)]),
+            ],
+            ..Step::default()
+        };
+        assert_eq!(step.contacts_in_words(), None);
+        step.contact_forces = ContactForces::of(&step.contacts);
+        assert_eq!(
+            step.contacts_in_words().unwrap(),
+            "600 N (median of 4 contacts, 400 to 900 N) in 3 of 8 runs, at east 60-70 m (2 runs), east 20-30 m (1 run), west 10-20 m (1 run)"
+        );
+        assert_eq!(ContactForces::of(&[place("east", 20.0, &[])]), None);
+    }
 }

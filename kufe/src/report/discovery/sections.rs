@@ -8,7 +8,8 @@ use crate::report::discovery::pictures;
 use crate::report::html::small;
 use crate::report::viewer::{ViewedPart, viewer_links};
 use crate::results::finding::{
-    Bin, ByRun, Detectable, Fitted, NextRuns, OfKind, Report, Rival, Step,
+    Bin, ByRun, ContactForces, ContactPlace, Detectable, Fitted, NextRuns, OfKind, Report, Rival,
+    Step,
 };
 
 /// Largest number of bins of a table.
@@ -39,8 +40,35 @@ pub fn step(number: usize, step: &Step, report: &Report) -> String {
     }
     out += &evidence(&step.evidence);
     out += &folded("Its size, with the interval", parameters(&step.parameters));
+    out += &folded("Contacts by place", contacts(&step.contacts));
     let title = format!("Why {} and not its rivals", step.effect);
     out + &folded(&title, rivals(&step.rivals))
+}
+
+/// A table of the places at which runs hit a wall.
+fn contacts(places: &[ContactPlace]) -> String {
+    let row = |place: &ContactPlace| {
+        let force = |force: fn(&ContactForces) -> f64| {
+            let forces = ContactForces::of(std::slice::from_ref(place));
+            forces.map_or(String::new(), |one| format!("{:.0}", force(&one)))
+        };
+        let hit = place.drivers.iter().filter(|driver| driver.hit > 0);
+        let drivers = hit.map(|one| format!("{} {} of {}", one.driver, one.hit, one.runs));
+        [
+            place.track.clone(),
+            format!("{:.0} to {:.0}", place.from_m, place.to_m),
+            if place.force_n > 0.0 { "left" } else { "right" }.to_owned(),
+            format!("{} of {}", place.hit, place.runs),
+            force(|one| one.median_n),
+            force(|one| one.min_n),
+            force(|one| one.max_n),
+            drivers.collect::<Vec<_>>().join(", "),
+        ]
+    };
+    let head = "<p>The peak force of each contact follows from the side balance of its own run. The lever follows from how the sled then turns.</p>\n";
+    let columns = "track|#s [m]|pushed to the|#runs|#median force [N]|#smallest|#largest|drivers";
+    let rows = places.iter().map(|place| (false, row(place)));
+    headed_table(head, columns, rows)
 }
 
 /// Reduction of the misfit on the fitted data. For a single effect it is that of the bars, from the

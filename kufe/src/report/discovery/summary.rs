@@ -125,6 +125,8 @@ fn effect(step: &Step) -> String {
         "",
     );
     add(": ", &step.summary, "");
+    let contacts = step.contacts_in_words().unwrap_or_default();
+    add("<br>", &contacts, "");
     let sizes: Vec<String> = step.parameters.iter().map(size).collect();
     add("<br>", &sizes.join("; "), "");
     for parameter in &step.parameters {
@@ -133,8 +135,9 @@ fn effect(step: &Step) -> String {
             add("<br><small>", &text, "</small>");
         }
     }
-    add("<br>", &contacts(step).unwrap_or_default(), "");
-    add("<br><small>where: ", &places(&step.place), "</small>");
+    if contacts.is_empty() {
+        add("<br><small>where: ", &places(&step.place), "</small>");
+    }
     text
 }
 
@@ -159,19 +162,6 @@ fn places(text: &str) -> String {
         _ => format!("track {name} at {} m", at.join(", ")),
     });
     texts.collect::<Vec<_>>().join("; ")
-}
-
-/// Numbers of contacts and places, and the range of forces, of an effect that varies between runs.
-fn contacts(step: &Step) -> Option<String> {
-    let contacts = step.contacts.iter().flat_map(|place| &place.contacts);
-    let forces: Vec<f64> = contacts.map(|one| one.force_n.abs()).collect();
-    let min = forces.iter().copied().reduce(f64::min)?;
-    let max = forces.iter().copied().fold(min, f64::max);
-    Some(format!(
-        "{} contacts at {} places, {min:.0} to {max:.0} N: each by the side force of its own run, judged by runs that hit the same places and by how the sled then turns and brakes",
-        forces.len(),
-        step.contacts.len(),
-    ))
 }
 
 /// A figure and its description.
