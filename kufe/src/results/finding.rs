@@ -11,6 +11,7 @@ use serde::Serialize;
 pub use kufe_sled::friction::Estimate as Interval;
 
 use crate::case::effects::Map;
+use crate::plot::Scale;
 
 /// Outcome of a search in one word.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
@@ -59,6 +60,56 @@ pub struct Tolerated {
     pub size: f64,
     /// Unit of the size.
     pub unit: String,
+}
+
+/// A significant zero offset of a sensor in the runs of one session.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct SessionOffset {
+    /// Column of the sensor.
+    pub sensor: String,
+    /// Session.
+    pub session: String,
+    /// Estimate.
+    pub value: f64,
+    /// Its standard error.
+    pub error: f64,
+    /// Unit.
+    pub unit: String,
+    /// Stated standard deviation of the offset, `tolerances.session_offset_rad`.
+    pub tolerance: f64,
+}
+
+impl SessionOffset {
+    /// The offsets of each sensor.
+    pub fn by_sensor(offsets: &[Self]) -> Vec<Vec<&Self>> {
+        let sensors: BTreeSet<&str> = offsets.iter().map(|one| one.sensor.as_str()).collect();
+        let of = |sensor: &str| offsets.iter().filter(|one| one.sensor == sensor).collect();
+        sensors.into_iter().map(of).collect()
+    }
+
+    /// Range over sessions and standard error of the offsets of one sensor; there is at least one.
+    pub fn in_words(offsets: &[&Self]) -> String {
+        let first = offsets[0];
+        let values = || offsets.iter().map(|one| one.value);
+        let [min, max] = [
+            values().fold(f64::INFINITY, f64::min),
+            values().fold(f64::NEG_INFINITY, f64::max),
+        ];
+        let error = offsets.iter().map(|one| one.error).fold(0.0, f64::max);
+        let scale = Scale::of_all(&first.unit, [min, max]);
+        let [low, high, error] =
+            [min, max, error].map(|value| format!("{:.2}", scale.times * value));
+        let range = if offsets.len() == 1 {
+            format!("{low} {} in session {}", scale.unit, first.session)
+        } else {
+            let count = offsets.len();
+            format!("{low} to {high} {} in {count} sessions", scale.unit)
+        };
+        format!(
+            "zero offset of {}: {range}, standard error {error} {}",
+            first.sensor, scale.unit
+        )
+    }
 }
 
 /// A rival effect: another explanation of the misfit, with the evidence for and against it.
@@ -482,6 +533,9 @@ pub struct Report {
     pub remaining: Vec<Remaining>,
     /// Installation errors within their tolerances, which are accounted for and are no findings.
     pub within_tolerance: Vec<Tolerated>,
+    /// Significant zero offsets of sensors by session, which are accounted for and are no findings.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub session_offsets: Vec<SessionOffset>,
     /// The effects that were found, in the order of the search.
     pub steps: Vec<Step>,
     /// Residuals of the held-out data.
@@ -749,5 +803,34 @@ mod tests {
             "600 N (median of 4 contacts, 400 to 900 N) in 3 of 8 runs, at east 60-70 m (2 runs), east 20-30 m (1 run), west 10-20 m (1 run)"
         );
         assert_eq!(ContactForces::of(&[place("east", 20.0, &[])]), None);
+    }
+
+    #[test]
+    fn offsets_of_a_sensor_are_one_line() {
+        let offset = |sensor: &str, session: &str, value: f64| SessionOffset {
+            sensor: sensor.to_owned(),
+            session: session.to_owned(),
+            value,
+            error: 6.25e-5,
+            unit: "rad".to_owned(),
+            tolerance: 1e-3,
+        };
+        let offsets = [
+            offset("delta_rad", "d1", 3e-4),
+            offset("alpha_rad", "d1", -2e-3),
+            offset("alpha_rad", "d2", 1.25e-3),
+        ];
+        let lines = SessionOffset::by_sensor(&offsets);
+        let lines: Vec<String> = lines
+            .iter()
+            .map(|one| SessionOffset::in_words(one))
+            .collect();
+        assert_eq!(
+            lines,
+            [
+                "zero offset of alpha_rad: -2.00 to 1.25 mrad in 2 sessions, standard error 0.06 mrad",
+                "zero offset of delta_rad: 300.00 µrad in session d1, standard error 62.50 µrad"
+            ]
+        );
     }
 }

@@ -8,7 +8,7 @@ use crate::report::discovery::sections::{bins, detectable, next_runs, parameters
 use crate::report::discovery::summary::{summary, tested};
 use crate::report::html::{fold, plain_page, small};
 use crate::report::viewer::{Stretch, ViewedPart, viewer_links};
-use crate::results::finding::{Picture, Plot, Report, Strip};
+use crate::results::finding::{Picture, Plot, Report, SessionOffset, Strip};
 
 /// The page of a search for missing effects: one HTML file without scripts. `viewer` is the address
 /// of the page of the runs, if it exists.
@@ -142,7 +142,10 @@ fn details(report: &Report, viewer: Option<&str>) -> String {
     let tolerated = report.within_tolerance.iter();
     let tolerated =
         tolerated.map(|part| format!("{}: {}", part.what, quantity(part.size, &part.unit)));
-    out += &list("Within the tolerance of the installation", tolerated);
+    let offsets = SessionOffset::by_sensor(&report.session_offsets);
+    let offsets = offsets.iter().map(|one| SessionOffset::in_words(one));
+    let title = "Installation errors that were corrected for";
+    out += &list(title, tolerated.chain(offsets));
     let distinguished = detectable(&report.minimum_detectable);
     out += &folded("What these data could distinguish", distinguished);
     let untestable = report.untestable.iter();

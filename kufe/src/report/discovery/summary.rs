@@ -4,7 +4,9 @@
 use crate::plot::{escape, quantity};
 use crate::report::discovery::parts::{alike, meaning, p_is, size};
 use crate::report::html::tiles;
-use crate::results::finding::{ChannelGap, HeldOut, ModelKind, Report, Step, Verdict};
+use crate::results::finding::{
+    ChannelGap, HeldOut, ModelKind, Report, SessionOffset, Step, Verdict,
+};
 
 /// The effects that were fitted and tested; a quick search only selects one.
 pub fn tested(report: &Report) -> &[Step] {
@@ -66,6 +68,12 @@ fn notes(report: &Report) -> Vec<(&'static str, String)> {
     let friction: Vec<String> = friction.map(size).collect();
     if !friction.is_empty() && report.written != ModelKind::AsGiven {
         notes.push(("Base in the next model", friction.join(", ")));
+    }
+    for offsets in SessionOffset::by_sensor(&report.session_offsets) {
+        if offsets.iter().any(|one| one.value.abs() > one.tolerance) {
+            let text = format!("{}; corrected for.", SessionOffset::in_words(&offsets));
+            notes.push(("Sensor mounted anew", text));
+        }
     }
     for parameter in &report.implausible {
         let text = format!(
