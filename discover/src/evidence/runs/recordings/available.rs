@@ -17,9 +17,8 @@ pub fn available(
     let recorded = |name: &str| runs.iter().all(|run| run.columns.contains_key(name));
     let varies = |name: &str| {
         let columns = training.iter().filter_map(|piece| piece.column(name));
-        let first = training.first().and_then(|piece| piece.column(name));
-        let first = first.and_then(|column| column.iter().find(|x| x.is_finite()));
         let mut values = columns.flatten().filter(|x| x.is_finite());
+        let first = values.next();
         values.any(|x| Some(x) != first)
     };
     let mut list = vec![Column::Time];
