@@ -366,6 +366,16 @@ pub struct HeldOut {
     pub channels: Vec<ChannelGap>,
 }
 
+impl HeldOut {
+    /// Number and kind of the held-out items.
+    pub fn in_words(&self) -> String {
+        match self.runs.len() {
+            1 => format!("one held-out {}", self.what),
+            count => format!("{count} held-out {}s", self.what),
+        }
+    }
+}
+
 /// Root mean square residual of one channel.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct ChannelGap {
@@ -400,6 +410,19 @@ pub struct Remaining {
     /// Places with most of the repeatable residual.
     #[serde(rename = "where")]
     pub places: Vec<String>,
+}
+
+impl Remaining {
+    /// Share of the repeatable mean square that the effects explain; `None` if its interval is 0 to
+    /// 1, which states nothing.
+    pub fn explained(&self) -> Option<Interval> {
+        let Interval { value, low, high } = self.share;
+        (high < 1.0 || low > 0.0).then_some(Interval {
+            value: 1.0 - value,
+            low: 1.0 - high,
+            high: 1.0 - low,
+        })
+    }
 }
 
 /// A model that may be written to `model.next.toml`.
