@@ -83,6 +83,7 @@ fn add_report(all: &mut Report, mut report: Report, name: &str, several: bool) {
     all.untestable.extend(untestable);
     all.training.extend(report.training);
     all.within_tolerance.extend(report.within_tolerance);
+    all.session_offsets.extend(report.session_offsets);
     all.base.extend(report.base);
     all.remaining.extend(report.remaining);
     all.implausible.extend(report.implausible);

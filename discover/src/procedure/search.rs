@@ -1,5 +1,7 @@
 //! The search: fit, screen, select, add, refit, screen again; at the end, once, the held-out data.
 
+use std::collections::HashSet;
+
 use kufe::plot::number4;
 
 use crate::error::Result;
@@ -91,7 +93,7 @@ pub fn search_evidence<E: Evidence>(
         report: Report {
             sentence,
             steps: account.steps,
-            remarks: account.remarks.into_iter().chain(depends).collect(),
+            remarks: distinct(account.remarks.into_iter().chain(depends)),
             ..report
         },
         next_model: Some(described.next_model),
@@ -222,12 +224,18 @@ fn quick_search<E: Evidence>(
             report.sentence = sentence(&report, &account, &described.nothing);
         }
     }
-    report.remarks = account.remarks;
+    report.remarks = distinct(account.remarks.into_iter());
     Ok(Found {
         report,
         next_model: None,
         next_case: None,
     })
+}
+
+/// Remarks without repetitions: every screen may add the same one.
+fn distinct(remarks: impl Iterator<Item = String>) -> Vec<String> {
+    let mut known = HashSet::new();
+    remarks.filter(|text| known.insert(text.clone())).collect()
 }
 
 /// The report's entry of a selected effect; its closed share follows from the held-out data.

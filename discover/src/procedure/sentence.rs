@@ -14,10 +14,11 @@ pub fn sentence(report: &Report, account: &Account, nothing: &str) -> String {
         format!("{} = {value} {} ({low} to {high})", p.name, p.unit)
     };
     let name = |step: &Step| {
-        let sizes: Vec<String> = step.parameters.iter().map(size).collect();
+        let sizes = step.parameters.iter().map(size);
+        let sizes: Vec<String> = step.contacts_in_words().into_iter().chain(sizes).collect();
         let class = match step.class.len() {
             0 | 1 => String::new(),
-            _ => format!(", or one of {}", step.class[1..].join(", ")),
+            _ => format!(" (or instead {})", step.class[1..].join(", ")),
         };
         let law = match &step.law {
             Some(law) if step.summary.is_empty() => format!(", {law}"),
@@ -27,7 +28,7 @@ pub fn sentence(report: &Report, account: &Account, nothing: &str) -> String {
         format!("{} [{}{law}]{class}", step.effect, sizes.join("; "))
     };
     let names: Vec<String> = steps.iter().map(name).collect();
-    let names = names.join(", then ");
+    let names = names.join("; and ");
     let misfit = misfit(steps, report);
     let more = if report.adequate {
         ""
@@ -39,16 +40,16 @@ pub fn sentence(report: &Report, account: &Account, nothing: &str) -> String {
         Verdict::Law => format!("Outside the catalogue: {names}{more}.{misfit}"),
         Verdict::Named => format!("Missing from the model: {names}{more}.{misfit}"),
         Verdict::OneOf => format!(
-            "Missing from the model: {names}{more}. These data cannot distinguish the members of a class; this would: {next}.{misfit}"
+            "Missing from the model: {names}{more}. These data do not distinguish an effect from those in its parentheses. To measure: {next}.{misfit}"
         ),
         Verdict::DependsOn => {
             let depends = account.depends.iter().map(|one| one.assumption.as_str());
             format!("{names}; {}.{misfit}", depends.collect::<Vec<_>>().join("; "))
         }
         Verdict::Located => "The residual is significant at the places listed, and no effect of the catalogue explains it.".to_owned(),
-        Verdict::Inadequate => "Part of the misfit repeats from run to run; neither the model nor an effect of the catalogue explains it.".to_owned(),
+        Verdict::Inadequate => "Part of the misfit repeats from run to run, and no effect of the catalogue explains it.".to_owned(),
         Verdict::None if !nothing.is_empty() => nothing.to_owned(),
-        Verdict::None => "Nothing found: no effect is significant given chance and the noise of the inputs.".to_owned(),
+        Verdict::None => "No effect is significant: noise and installation errors explain the residual.".to_owned(),
         Verdict::NotIdentifiable => {
             let why = account.unexplained.as_deref().unwrap_or_default();
             format!("Model and data differ, but these data do not identify the cause: {why}.")
@@ -59,11 +60,10 @@ pub fn sentence(report: &Report, account: &Account, nothing: &str) -> String {
 /// The misfit on held-out data by each of the compared models.
 fn misfit(steps: &[Step], report: &Report) -> String {
     let held_out = &report.held_out;
-    let data = match held_out.runs.len() {
-        0 => return String::new(),
-        1 => format!("one {}", held_out.what),
-        count => format!("{count} {}s", held_out.what),
-    };
+    if held_out.runs.is_empty() {
+        return String::new();
+    }
+    let data = held_out.in_words();
     let of_step = steps.first().and_then(|step| {
         let mut baselines = report.baselines.iter();
         let one = baselines.find(|b| b.quantity == step.channel)?;
@@ -74,14 +74,14 @@ fn misfit(steps: &[Step], report: &Report) -> String {
             let [given, refitted, with_effect] =
                 [one.as_given, refitted, with_effect].map(|rms| quantity(rms, &one.unit));
             format!(
-                " On held-out {data} the misfit ({}) is {given} as given, {refitted} with the base refitted and {with_effect} with the effect.",
+                " On {data} the rms {} residual is {given} with the model as given, {refitted} with friction and grip refitted and {with_effect} with the effect.",
                 one.quantity
             )
         }
         None => {
             let [before, after] = [held_out.gap_before, held_out.gap_after];
             let [before, after] = [before, after].map(|rms| quantity(rms, &held_out.unit));
-            format!(" On held-out {data} the misfit went from {before} to {after}.")
+            format!(" On {data} the rms residual goes from {before} to {after}.")
         }
     }
 }
@@ -98,36 +98,32 @@ pub fn adequacy(steps: &[Step], remaining: &[Remaining]) -> String {
     };
     let of_step = steps.first().and_then(|step| {
         let own = remaining.iter().find(|r| r.channel == step.channel)?;
-        let explained = Interval {
-            value: 1.0 - own.share.value,
-            low: 1.0 - own.share.high,
-            high: 1.0 - own.share.low,
-        };
-        // An interval from 0 to 1 states nothing.
-        (explained.low > 0.0 || explained.high < 1.0).then(|| {
-            format!(
-                "The answer explains {} of the {} misfit that repeats from run to run. ",
-                share(&explained),
-                own.channel
-            )
-        })
+        let explained = own.explained()?;
+        Some(format!(
+            "The effects found explain {} of the mean square {} residual that repeats from run to run. ",
+            share(&explained),
+            own.channel
+        ))
     });
-    let rest = if worst.is_small {
-        format!(
-            "At most {} of the mean square misfit of a channel ({}) still repeats.",
-            share(&worst.of_misfit),
-            worst.channel
-        )
+    let mut rest = format!(
+        "{} of the mean square {} residual still repeats, more than of any other channel",
+        share(&worst.of_misfit),
+        worst.channel
+    );
+    if !worst.is_small || worst.of_misfit.value > LARGE && !worst.places.is_empty() {
+        rest += &format!(", most at {}", worst.places.join("; "));
+    }
+    rest += if worst.is_small {
+        "."
     } else {
-        format!(
-            "{} of the mean square {} misfit still repeats from run to run, most at {}: an effect that is not identified is missing from the model.",
-            share(&worst.of_misfit),
-            worst.channel,
-            worst.places.join("; ")
-        )
+        ". An effect that is not identified is missing from the model."
     };
     of_step.unwrap_or_default() + &rest
 }
+
+/// Repeating share of the mean square from which the sentence names the places, even if the share
+/// may be small by its interval.
+const LARGE: f64 = 0.1;
 
 #[cfg(test)]
 mod tests {
@@ -158,13 +154,13 @@ mod tests {
         );
         assert_eq!(
             small,
-            "At most 6 % (1 to 11 %) of the mean square misfit of a channel (side) still repeats."
+            "6 % (1 to 11 %) of the mean square side residual still repeats, more than of any other channel."
         );
         let large = adequacy(
             &[],
             &[remaining("side", 1.0, 0.06), remaining("yaw", 1.0, 0.8)],
         );
-        assert!(large.starts_with("80 % (75 to 85 %) of the mean square yaw misfit"));
+        assert!(large.starts_with("80 % (75 to 85 %) of the mean square yaw residual"));
         assert!(large.contains("track a, s 100 to 120 m"));
         assert!(adequacy(&[], &[]).is_empty());
     }

@@ -99,16 +99,14 @@ fn planned(plans: &[NextRuns]) -> Option<String> {
     let ([a, b], tried) = (&best.between, plans.len());
     let (runs, track, change) = (best.runs, &best.track, &best.change);
     Some(if best.expected_evidence < NOTHING {
-        format!(
-            "no runs distinguish {a} from {b}: their simulations agree in all {tried} plans tried"
-        )
+        format!("no runs, since {a} and {b} agree in all {tried} simulated plans")
     } else if best.splits {
         format!(
             "{runs} runs on {track}, {change}, would distinguish {a} from {b}: the best of {tried} simulated plans"
         )
     } else {
         format!(
-            "none of {tried} simulated plans, of {runs} runs each, distinguishes {a} from {b}; runs on {track}, {change}, come nearest"
+            "{runs} runs on {track}, {change}: the best of {tried} simulated plans, but not enough to distinguish {a} from {b}"
         )
     })
 }

@@ -65,6 +65,8 @@ impl Scale {
         let known = known.map_or(&[][..], |(_, shown)| shown);
         let fits = |times: f64| match largest.abs() {
             0.0 => times == 1.0,
+            // Drag areas are in m².
+            largest if unit == "m2" => times > 1.0 || largest >= 0.01,
             // 1 kN less a rounding error is displayed in kN too.
             largest => largest * times >= 1.0 - 1e-4,
         };
@@ -221,6 +223,7 @@ mod tests {
             (-0.0, "m", "0 m"),
             (999.99, "N", "1.000 kN"),
             (1.064e-5, "m2", "10.64 mm²"),
+            (0.0822, "m2", "0.08220 m²"),
             (-6.0, "deg C", "-6 °C"),
             (0.0042, THOUSANDTHS, "4.200 · 10⁻³"),
             (0.0, THOUSANDTHS, "0"),

@@ -2,6 +2,8 @@
 //!
 //! [`Report`] is the whole document; [`Picture`]s are only on the page.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -9,6 +11,7 @@ use serde::Serialize;
 pub use kufe_sled::friction::Estimate as Interval;
 
 use crate::case::effects::Map;
+use crate::plot::Scale;
 
 /// Outcome of a search in one word.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
@@ -57,6 +60,56 @@ pub struct Tolerated {
     pub size: f64,
     /// Unit of the size.
     pub unit: String,
+}
+
+/// A significant zero offset of a sensor in the runs of one session.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct SessionOffset {
+    /// Column of the sensor.
+    pub sensor: String,
+    /// Session.
+    pub session: String,
+    /// Estimate.
+    pub value: f64,
+    /// Its standard error.
+    pub error: f64,
+    /// Unit.
+    pub unit: String,
+    /// Stated standard deviation of the offset, `tolerances.session_offset_rad`.
+    pub tolerance: f64,
+}
+
+impl SessionOffset {
+    /// The offsets of each sensor.
+    pub fn by_sensor(offsets: &[Self]) -> Vec<Vec<&Self>> {
+        let sensors: BTreeSet<&str> = offsets.iter().map(|one| one.sensor.as_str()).collect();
+        let of = |sensor: &str| offsets.iter().filter(|one| one.sensor == sensor).collect();
+        sensors.into_iter().map(of).collect()
+    }
+
+    /// Range over sessions and standard error of the offsets of one sensor; there is at least one.
+    pub fn in_words(offsets: &[&Self]) -> String {
+        let first = offsets[0];
+        let values = || offsets.iter().map(|one| one.value);
+        let [min, max] = [
+            values().fold(f64::INFINITY, f64::min),
+            values().fold(f64::NEG_INFINITY, f64::max),
+        ];
+        let error = offsets.iter().map(|one| one.error).fold(0.0, f64::max);
+        let scale = Scale::of_all(&first.unit, [min, max]);
+        let [low, high, error] =
+            [min, max, error].map(|value| format!("{:.2}", scale.times * value));
+        let range = if offsets.len() == 1 {
+            format!("{low} {} in session {}", scale.unit, first.session)
+        } else {
+            let count = offsets.len();
+            format!("{low} to {high} {} in {count} sessions", scale.unit)
+        };
+        format!(
+            "zero offset of {}: {range}, standard error {error} {}",
+            first.sensor, scale.unit
+        )
+    }
 }
 
 /// A rival effect: another explanation of the misfit, with the evidence for and against it.
@@ -128,9 +181,35 @@ pub struct Step {
     /// Places at which runs hit a wall, with the force of each run.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<ContactPlace>,
+    /// Forces over all of these contacts; absent without any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contact_forces: Option<ContactForces>,
     /// Evidence of each kind of data of a campaign alone.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub evidence: Vec<OfKind>,
+}
+
+impl Step {
+    /// Force, number and places of the contacts with walls, in words; `None` without contacts.
+    pub fn contacts_in_words(&self) -> Option<String> {
+        /// Largest number of places that are named.
+        const MAX_NAMED: usize = 5;
+        let forces = self.contact_forces.as_ref()?;
+        let mut places: Vec<&ContactPlace> = self.contacts.iter().collect();
+        places.sort_by_key(|place| std::cmp::Reverse(place.hit));
+        let named = places.iter().take(MAX_NAMED);
+        let mut named: Vec<String> = named.map(|place| place.in_words()).collect();
+        if places.len() > MAX_NAMED {
+            named.push(format!("{} more", places.len() - MAX_NAMED));
+        }
+        Some(format!(
+            "{} in {} of {} runs, at {}",
+            forces.in_words(),
+            forces.hit,
+            forces.runs,
+            named.join(", ")
+        ))
+    }
 }
 
 /// Evidence of one kind of data of a campaign.
@@ -172,6 +251,72 @@ pub struct ContactPlace {
     pub drivers: Vec<DriverContacts>,
     /// The runs that hit, the held-out ones last.
     pub contacts: Vec<RunContact>,
+}
+
+impl ContactPlace {
+    /// Track, place and number of runs that hit.
+    fn in_words(&self) -> String {
+        let [from, to, hit] = [self.from_m.round(), self.to_m.round(), self.hit as f64];
+        let plural = if self.hit == 1 { "" } else { "s" };
+        format!("{} {from}-{to} m ({hit} run{plural})", self.track)
+            .trim_start()
+            .to_owned()
+    }
+}
+
+/// Number and magnitude of the forces of contacts with walls.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct ContactForces {
+    /// Number of contacts.
+    pub contacts: usize,
+    /// Number of runs that hit at least once.
+    pub hit: usize,
+    /// Number of runs on the tracks with these contacts.
+    pub runs: usize,
+    /// Median of the peak forces \[N\].
+    pub median_n: f64,
+    /// Smallest peak force \[N\].
+    pub min_n: f64,
+    /// Largest peak force \[N\].
+    pub max_n: f64,
+}
+
+impl ContactForces {
+    /// The forces of all contacts at these places; `None` without contacts.
+    pub fn of(places: &[ContactPlace]) -> Option<Self> {
+        let contacts = places.iter().flat_map(|place| &place.contacts);
+        let hit: BTreeSet<&str> = contacts.clone().map(|one| one.run.as_str()).collect();
+        let tracks = places
+            .iter()
+            .map(|place| (place.track.as_str(), place.runs));
+        let tracks: BTreeMap<&str, usize> = tracks.collect();
+        let mut forces: Vec<f64> = contacts.map(|one| one.force_n.abs()).collect();
+        forces.sort_by(f64::total_cmp);
+        let (half, last) = (forces.len() / 2, forces.len().checked_sub(1)?);
+        Some(Self {
+            contacts: forces.len(),
+            hit: hit.len(),
+            runs: tracks.values().sum(),
+            median_n: 0.5 * (forces[half] + forces[last - half]),
+            min_n: forces[0],
+            max_n: forces[last],
+        })
+    }
+
+    /// Median and range.
+    fn in_words(&self) -> String {
+        let Self {
+            contacts,
+            median_n,
+            min_n,
+            max_n,
+            ..
+        } = self;
+        if *contacts == 1 {
+            return format!("{median_n:.0} N");
+        }
+        format!("{median_n:.0} N (median of {contacts} contacts, {min_n:.0} to {max_n:.0} N)")
+    }
 }
 
 /// Contacts of one driver at a place.
@@ -221,6 +366,16 @@ pub struct HeldOut {
     pub channels: Vec<ChannelGap>,
 }
 
+impl HeldOut {
+    /// Number and kind of the held-out items.
+    pub fn in_words(&self) -> String {
+        match self.runs.len() {
+            1 => format!("one held-out {}", self.what),
+            count => format!("{count} held-out {}s", self.what),
+        }
+    }
+}
+
 /// Root mean square residual of one channel.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct ChannelGap {
@@ -255,6 +410,19 @@ pub struct Remaining {
     /// Places with most of the repeatable residual.
     #[serde(rename = "where")]
     pub places: Vec<String>,
+}
+
+impl Remaining {
+    /// Share of the repeatable mean square that the effects explain; `None` if its interval is 0 to
+    /// 1, which states nothing.
+    pub fn explained(&self) -> Option<Interval> {
+        let Interval { value, low, high } = self.share;
+        (high < 1.0 || low > 0.0).then_some(Interval {
+            value: 1.0 - value,
+            low: 1.0 - high,
+            high: 1.0 - low,
+        })
+    }
 }
 
 /// A model that may be written to `model.next.toml`.
@@ -388,6 +556,9 @@ pub struct Report {
     pub remaining: Vec<Remaining>,
     /// Installation errors within their tolerances, which are accounted for and are no findings.
     pub within_tolerance: Vec<Tolerated>,
+    /// Significant zero offsets of sensors by session, which are accounted for and are no findings.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub session_offsets: Vec<SessionOffset>,
     /// The effects that were found, in the order of the search.
     pub steps: Vec<Step>,
     /// Residuals of the held-out data.
@@ -610,4 +781,79 @@ pub struct Curve {
     pub x: Vec<f64>,
     /// Ordinates.
     pub y: Vec<f64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn place(track: &str, from_m: f64, forces: &[(&str, f64)]) -> ContactPlace {
+        let contact = |(run, force_n): &(&str, f64)| RunContact {
+            run: (*run).to_owned(),
+            driver: String::new(),
+            from_m,
+            to_m: from_m + 10.0,
+            force_n: *force_n,
+            error_n: 10.0,
+        };
+        ContactPlace {
+            track: track.to_owned(),
+            from_m,
+            to_m: from_m + 10.2,
+            force_n: 0.0,
+            spread_n: 0.0,
+            runs: 4,
+            hit: forces.len(),
+            drivers: Vec::new(),
+            contacts: forces.iter().map(contact).collect(),
+        }
+    }
+
+    #[test]
+    fn contacts_state_force_place_and_share_of_the_runs() {
+        let mut step = Step {
+            contacts: vec![
+                place("east", 20.0, &[("a", -900.0)]),
+                place("east", 60.0, &[("a", 500.0), ("b", 700.0)]),
+                place("west", 10.0, &[("c", 400.0)]),
+            ],
+            ..Step::default()
+        };
+        assert_eq!(step.contacts_in_words(), None);
+        step.contact_forces = ContactForces::of(&step.contacts);
+        assert_eq!(
+            step.contacts_in_words().unwrap(),
+            "600 N (median of 4 contacts, 400 to 900 N) in 3 of 8 runs, at east 60-70 m (2 runs), east 20-30 m (1 run), west 10-20 m (1 run)"
+        );
+        assert_eq!(ContactForces::of(&[place("east", 20.0, &[])]), None);
+    }
+
+    #[test]
+    fn offsets_of_a_sensor_are_one_line() {
+        let offset = |sensor: &str, session: &str, value: f64| SessionOffset {
+            sensor: sensor.to_owned(),
+            session: session.to_owned(),
+            value,
+            error: 6.25e-5,
+            unit: "rad".to_owned(),
+            tolerance: 1e-3,
+        };
+        let offsets = [
+            offset("delta_rad", "d1", 3e-4),
+            offset("alpha_rad", "d1", -2e-3),
+            offset("alpha_rad", "d2", 1.25e-3),
+        ];
+        let lines = SessionOffset::by_sensor(&offsets);
+        let lines: Vec<String> = lines
+            .iter()
+            .map(|one| SessionOffset::in_words(one))
+            .collect();
+        assert_eq!(
+            lines,
+            [
+                "zero offset of alpha_rad: -2.00 to 1.25 mrad in 2 sessions, standard error 0.06 mrad",
+                "zero offset of delta_rad: 300.00 µrad in session d1, standard error 62.50 µrad"
+            ]
+        );
+    }
 }

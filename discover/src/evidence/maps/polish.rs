@@ -24,8 +24,15 @@ pub fn polish(simulations: &Simulations, active: &SizedEffects, errors: &[f64]) 
     let rest = DVector::from_column_slice(&fit.misfit.residuals);
     let mut derivative = DMatrix::zeros(rest.len(), active.len());
     for (k, (effect, size)) in active.iter().enumerate() {
-        // Well above the scatter of the solves, well below the size.
-        let mut step = (6.0 * errors[k]).clamp(0.01 * size.abs(), 0.1 * size.abs());
+        // Well above the scatter of the solves, well below the size unless that is 0.
+        let mut step = if *size == 0.0 {
+            errors[k]
+        } else {
+            (6.0 * errors[k]).clamp(0.01 * size.abs(), 0.1 * size.abs())
+        };
+        if step == 0.0 {
+            return Ok(fit);
+        }
         if size + step > effect.parameter().high {
             step = -step;
         }

@@ -469,6 +469,8 @@ mod tests {
             let size = sizes.active[0].1;
             println!("gain {size:.4} +- {:.4}", sizes.errors[0]);
             assert!((size - 0.06).abs() < 0.003, "{size}");
+            let at_zero = polish(&simulations, &vec![(gain, 0.0)], &[0.01])?.errors[0];
+            assert!((at_zero / sizes.errors[0] - 1.0).abs() < 0.2, "{at_zero}");
         }
         let fixed = MapRules {
             film_shift_m: 0.0,

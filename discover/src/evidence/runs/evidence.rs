@@ -328,6 +328,7 @@ impl Evidence for Campaign<'_> {
                 .concat(),
                 training,
                 within_tolerance: self.within_tolerance(last, account),
+                session_offsets: self.session_offsets(last, account),
                 implausible: self.implausible(&base_parameters, account),
                 base: base_parameters,
                 bins: bins(base),

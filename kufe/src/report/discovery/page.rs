@@ -8,7 +8,7 @@ use crate::report::discovery::sections::{bins, detectable, next_runs, parameters
 use crate::report::discovery::summary::{summary, tested};
 use crate::report::html::{fold, plain_page, small};
 use crate::report::viewer::{Stretch, ViewedPart, viewer_links};
-use crate::results::finding::{Picture, Plot, Report, Strip};
+use crate::results::finding::{Picture, Plot, Report, SessionOffset, Strip};
 
 /// The page of a search for missing effects: one HTML file without scripts. `viewer` is the address
 /// of the page of the runs, if it exists.
@@ -114,37 +114,43 @@ fn figures(pictures: &[Picture]) -> String {
 /// Folded tables of numbers; empty tables are omitted.
 fn details(report: &Report, viewer: Option<&str>) -> String {
     let held_out = &report.held_out;
-    let seen = "On the data it was fitted to";
+    let seen = "rms residual on the data of the fit";
     let mut before_and_after = gaps(seen, &report.training);
     if !held_out.channels.is_empty() {
-        before_and_after += &gaps("On held-out data", &held_out.channels);
+        before_and_after += &gaps("rms residual on held-out data", &held_out.channels);
         before_and_after += &small(&format!(
-            "Not seen: {}. Root mean squares; no effect can close the noise.",
+            "Held out: {}. No effect explains the sensors’ noise.",
             held_out.runs.join(", ")
         ));
     }
     let mut out = String::from("<h2>In numbers</h2>\n");
     if !report.baselines.is_empty() {
-        let title = "Three models on data they were not fitted to";
+        let title = "rms residual of three models on held-out data";
         out += &models(title, &report.baselines);
     }
     let shown_if = |is_shown: bool, inner: String| if is_shown { inner } else { String::new() };
     let remains = shown_if(!tested(report).is_empty(), bins(&report.bins_after));
     let by_run = report.by_run.iter().any(|channel| channel.runs.len() >= 2);
     let by_run = shown_if(by_run, runs(&report.by_run, viewer));
-    let title = "The misfit before and after, channel by channel";
+    let title = "Residual by channel, before and after";
     out += &fold(title, &before_and_after);
-    out += &fold("Where it disagrees", &bins(&report.bins));
-    out += &folded("What remains afterwards", remains);
+    out += &fold("Significant bins before", &bins(&report.bins));
+    out += &folded("Significant bins after", remains);
     out += &folded("Which runs to drive next", next_runs(&report.next_runs));
-    out += &folded("By run and by session", by_run);
-    out += &folded("Base parameters, refitted", parameters(&report.base));
+    out += &folded("Mean residual by run and session", by_run);
+    out += &folded(
+        "Parameters of the given model, refitted",
+        parameters(&report.base),
+    );
     let tolerated = report.within_tolerance.iter();
     let tolerated =
         tolerated.map(|part| format!("{}: {}", part.what, quantity(part.size, &part.unit)));
-    out += &list("Within the tolerance of the installation", tolerated);
+    let offsets = SessionOffset::by_sensor(&report.session_offsets);
+    let offsets = offsets.iter().map(|one| SessionOffset::in_words(one));
+    let title = "Installation errors that were corrected for";
+    out += &list(title, tolerated.chain(offsets));
     let distinguished = detectable(&report.minimum_detectable);
-    out += &folded("What these data could distinguish", distinguished);
+    out += &folded("Smallest effects that these data could show", distinguished);
     let untestable = report.untestable.iter();
     let untestable = untestable.map(|(effect, reason)| format!("{effect}: {reason}"));
     out += &list("Not testable with these data", untestable);

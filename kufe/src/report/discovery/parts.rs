@@ -41,11 +41,11 @@ pub fn size(parameter: &Fitted) -> String {
 /// Explanation of a parameter whose name is not self-explanatory.
 pub fn meaning(effect: &str, parameter: &str) -> Option<&'static str> {
     match (effect, parameter) {
-        ("wall-contact", "lever_m") => Some(
-            "the lever of the wall's force about the centre of gravity: how far ahead of it the wall pushes, behind it where negative",
-        ),
+        ("wall-contact", "lever_m") => {
+            Some("distance of the wall's force ahead of the centre of gravity")
+        }
         ("runner-compliance", "factor") => Some(
-            "how much the runner yields for what the ice yields; a block of steel has about 0.04",
+            "compliance of the runner relative to that of the ice; a block of steel has about 0.04",
         ),
         _ => None,
     }

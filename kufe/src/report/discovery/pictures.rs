@@ -258,7 +258,7 @@ pub fn gaps(title: &str, channels: &[ChannelGap]) -> String {
 /// The misfit of each quantity by three models; a model that cannot be simulated has no bar.
 pub fn models(title: &str, baselines: &[Baseline]) -> String {
     let values = baselines.iter().map(|b| {
-        let refitted = b.refitted.map(|gap| ("base refitted", gap, NEUTRAL));
+        let refitted = b.refitted.map(|gap| ("refitted", gap, NEUTRAL));
         let with_effect = b.with_effect.map(|gap| ("with the effect", gap, AFTER));
         let given = [("as given", b.as_given, BEFORE)].into_iter();
         let values = given.chain(refitted).chain(with_effect);

@@ -8,7 +8,8 @@ use crate::report::discovery::pictures;
 use crate::report::html::small;
 use crate::report::viewer::{ViewedPart, viewer_links};
 use crate::results::finding::{
-    Bin, ByRun, Detectable, Fitted, NextRuns, OfKind, Report, Rival, Step,
+    Bin, ByRun, ContactForces, ContactPlace, Detectable, Fitted, NextRuns, OfKind, Report, Rival,
+    Step,
 };
 
 /// Largest number of bins of a table.
@@ -26,8 +27,15 @@ pub fn step(number: usize, step: &Step, report: &Report) -> String {
     };
     let closed = &step.explainable_gap_closed;
     let [value, low, high] = [closed.value, closed.low, closed.high].map(|share| 100.0 * share);
+    let of = if step.contact_forces.is_some() {
+        "the mean square along and yaw residual in contacts, beyond noise,"
+    } else if report.remaining.is_empty() {
+        "what effects of the catalogue could explain"
+    } else {
+        "what effects of the catalogue could explain, with each place weighted by its scatter,"
+    };
     let text = format!(
-        "Channel {}; p {}. {} Of what could be explained{judged}, {value:.0} % ({low:.0} to {high:.0} %) is explained{shared}.",
+        "Channel {}; p {}. {} Of {of}{judged}, {value:.0} % ({low:.0} to {high:.0} %) is explained{shared}.",
         step.channel,
         p_is(step.p_value),
         fitted_gap(step, report),
@@ -39,8 +47,35 @@ pub fn step(number: usize, step: &Step, report: &Report) -> String {
     }
     out += &evidence(&step.evidence);
     out += &folded("Its size, with the interval", parameters(&step.parameters));
+    out += &folded("Contacts by place", contacts(&step.contacts));
     let title = format!("Why {} and not its rivals", step.effect);
     out + &folded(&title, rivals(&step.rivals))
+}
+
+/// A table of the places at which runs hit a wall.
+fn contacts(places: &[ContactPlace]) -> String {
+    let row = |place: &ContactPlace| {
+        let force = |force: fn(&ContactForces) -> f64| {
+            let forces = ContactForces::of(std::slice::from_ref(place));
+            forces.map_or(String::new(), |one| format!("{:.0}", force(&one)))
+        };
+        let hit = place.drivers.iter().filter(|driver| driver.hit > 0);
+        let drivers = hit.map(|one| format!("{} {} of {}", one.driver, one.hit, one.runs));
+        [
+            place.track.clone(),
+            format!("{:.0} to {:.0}", place.from_m, place.to_m),
+            if place.force_n > 0.0 { "left" } else { "right" }.to_owned(),
+            format!("{} of {}", place.hit, place.runs),
+            force(|one| one.median_n),
+            force(|one| one.min_n),
+            force(|one| one.max_n),
+            drivers.collect::<Vec<_>>().join(", "),
+        ]
+    };
+    let head = "<p>The peak force of each contact follows from the side balance of its own run. The lever follows from how the sled then turns.</p>\n";
+    let columns = "track|#s [m]|pushed to the|#runs|#median force [N]|#smallest|#largest|drivers";
+    let rows = places.iter().map(|place| (false, row(place)));
+    headed_table(head, columns, rows)
 }
 
 /// Reduction of the misfit on the fitted data. For a single effect it is that of the bars, from the
@@ -50,18 +85,22 @@ fn fitted_gap(step: &Step, report: &Report) -> String {
     let bars = report.training.iter().find(|c| c.channel == step.channel);
     let text = if let (1, Some(bars)) = (report.steps.len(), bars) {
         let [before, after] = [bars.before, bars.after].map(|gap| quantity(gap, &bars.unit));
-        format!("the misfit is {before} with the model as given and {after} with the next one.")
+        format!(
+            "the rms residual is {before} with the model as given and {after} with the next one."
+        )
     } else {
         let [before, after] =
             [step.gap_before, step.gap_after].map(|gap| quantity(gap, &step.unit));
         let base = match report.base[..] {
             [] => "",
-            _ => " of the refitted base",
+            _ => ", with the given model refitted,",
         };
         if step.gap_after >= step.gap_before {
-            format!("the base model had taken its place: the misfit was {before} and is {after}.")
+            format!(
+                "the refitted model had absorbed it: the rms residual was {before} and is {after}."
+            )
         } else {
-            format!("it lowers the misfit{base} from {before} to {after}.")
+            format!("it lowers the rms residual{base} from {before} to {after}.")
         }
     };
     format!("On the data it was fitted to {text}")
@@ -81,9 +120,9 @@ fn rivals(rivals: &[Rival]) -> String {
         ];
         (r.in_class, cells)
     };
-    let columns = "rival|parameter|#size alone|#size / error|#explains|#correlation|#named given it|what would decide";
-    let head = "<p>Shaded: these data cannot distinguish it from the named effect. <i>Explains</i>: what the rival alone explains, in units of the noise. \
-        <i>Named given it</i>: how many of its errors the named effect is away from 0 once the rival has taken its part; small means alike.</p>\n";
+    let columns = "rival|parameter|#size alone|#t|#explains|#correlation|#t of the named effect|what would decide";
+    let head = "<p>Shaded: these data do not distinguish it from the named effect. <i>Explains</i>: decrease of the sum of squares by the rival alone, in units of the noise variance. \
+        <i>t of the named effect</i>: fitted together with the rival; below about 2 the two are alike.</p>\n";
     headed_table(head, columns, rivals.iter().map(row))
 }
 
@@ -107,7 +146,7 @@ pub fn parameters(fitted: &[Fitted]) -> String {
 fn evidence(kinds: &[OfKind]) -> String {
     let message = match (kinds.len(), kinds.iter().all(|kind| kind.agrees)) {
         (0, _) => return String::new(),
-        (1, _) => "One kind of data of the campaign knows this effect.",
+        (1, _) => "One kind of data of the campaign depends on this effect.",
         (_, true) => {
             "The kinds of data agree: the size above is that of all together, each weighed by its error."
         }
@@ -131,8 +170,7 @@ fn evidence(kinds: &[OfKind]) -> String {
             ]
         })
     });
-    let columns =
-        "data|parameter|#by itself|#95 % interval|unit|#misfit on held-out data before, and after";
+    let columns = "data|parameter|#these data alone|#95 % interval|unit|#rms residual on held-out data before, and after";
     format!("<p>{message}</p>\n{}", table(columns, rows))
 }
 
@@ -148,8 +186,8 @@ pub fn next_runs(plans: &[NextRuns]) -> String {
         ];
         (plan.splits, cells)
     };
-    let head = "<p>Each plan was simulated with every member of the class at its fitted size and examined with the others. <i>Expected</i>: the logarithm of the \
-        likelihood ratio of the two that the runs would distinguish least; shaded where that distinguishes them nine times in ten.</p>\n";
+    let head = "<p>Each plan was simulated with each of the alternative effects at its fitted size. <i>Expected</i>: the log-likelihood ratio of the two effects that the \
+        runs would distinguish least; shaded where they would be distinguished with a probability of 90 %.</p>\n";
     let columns = "runs|track|what differs|between|#expected";
     headed_table(head, columns, plans.iter().map(row))
 }
@@ -188,7 +226,7 @@ pub fn runs(by_run: &[ByRun], viewer: Option<&str>) -> String {
         let before = chance(channel.sessions_differ_before);
         let after = chance(channel.sessions_differ_after);
         out += &small(&format!(
-            "That sessions differ this much by chance has a probability of {before} before and {after} after.",
+            "p-value of the differences between sessions: {before} before, {after} after.",
         ));
     }
     out
@@ -207,8 +245,8 @@ pub fn detectable(effects: &[Detectable]) -> String {
         ];
         (false, cells)
     };
-    let head = "<p>Before any residual is judged: the smallest size that would be found nine times in ten, \
-        the share of each effect that a refit of the base leaves, and the effect that resembles it most.</p>\n";
-    let columns = "effect|parameter|#smallest size|#share after the refit|most like|#correlation";
+    let head = "<p>The smallest size that would be found with a probability of 90 %, the share of the effect that a refit of the given model \
+        does not absorb, and the effect most correlated with it.</p>\n";
+    let columns = "effect|parameter|#smallest size|#share not absorbed|most alike|#correlation";
     headed_table(head, columns, effects.iter().map(row))
 }

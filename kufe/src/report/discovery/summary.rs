@@ -4,7 +4,9 @@
 use crate::plot::{escape, quantity};
 use crate::report::discovery::parts::{alike, meaning, p_is, size};
 use crate::report::html::tiles;
-use crate::results::finding::{ChannelGap, HeldOut, ModelKind, Report, Step, Verdict};
+use crate::results::finding::{
+    ChannelGap, HeldOut, ModelKind, Remaining, Report, SessionOffset, Step, Verdict,
+};
 
 /// The effects that were fitted and tested; a quick search only selects one.
 pub fn tested(report: &Report) -> &[Step] {
@@ -34,8 +36,11 @@ pub fn summary(report: &Report) -> String {
     let mut figures = Vec::from_iter(misfit(report));
     if let Some(step) = steps.first() {
         figures.extend(explained(step, report));
-        let why = "probability that noise alone resembles the first";
-        figures.push((format!("p {}", p_is(step.p_value)), why.to_owned()));
+        let why = format!(
+            "p-value of {}, corrected for all that was tested",
+            step.effect
+        );
+        figures.push((format!("p {}", p_is(step.p_value)), why));
         figures.push(remaining(report));
     }
     // Prevents a line break within the unit of a moment.
@@ -56,7 +61,7 @@ fn notes(report: &Report) -> Vec<(&'static str, String)> {
             _ => "The model with friction and grip refitted".to_owned(),
         };
         let text = format!(
-            "{which} is worse than the model as given on data it was not fitted to: {}.{}",
+            "{which} is worse than the model as given on held-out data: {}.{}",
             withheld.reason,
             written(report)
         );
@@ -65,11 +70,17 @@ fn notes(report: &Report) -> Vec<(&'static str, String)> {
     let friction = report.base.iter().filter(|one| one.unit != "N/rad");
     let friction: Vec<String> = friction.map(size).collect();
     if !friction.is_empty() && report.written != ModelKind::AsGiven {
-        notes.push(("Base in the next model", friction.join(", ")));
+        notes.push(("Friction in the next model", friction.join(", ")));
+    }
+    for offsets in SessionOffset::by_sensor(&report.session_offsets) {
+        if offsets.iter().any(|one| one.value.abs() > one.tolerance) {
+            let text = format!("{}; corrected for.", SessionOffset::in_words(&offsets));
+            notes.push(("Sensor mounted anew", text));
+        }
     }
     for parameter in &report.implausible {
         let text = format!(
-            "{} is far from the given value: a sensor, the data or the model is wrong rather than this parameter.",
+            "{} is far from the given value. Suspect a sensor, the data or the model rather than this parameter.",
             size(parameter)
         );
         notes.push(("Implausible", text));
@@ -94,16 +105,16 @@ fn in_words(report: &Report) -> String {
     let words = match report.verdict {
         Verdict::Named if report.steps.len() > 1 => "Effects are missing from the model",
         Verdict::Named => "An effect is missing from the model",
-        Verdict::OneOf => "An effect is missing: one of a few",
+        Verdict::OneOf => "An effect is missing from the model: one of several",
         Verdict::DependsOn => "Whether an effect is missing depends on an assumption",
-        Verdict::Law => "Something outside the catalogue is missing: a law for it",
-        Verdict::Located => "Something is missing at some places, and has no name",
-        Verdict::Inadequate => "Something that repeats from run to run is missing, and has no name",
-        Verdict::None => "Nothing is missing that these data could show",
+        Verdict::Law => "A law is missing from the model that is no effect of the catalogue",
+        Verdict::Located => "The model is wrong at some places, for an unknown reason",
+        Verdict::Inadequate => "The residual repeats from run to run, for an unknown reason",
+        Verdict::None => "No missing effect is significant in these data",
         Verdict::NotIdentifiable if !report.steps.is_empty() => {
             "The screen selects an effect, which is not tested yet"
         }
-        Verdict::NotIdentifiable => "Something differs, but these data cannot name it",
+        Verdict::NotIdentifiable => "Model and data differ, and these data do not show why",
     };
     let is_all = report.adequate || tested(report).is_empty();
     let more = if is_all { "" } else { ", and more is missing" };
@@ -125,6 +136,8 @@ fn effect(step: &Step) -> String {
         "",
     );
     add(": ", &step.summary, "");
+    let contacts = step.contacts_in_words().unwrap_or_default();
+    add("<br>", &contacts, "");
     let sizes: Vec<String> = step.parameters.iter().map(size).collect();
     add("<br>", &sizes.join("; "), "");
     for parameter in &step.parameters {
@@ -133,8 +146,9 @@ fn effect(step: &Step) -> String {
             add("<br><small>", &text, "</small>");
         }
     }
-    add("<br>", &contacts(step).unwrap_or_default(), "");
-    add("<br><small>where: ", &places(&step.place), "</small>");
+    if contacts.is_empty() {
+        add("<br><small>where: ", &places(&step.place), "</small>");
+    }
     text
 }
 
@@ -161,19 +175,6 @@ fn places(text: &str) -> String {
     texts.collect::<Vec<_>>().join("; ")
 }
 
-/// Numbers of contacts and places, and the range of forces, of an effect that varies between runs.
-fn contacts(step: &Step) -> Option<String> {
-    let contacts = step.contacts.iter().flat_map(|place| &place.contacts);
-    let forces: Vec<f64> = contacts.map(|one| one.force_n.abs()).collect();
-    let min = forces.iter().copied().reduce(f64::min)?;
-    let max = forces.iter().copied().fold(min, f64::max);
-    Some(format!(
-        "{} contacts at {} places, {min:.0} to {max:.0} N: each by the side force of its own run, judged by runs that hit the same places and by how the sled then turns and brakes",
-        forces.len(),
-        step.contacts.len(),
-    ))
-}
-
 /// A figure and its description.
 type Tile = (String, String);
 
@@ -194,27 +195,25 @@ fn misfit(report: &Report) -> Option<Tile> {
         let mut training = report.training.iter();
         let gap = training.find(of_most).or(report.training.first())?;
         let figure = arrow([gap.before, gap.after], &gap.unit);
-        let why = format!("misfit ({}): as given, as fitted", gap.channel);
+        let why = format!("rms {} residual: model as given, as fitted", gap.channel);
         return Some((figure, why));
     }
-    let runs = match held_out.runs.len() {
-        1 => format!("one {}", held_out.what),
-        count => format!("{count} {}s", held_out.what),
-    };
-    let mut why = format!("misfit on held-out {runs}");
     let channel = judged(held_out);
-    if let Some(channel) = channel {
-        let (name, noise) = (&channel.channel, quantity(channel.noise, &held_out.unit));
-        why += &format!(" ({name}); the sensors’ noise alone makes {noise}");
-    }
+    let of_channel = channel.map_or(String::new(), |one| format!("{} ", one.channel));
+    let mut why = format!("rms {of_channel}residual on {}", held_out.in_words());
+    let noise = channel.map_or(String::new(), |one| {
+        let noise = quantity(one.noise, &held_out.unit);
+        format!("; {noise} by the sensors’ noise alone")
+    });
     let mut baselines = report.baselines.iter();
     let baseline = baselines.find(|b| channel.is_some_and(|c| c.channel == b.quantity));
     let models = baseline.and_then(|b| Some((b, b.refitted?, b.with_effect?)));
     let Some((one, refitted, with_effect)) = models else {
         let figure = arrow([held_out.gap_before, held_out.gap_after], &held_out.unit);
-        return Some((figure, why));
+        return Some((figure, why + &noise));
     };
-    why += ": as given, with the base refitted, with the effect";
+    why += ": model as given, with friction and grip refitted, with the effect";
+    why += &noise;
     Some((arrow([one.as_given, refitted, with_effect], &one.unit), why))
 }
 
@@ -233,19 +232,24 @@ fn remaining(report: &Report) -> Tile {
     };
     let why = match (report.clean, report.bins_after.len()) {
         (true, _) => match scatter(held_out) {
-            None => "nothing more is significant".to_owned(),
+            None => "no bin of the residual over place, speed and other columns is significant"
+                .to_owned(),
             Some(scatter) => format!(
-                "nothing more is significant; {scatter} in excess of the sensors’ noise differ from {0} to {0}",
+                "no bin of the mean residual over place, speed and other columns is significant; {scatter} rms beyond the sensors’ noise remain on held-out {}s",
                 held_out.what
             ),
         },
         (false, 0) => format!("{gap} remain, more than the noise: something else may be missing"),
-        (false, 1) => "one bin is still significant: something else is missing, too".to_owned(),
+        (false, 1) => "one bin of the residual is still significant: more is missing".to_owned(),
         (false, bins) => {
-            format!("{bins} bins are still significant: something else is missing, too")
+            format!("{bins} bins of the residual are still significant: more is missing")
         }
     };
-    let figure = if report.clean { "clean" } else { "not clean" };
+    let figure = if report.clean {
+        "no pattern left"
+    } else {
+        "pattern left"
+    };
     (figure.to_owned(), why)
 }
 
@@ -257,8 +261,19 @@ fn scatter(held_out: &HeldOut) -> Option<String> {
     (excess > noise).then(|| quantity(excess, &held_out.unit))
 }
 
-/// The fraction of the explainable misfit that is explained; `None` if it is unknown.
+/// The explained fraction of the first effect's channel: of the residual that repeats from run to
+/// run, or if that is unknown, of what effects of the catalogue could explain; `None` if both are.
 fn explained(step: &Step, report: &Report) -> Option<Tile> {
+    let mut channels = report.remaining.iter();
+    let own = channels.find(|channel| channel.channel == step.channel);
+    if let Some(share) = own.and_then(Remaining::explained) {
+        let [value, low, high] = [share.value, share.low, share.high].map(|share| 100.0 * share);
+        let why = format!(
+            "of the mean square {} residual that repeats from run to run is explained ({low:.0} to {high:.0} %)",
+            step.channel
+        );
+        return Some((format!("{value:.0} %"), why));
+    }
     let closed = &step.explainable_gap_closed;
     let [value, low, high] = [closed.value, closed.low, closed.high].map(|share| 100.0 * share);
     let by = match report.steps.len() {
@@ -267,14 +282,15 @@ fn explained(step: &Step, report: &Report) -> Option<Tile> {
     };
     let known = match (low > -100.0 || high < 100.0, low < 0.0) {
         (true, false) => format!(" ({low:.0} to {high:.0} %)"),
-        (true, true) => format!(" ({low:.0} to {high:.0} %: too few data to decide whether any)"),
+        (true, true) => format!(" ({low:.0} to {high:.0} %: it may be none)"),
         (false, _) => ": too few data to decide".to_owned(),
     };
     let judged = match report.held_out.runs[..] {
         [] => "",
-        _ => " on data not seen",
+        _ => " on held-out data",
     };
-    let why = format!("of what effects could explain{judged} is explained {by}{known}");
+    let why =
+        format!("of what effects of the catalogue could explain{judged} is explained {by}{known}");
     value.is_finite().then(|| (format!("{value:.0} %"), why))
 }
 
@@ -308,7 +324,7 @@ mod tests {
         };
         assert!(page(&report).contains("4 MPa remain"), "{}", page(&report));
         report.bins_after = vec![Bin::default()];
-        let still = "one bin is still significant";
+        let still = "one bin of the residual is still significant";
         assert!(page(&report).contains(still), "{}", page(&report));
     }
 

@@ -6,7 +6,8 @@ use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::contacts::model::Contacts;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::finding::{
-    ContactPlace, DriverContacts, Fitted, Picture, Plot, RunContact, Scatter, Series, Step,
+    ContactForces, ContactPlace, DriverContacts, Fitted, Picture, Plot, RunContact, Scatter,
+    Series, Step,
 };
 
 /// Smallest number of contacts of a picture.
@@ -43,6 +44,7 @@ impl Campaign<'_> {
         if let Some(step) = step {
             let frames: Vec<&Frame> = self.whole().iter().chain(&self.held_out).collect();
             step.contacts = contact_places(contacts, &frames);
+            step.contact_forces = ContactForces::of(&step.contacts);
         }
     }
 

@@ -130,12 +130,9 @@ pub fn estimate(fitting: &Fitting, model: &ResidualModel, whitener: &Whitener) -
     let by_session = sessions.len() >= MIN_SESSIONS;
     let score = |cluster: &[usize]| score_without(&by_run, cluster, &solved);
     let of_sessions: Vec<_> = sessions.iter().map(|runs| score(runs)).collect();
-    let of_clusters = if by_session {
-        of_sessions.clone()
-    } else {
-        (0..frames.len()).map(|run| score(&[run])).collect()
-    };
-    let covariance = sandwich(&of_clusters, &prior, &solved.inverse);
+    let of_runs: Vec<_> = (0..frames.len()).map(|run| score(&[run])).collect();
+    let of_clusters = if by_session { &of_sessions } else { &of_runs };
+    let covariance = sandwich(of_clusters, &prior, &solved.inverse);
     let freedom = (of_clusters.len() as f64 - 1.0).max(1.0);
     let quantile = StudentsT::new(0.0, 1.0, freedom).map_or(2.0, |law| law.inverse_cdf(0.975));
     let amplitudes = model.free();
@@ -144,13 +141,13 @@ pub fn estimate(fitting: &Fitting, model: &ResidualModel, whitener: &Whitener) -
     let active = &model.effects.active;
     let of_amplitudes = amplitudes.iter().map(|(e, q)| active[*e].values[*q]);
     let values = free.iter().map(|b| model.base[*b]).chain(of_amplitudes);
-    let (count, installation_count) = (scales.len(), model.installation.fitted_count());
-    let size = (installation_count, installation_count);
-    let of_installation = covariance.view((count, count), size).into_owned();
-    let installation = if installation_count == 0 {
+    let count = scales.len();
+    let installation = if model.installation.fitted_count() == 0 {
         Vec::new()
     } else {
-        model.installation.estimates(&of_installation)
+        let by_run = sandwich(&of_runs, &prior, &solved.inverse);
+        let covariances = [&covariance, &by_run, &solved.inverse];
+        installation_estimates(model, frames, count, covariances)
     };
     let covariance = DMatrix::from_fn(count, count, |i, k| {
         covariance[(i, k)] * scales[i] * scales[k]
@@ -179,6 +176,36 @@ pub fn estimate(fitting: &Fitting, model: &ResidualModel, whitener: &Whitener) -
         covariance,
         left_out,
     }
+}
+
+/// Size and standard error of each installation error, in its unit; `first` is the index of the
+/// first among the parameters.
+///
+/// `covariances`: by the clusters, by runs, and by the noise of the rows. The offset of one session
+/// has no estimate without that session. Its error is that by the session's runs, at least that by
+/// the noise, which alone remains of a session with one run.
+fn installation_estimates(
+    model: &ResidualModel,
+    frames: &[Frame],
+    first: usize,
+    covariances: [&DMatrix<f64>; 3],
+) -> Vec<(f64, f64)> {
+    let installation = &model.installation;
+    let count = installation.fitted_count();
+    let [by_cluster, by_run, by_noise] = covariances.map(|covariance| {
+        let own = covariance.view((first, first), (count, count));
+        installation.estimates(&own.into_owned())
+    });
+    let estimate = |k: usize| {
+        let (size, noise) = by_noise[k];
+        let Some(session) = &installation.errors[k].session else {
+            return by_cluster[k];
+        };
+        let runs = frames.iter().filter(|frame| frame.session == *session);
+        let scatter = if runs.count() > 1 { by_run[k].1 } else { 0.0 };
+        (size, noise.max(scatter))
+    };
+    (0..count).map(estimate).collect()
 }
 
 /// Score of a cluster of runs at the fit without it: `inv(1 - C_i inv(C)) u`, with u the score and

@@ -97,7 +97,7 @@ pub struct InstallationError {
     /// Stated standard deviation, in its unit.
     pub sd: f64,
     /// The only session in which it acts; `None`: all sessions.
-    session: Option<String>,
+    pub session: Option<String>,
     kind: ErrorKind,
 }
 

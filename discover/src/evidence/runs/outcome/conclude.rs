@@ -1,7 +1,7 @@
 //! Results of a search over runs: parameters, closed shares, significant bins.
 
 use kufe_sled::Model;
-use kufe_sled::effects::{Active, Kind};
+use kufe_sled::effects::{Active, Custom, Kind};
 
 use crate::evidence::runs::campaign::{Campaign, RunFit};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
@@ -61,22 +61,22 @@ impl Campaign<'_> {
         parameters
     }
 
-    /// The formula and channel of each step that is a custom law.
+    /// The formula of each step that is a custom law; of several, each with its channel.
     pub fn laws(&self, last: &RunFit, steps: usize) -> Vec<Option<String>> {
-        let mut laws = vec![None; steps];
+        let mut laws: Vec<Vec<&Custom>> = vec![Vec::new(); steps];
         let own = last.residual_model.effects.active[last.already()..].iter();
         for (active, step) in own.zip(&last.owners) {
             let is_outside = active.name.split(':').next() == Some(OUTSIDE_CATALOGUE);
             if let (Kind::Custom(custom), true) = (&active.kind, is_outside) {
-                laws[*step] = Some(custom.text.clone());
+                laws[*step].push(custom);
             }
         }
         if let Some(unwritten) = &last.unwritten
             && let Kind::Custom(custom) = &unwritten.candidate.act.kind
         {
-            laws[unwritten.step] = Some(custom.text.clone());
+            laws[unwritten.step].push(custom);
         }
-        laws
+        laws.iter().map(|laws| formulas(laws)).collect()
     }
 
     /// Base parameters with their intervals.
@@ -172,6 +172,19 @@ impl Campaign<'_> {
     }
 }
 
+/// The formulas of a step's laws in the order of its parameters; `None` without any.
+fn formulas(laws: &[&Custom]) -> Option<String> {
+    match laws {
+        [] => None,
+        [one] => Some(one.text.clone()),
+        _ => {
+            let each = laws.iter();
+            let each = each.map(|law| format!("{} on {}", law.text, law.channel.name()));
+            Some(each.collect::<Vec<_>>().join("; "))
+        }
+    }
+}
+
 /// Steps that are not significant at this level if the runs of a session share an error.
 pub fn shared_faults(steps: &[Step], training: &[Frame], alpha: f64) -> Vec<Dependence> {
     let sessions = session_numbers(training.iter().map(|frame| frame.session.as_str()));
@@ -215,5 +228,25 @@ pub(super) fn base_value(model: &Model, b: usize) -> f64 {
             Ok(kufe_sled::friction::Longitudinal::Fixed(mu)) => mu,
             _ => 1.0,
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use kufe_sled::effects::Channel;
+
+    use super::*;
+
+    #[test]
+    fn a_law_of_two_terms_states_both() {
+        let law = |channel, text| Custom::new(channel, text, None).unwrap();
+        let side = law(Channel::Lateral, "alpha_rad");
+        let friction = law(Channel::Friction, "abs(alpha_rad)");
+        assert_eq!(formulas(&[]), None);
+        assert_eq!(formulas(&[&side]).unwrap(), "alpha_rad");
+        assert_eq!(
+            formulas(&[&side, &friction]).unwrap(),
+            "alpha_rad on lateral; abs(alpha_rad) on friction"
+        );
     }
 }

@@ -15,13 +15,7 @@ pub fn available(
     remarks: &mut Vec<String>,
 ) -> Vec<Column> {
     let recorded = |name: &str| runs.iter().all(|run| run.columns.contains_key(name));
-    let varies = |name: &str| {
-        let columns = training.iter().filter_map(|piece| piece.column(name));
-        let first = training.first().and_then(|piece| piece.column(name));
-        let first = first.and_then(|column| column.iter().find(|x| x.is_finite()));
-        let mut values = columns.flatten().filter(|x| x.is_finite());
-        values.any(|x| Some(x) != first)
-    };
+    let varies = |name: &str| recorded(name) && varies(training, name);
     let mut list = vec![Column::Time];
     let by_file = [
         (Column::Speed, "v_mps"),
@@ -42,6 +36,8 @@ pub fn available(
         } else {
             let why = if recorded(name) {
                 "is constant"
+            } else if runs.iter().any(|run| run.columns.contains_key(name)) {
+                "is not recorded in every run"
             } else {
                 "is not recorded"
             };
@@ -78,4 +74,45 @@ pub fn available(
         list.push(Column::Distance);
     }
     list
+}
+
+/// Whether two recorded values of a column differ.
+fn varies(training: &[TrainingSamples], name: &str) -> bool {
+    let columns = training.iter().filter_map(|piece| piece.column(name));
+    let mut values = columns.flatten().filter(|x| x.is_finite());
+    let first = values.next();
+    values.any(|x| Some(x) != first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(humidity: &[f64]) -> Run {
+        Run {
+            entry: Default::default(),
+            t0_s: 0.0,
+            dt_s: 0.01,
+            columns: [("humidity_pct".to_owned(), humidity.to_vec())].into(),
+            gaps: Default::default(),
+            saturated: Default::default(),
+            remarks: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_column_varies_if_two_recorded_values_differ() {
+        let varies = |columns: &[&[f64]]| {
+            let runs: Vec<Run> = columns.iter().map(|column| run(column)).collect();
+            let samples = |run| TrainingSamples { run, rows: 0..2 };
+            varies(
+                &runs.iter().map(samples).collect::<Vec<_>>(),
+                "humidity_pct",
+            )
+        };
+        let missing = [f64::NAN, f64::NAN];
+        assert!(!varies(&[&missing, &[60.0, 60.0]]));
+        assert!(varies(&[&missing, &[60.0, 60.0], &[61.0, 61.0]]));
+        assert!(!varies(&[&missing]) && !varies(&[]));
+    }
 }
