@@ -56,7 +56,7 @@ pub enum Error {
     Cell {
         /// The file.
         file: String,
-        /// Line in the file, the header being line 1.
+        /// Line in a text file; in other files the row's number, from 1.
         row: u64,
         /// The column.
         column: String,
@@ -70,7 +70,7 @@ pub enum Error {
     Row {
         /// The file.
         file: String,
-        /// Line in the file, the header being line 1.
+        /// Line in a text file; in other files the row's number, from 1.
         row: u64,
         /// What is wrong, and what was expected.
         reason: String,

@@ -53,7 +53,7 @@ pub use align::{Aligned, AlignedRun, align, state_places};
 pub use column::{COLUMNS, Column, Sensor};
 pub use columns::matlab::{LONGEST_MATLAB, MatlabVariables, matlab_remark, read_matlab};
 pub use columns::parquet::{read_parquet, write_parquet};
-pub use columns::{Columns, MOST_NUMBERS, read_columns, read_csv, write_csv};
+pub use columns::{Columns, FileColumns, MOST_NUMBERS, read_columns, read_csv, write_csv};
 pub use conditions::{CONDITIONS, Conditions};
 pub use contacts::{
     HARDEST, HITS_DIFFER, Push, as_expected, as_of_run, find_contacts, half_waves, hits_of,

@@ -138,8 +138,9 @@ fn damaged_mappings_are_mappings_or_errors() {
 
 #[test]
 fn damaged_parquet_files_are_columns_or_errors() {
-    let columns = read_csv(run_csv().as_bytes(), &COLUMNS, "run.csv").expect("columns");
-    let columns: Vec<(&str, &[f64])> = columns
+    let run = read_csv(run_csv().as_bytes(), &COLUMNS, "run.csv").expect("columns");
+    let columns: Vec<(&str, &[f64])> = run
+        .columns
         .iter()
         .map(|(name, values)| (name.as_str(), values.as_slice()))
         .collect();

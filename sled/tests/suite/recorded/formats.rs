@@ -130,7 +130,9 @@ scipy.io.savemat(os.path.join(sys.argv[1], 'packed.mat'), {k: data[k][:, None] f
     let packed = ["none", "snappy", "gzip", "zstd"].map(|codec| format!("{codec}.parquet"));
     let matlab = ["two.mat", "packed.mat"].map(str::to_owned);
     for name in packed.iter().chain(&matlab) {
-        let columns = read_columns(&folder.path().join(name), &[]).unwrap();
+        let columns = read_columns(&folder.path().join(name), &[])
+            .unwrap()
+            .columns;
         assert_eq!(columns["t_s"].len(), 200, "{name}");
         assert!((columns["v_mps"][100] - 21.0).abs() < 1e-12, "{name}");
         assert!((columns["half"][100] - 0.5).abs() < 1e-6, "{name}");
