@@ -147,6 +147,16 @@ pub enum Error {
         /// Ratio of the smallest to the largest singular value of the scaled design matrix.
         ratio: f64,
     },
+    /// A fit failed with the zero offsets of slip angles subtracted, without which it is biased.
+    #[error(
+        "lateral fit with the zero offsets of slip angles subtracted ({offsets}): {reason}; calibrate the slip and the steering sensor, or leave these sessions out"
+    )]
+    SlipOffsets {
+        /// The offsets.
+        offsets: String,
+        /// The error of the fit.
+        reason: Box<Error>,
+    },
     /// An iteration stopped short of its tolerance.
     #[error(
         "{what}: not converged after {iterations} iterations: residual {residual:.2e}, required {tolerance:.2e}"
