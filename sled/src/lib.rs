@@ -51,7 +51,9 @@ pub use align::estimate::TrackEstimate;
 pub use align::signature::DistanceWarp;
 pub use align::{Aligned, AlignedRun, align, state_places};
 pub use column::{COLUMNS, Column, Sensor};
-pub use columns::matlab::{LONGEST_MATLAB, MatlabVariables, matlab_remark, read_matlab};
+pub use columns::matlab::{
+    LONGEST_MATLAB, MatlabVariables, matlab_column, matlab_remark, read_matlab,
+};
 pub use columns::parquet::{read_parquet, write_parquet};
 pub use columns::{Columns, FileColumns, MOST_NUMBERS, read_columns, read_csv, write_csv};
 pub use conditions::{CONDITIONS, Conditions};

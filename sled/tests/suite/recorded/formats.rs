@@ -384,12 +384,16 @@ fn matlab_files_with_tables_and_text_give_their_vectors_and_remarks() {
         &matrix("note", 4, &[1, 2], 4, &[104, 0, 105, 0]),
         &matrix("n", 12, &[3, 1], 3, &[255, 255, 2, 0, 3, 0]),
         &matrix("scalar", 6, &[1, 1], 2, &[3]),
+        &matrix("acc", 6, &[3, 2], 2, &[1, 2, 3, 4, 5, 6]),
+        &matrix("wide", 6, &[2, 3], 2, &[1, 2, 3, 4, 5, 6]),
         &element(14, &fields.concat()),
     ]);
     let found = kufe_sled::read_matlab(&bytes, "a.mat").unwrap();
     let expected = [
         ("t", [0.0, 0.5, 1.0]),
         ("n", [-1.0, 2.0, 3.0]),
+        ("acc(:,1)", [1.0, 2.0, 3.0]),
+        ("acc(:,2)", [4.0, 5.0, 6.0]),
         ("gps.v", [0.0, 0.5, 1.0]),
         ("gps.t", [1.0, 2.0, 3.0]),
     ];
