@@ -31,9 +31,26 @@ pub fn column_names<'a>(
 /// Line of a row of a CSV table, as read from `text`; 0 if the row has no position. The position
 /// that the csv reader states precedes the blank lines before the row.
 pub fn line_of_row(text: &[u8], row: &csv::StringRecord) -> u64 {
-    let Some(begun) = row.position() else {
-        return 0;
-    };
+    row.position().map_or(0, |begun| line_of(text, begun))
+}
+
+/// The message of an error of the csv reader: of a row with another number of cells than the header
+/// its line and both numbers.
+pub fn row_error(text: &[u8], error: &csv::Error) -> String {
+    match error.kind() {
+        csv::ErrorKind::UnequalLengths {
+            pos: Some(begun),
+            expected_len,
+            len,
+        } => format!(
+            "row {}: found {len} cells, expected {expected_len}, one below each name",
+            line_of(text, begun)
+        ),
+        _ => error.to_string(),
+    }
+}
+
+fn line_of(text: &[u8], begun: &csv::Position) -> u64 {
     let ahead = text.get(begun.byte() as usize..).unwrap_or_default();
     let blank = ahead.iter().take_while(|byte| b"\r\n".contains(byte));
     begun.line() + blank.filter(|byte| **byte == b'\n').count() as u64
@@ -64,6 +81,19 @@ pub fn shown_name(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_row_of_another_length_is_placed() {
+        for end in ["\n", "\r\n"] {
+            let text = ["run,file", "a,b", "", "c", ""].join(end);
+            let mut reader = csv::Reader::from_reader(text.as_bytes());
+            let error = reader.records().find_map(Result::err).unwrap();
+            assert_eq!(
+                row_error(text.as_bytes(), &error),
+                "row 4: found 1 cells, expected 2, one below each name"
+            );
+        }
+    }
 
     #[test]
     fn names_are_shown_on_one_line_and_other_texts_are_named() {

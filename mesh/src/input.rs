@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kufe_files::{TABLE_TEXT, column_names, line_of_row, read_regular};
+use kufe_files::{TABLE_TEXT, column_names, line_of_row, read_regular, row_error};
 
 use crate::error::MeshError;
 
@@ -53,10 +53,7 @@ pub(crate) fn read_columns<const N: usize>(
     }
     let mut rows = Vec::new();
     for record in table.records() {
-        let record = record.map_err(|error| {
-            let line = error.position().map_or(0, csv::Position::line);
-            wrong(line, "row", error.to_string())
-        })?;
+        let record = record.map_err(|error| MeshError::Invalid(row_error(text, &error)))?;
         let line = line_of_row(text, &record);
         let mut row = [0.0; N];
         for ((value, column), name) in row.iter_mut().zip(columns).zip(names) {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use kufe::jobs::{Failure, runs::RunSelection};
+use kufe::jobs::{Failure, lateral::warn_of_slip_offsets, runs::RunSelection};
 use kufe::results::Evaluation as EvaluationDocument;
 use kufe_sled::DrivingForce;
 use pyo3::prelude::*;
@@ -64,6 +64,7 @@ pub fn evaluate(
     };
     let (document, remarks) = work_with_warnings(py, progress, move |watch, _| {
         let loaded = selection.load(watch, |_| true)?;
+        warn_of_slip_offsets(&loaded, watch);
         let runs = kufe_sled::evaluate(&loaded.prepared, &loaded.vehicle);
         Ok::<_, Failure>(EvaluationDocument::new(runs, loaded.used, seed))
     })?;

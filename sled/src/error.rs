@@ -56,7 +56,7 @@ pub enum Error {
     Cell {
         /// The file.
         file: String,
-        /// Line in the file, the header being line 1.
+        /// Line in a text file; in other files the row's number, from 1.
         row: u64,
         /// The column.
         column: String,
@@ -70,7 +70,7 @@ pub enum Error {
     Row {
         /// The file.
         file: String,
-        /// Line in the file, the header being line 1.
+        /// Line in a text file; in other files the row's number, from 1.
         row: u64,
         /// What is wrong, and what was expected.
         reason: String,
@@ -146,6 +146,16 @@ pub enum Error {
         what: &'static str,
         /// Ratio of the smallest to the largest singular value of the scaled design matrix.
         ratio: f64,
+    },
+    /// A fit failed with the zero offsets of slip angles subtracted, without which it is biased.
+    #[error(
+        "lateral fit with the zero offsets of slip angles subtracted ({offsets}): {reason}; calibrate the slip and the steering sensor, or leave these sessions out"
+    )]
+    SlipOffsets {
+        /// The offsets.
+        offsets: String,
+        /// The error of the fit.
+        reason: Box<Error>,
     },
     /// An iteration stopped short of its tolerance.
     #[error(

@@ -26,7 +26,7 @@ use crate::signals::prepare::Prepared;
 ///
 /// # Errors
 /// [`Error::Undetermined`] where the data do not determine a runner's stiffness; [`Error::TooFew`]
-/// without runs.
+/// without runs; [`Error::SlipOffsets`] if the fit fails with significant offsets subtracted.
 pub fn fit(
     runs: &[Prepared],
     vehicle: &Vehicle,
@@ -75,16 +75,25 @@ pub fn fit(
     }
     let mut fitted = vehicle.with_lateral(front.law(), rear.law());
     let mut slip_offsets = Vec::new();
-    for _ in 0..MAX_OFFSET_ROUNDS {
+    for round in 0.. {
         let found = significant_offsets(runs, &fitted, &marked, &slip_offsets);
-        if are_alike(&found, &slip_offsets) {
+        let change = largest_change(&found, &slip_offsets);
+        if change < MAX_OFFSET_CHANGE {
             break;
         }
-        // Without these offsets the fit converged; that one remains.
-        let Ok(corrected) = both(&marked, &found, &fitted) else {
-            break;
+        let failure = |reason| Error::SlipOffsets {
+            offsets: slip_offsets_text(&found),
+            reason: Box::new(reason),
         };
-        (front, rear, _) = corrected;
+        if round == MAX_OFFSET_ROUNDS {
+            return Err(failure(Error::NotConverged {
+                what: "offsets and laws, change of an offset in standard errors",
+                iterations: round,
+                residual: change,
+                tolerance: MAX_OFFSET_CHANGE,
+            }));
+        }
+        (front, rear, _) = both(&marked, &found, &fitted).map_err(failure)?;
         fitted = vehicle.with_lateral(front.law(), rear.law());
         slip_offsets = found;
     }
@@ -177,8 +186,20 @@ impl Axle {
     }
 }
 
+/// The offsets in words.
+pub fn slip_offsets_text(offsets: &[SlipOffset]) -> String {
+    let one = |one: &SlipOffset| {
+        let (session, runner) = (&one.session, one.runner.name());
+        let [offset, half_width] = [one.offset_rad, 1.96 * one.error_rad].map(|rad| 1e3 * rad);
+        format!("session {session}, {runner}: {offset:.2} ± {half_width:.2} mrad")
+    };
+    offsets.iter().map(one).collect::<Vec<_>>().join("; ")
+}
+
 /// Largest number of rounds of offsets and laws, each given the other.
 const MAX_OFFSET_ROUNDS: usize = 8;
+/// Change of an offset in a round below which it has converged, in standard errors.
+const MAX_OFFSET_CHANGE: f64 = 0.1;
 /// Ratio of an offset to its standard error from which it is corrected.
 const SIGNIFICANT_OFFSET: f64 = 3.0;
 /// Smallest number of stretches from which an offset has a standard error.
@@ -191,17 +212,24 @@ fn offset_of(offsets: &[SlipOffset], session: &str, runner: Axle) -> f64 {
     known.map_or(0.0, |one| one.offset_rad)
 }
 
-/// Whether two lists name the same offsets, with changes far below their errors.
-fn are_alike(found: &[SlipOffset], before: &[SlipOffset]) -> bool {
-    let is_alike = |one: &SlipOffset| {
+/// The largest change of an offset in a round, in standard errors; 0 without offsets.
+fn largest_change(found: &[SlipOffset], before: &[SlipOffset]) -> f64 {
+    let change = |one: &SlipOffset| {
         let change = one.offset_rad - offset_of(before, &one.session, one.runner);
-        change.abs() < 0.1 * one.error_rad
+        change.abs() / one.error_rad
     };
-    found.len() == before.len() && found.iter().all(is_alike)
+    found.iter().map(change).fold(0.0, f64::max)
+}
+
+/// The significant zero offsets of slip angles by session, given the laws of `vehicle`, as the
+/// first round of [`fit`] finds them. Stretches with a force from outside are excluded.
+pub fn slip_offsets(runs: &[Prepared], vehicle: &Vehicle) -> Vec<SlipOffset> {
+    significant_offsets(runs, vehicle, &find_contacts(runs, vehicle), &[])
 }
 
 /// The significant offsets given the laws of `vehicle`, by one Gauss-Newton step from the offsets
-/// `before`.
+/// `before`, which remain even if they are no longer significant: otherwise one at the threshold
+/// would come and go.
 ///
 /// ```text
 /// r = F_y - F(alpha - o),   dr/do = F' = g,   o <- o - sum(r g) / sum(g^2)
@@ -244,10 +272,12 @@ fn significant_offsets(
         let remaining = stretches.iter().map(|s| (s[0] + step * s[1]).powi(2));
         let n = stretches.len() as f64;
         let variance = n / (n - 1.0) * remaining.sum::<f64>() / information.powi(2);
-        let offset_rad = offset_of(before, session, runner) + step;
+        let offset_before = offset_of(before, session, runner);
+        let offset_rad = offset_before + step;
         let error_rad = variance.sqrt();
-        let is_significant =
-            stretches.len() >= MIN_STRETCHES && offset_rad.abs() > SIGNIFICANT_OFFSET * error_rad;
+        let is_significant = offset_before != 0.0
+            || stretches.len() >= MIN_STRETCHES
+                && offset_rad.abs() > SIGNIFICANT_OFFSET * error_rad;
         is_significant.then(|| SlipOffset {
             session: session.to_owned(),
             runner,

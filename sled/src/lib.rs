@@ -51,9 +51,11 @@ pub use align::estimate::TrackEstimate;
 pub use align::signature::DistanceWarp;
 pub use align::{Aligned, AlignedRun, align, state_places};
 pub use column::{COLUMNS, Column, Sensor};
-pub use columns::matlab::{LONGEST_MATLAB, MatlabVariables, matlab_remark, read_matlab};
+pub use columns::matlab::{
+    LONGEST_MATLAB, MatlabVariables, matlab_column, matlab_remark, read_matlab,
+};
 pub use columns::parquet::{read_parquet, write_parquet};
-pub use columns::{Columns, MOST_NUMBERS, read_columns, read_csv, write_csv};
+pub use columns::{Columns, FileColumns, MOST_NUMBERS, read_columns, read_csv, write_csv};
 pub use conditions::{CONDITIONS, Conditions};
 pub use contacts::{
     HARDEST, HITS_DIFFER, Push, as_expected, as_of_run, find_contacts, half_waves, hits_of,
@@ -68,7 +70,7 @@ pub use evaluate::validate::{
     root_mean_square, validate,
 };
 pub use fault::{Fault, FaultKind};
-pub use fit::{Axle, FitResult, SlipOffset, fit, lateral_samples};
+pub use fit::{Axle, FitResult, SlipOffset, fit, lateral_samples, slip_offsets, slip_offsets_text};
 pub use model::model_toml::{Friction, MODEL_EXAMPLE, Model};
 pub use model::vehicle::{RunnerFriction, RunnerLaw, RunnerTable, Vehicle, refuse_effects};
 pub use motion::balance::{Balance, BalanceResidual, LawForces};

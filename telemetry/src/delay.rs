@@ -197,7 +197,7 @@ fn delay(
     let mut relations: Vec<Relation> = Vec::new();
     let mut poor = Vec::new();
     for (pair, cutoff) in pairs.iter().zip(&cutoffs) {
-        let Some(refined) = refine_in_bands(pair, guess, first, *cutoff) else {
+        let Some(refined) = refine_in_bands(pair, guess, *cutoff) else {
             continue;
         };
         let least = match pair.kind {
@@ -250,16 +250,14 @@ fn delay(
 /// logger.
 const MIN_OPPOSITE_CORRELATION: f64 = 0.9;
 
-/// The delay of one relation. The cutoff frequency is doubled from that of the first search up to
+/// Smallest cutoff frequency of the low pass [Hz].
+const MIN_CUTOFF_HZ: f64 = 0.5;
+
+/// The delay of one relation. The cutoff frequency is doubled from [`MIN_CUTOFF_HZ`] up to
 /// `cutoff_hz`, and the estimate with the smallest error is kept: a wide band is more accurate for
 /// clean signals, a narrow band for noisy ones.
-fn refine_in_bands(
-    pair: &Pair,
-    guess: f64,
-    first_hz: f64,
-    cutoff_hz: f64,
-) -> Option<DelayEstimate> {
-    let mut cutoff = first_hz.min(cutoff_hz);
+fn refine_in_bands(pair: &Pair, guess: f64, cutoff_hz: f64) -> Option<DelayEstimate> {
+    let mut cutoff = MIN_CUTOFF_HZ.min(cutoff_hz);
     let mut best: Option<DelayEstimate> = None;
     loop {
         let from = best.map_or(guess, |best| best.delay_s);
@@ -271,7 +269,7 @@ fn refine_in_bands(
         );
         let better = |refined: &DelayEstimate| best.is_none_or(|best| refined.sd_s < best.sd_s);
         best = refined.filter(better).or(best);
-        if best.is_none() || cutoff >= cutoff_hz {
+        if cutoff >= cutoff_hz {
             return best;
         }
         cutoff = (2.0 * cutoff).min(cutoff_hz);
@@ -572,7 +570,16 @@ fn refine(sides: &Sides, guess_s: f64, rate_hz: f64, reach_s: f64) -> Option<Del
 /// `a` and `rhs` is largest at the delay, where the product of `a` and the derivative of `rhs` is
 /// 0. The derivative of the latter with respect to the delay is, by integration by parts, the
 /// product of the derivatives of `a` and `rhs`, less the squared norm of the projected derivative
-/// of `rhs`. Independent noise of the two sides does not contribute to it.
+/// of `rhs`. Independent noise of the two sides does not contribute to its mean:
+///
+/// ```text
+/// change = a' . rhs' - |P rhs'|^2,   var(delay) = sum over lags of w(lag) u(t) u(t + lag) / change^2
+/// u = (rhs' - P rhs') (a - b rhs),   w = 1 - lag / (2 s) (Bartlett)
+/// ```
+///
+/// The Newton steps end at a maximum of the product, where noise has increased `change`. Where
+/// noise dominates the derivatives, this maximum is one of the noise, and its error would be
+/// understated. `None` if `a'` and `rhs'` correlate by less than [`MIN_CORRELATION`].
 fn newton_step(sides: &Sides, delay: f64, rate_hz: f64) -> Option<DelayEstimate> {
     let sums = matched(sides, delay, rate_hz)?;
     let [rhs, slope] = &sums.rhs;
@@ -580,7 +587,9 @@ fn newton_step(sides: &Sides, delay: f64, rate_hz: f64) -> Option<DelayEstimate>
     let [projected_slope, _] = sums.project(slope);
     let correlation = sums.correlation();
     let change = dot(&near_slope, slope) - dot(&projected_slope, &projected_slope);
-    if !(correlation > 0.0 && change > 0.0) {
+    let slope_correlation =
+        dot(&near_slope, slope) / (dot(&near_slope, &near_slope) * dot(slope, slope)).sqrt();
+    if !(correlation > 0.0 && change > 0.0 && slope_correlation > MIN_CORRELATION) {
         return None;
     }
     let b = dot(&near, rhs) / dot(rhs, rhs);

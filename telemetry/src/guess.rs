@@ -240,30 +240,31 @@ pub(crate) struct Guess {
 }
 
 impl Guess {
-    /// Prefers kufe's own column names, then higher rates, then unfiltered channels, then names
-    /// that are more certain.
+    /// Prefers kufe's own column names, then higher rates, then channels that are no
+    /// [`SECOND_CHOICE`], then unfiltered ones, then names that are more certain.
     fn compare(&self, other: &Guess) -> Ordering {
         let by = |a: f64, b: f64, ratio: f64| match (a > ratio * b, b > ratio * a) {
             (true, _) => Ordering::Greater,
             (_, true) => Ordering::Less,
             _ => Ordering::Equal,
         };
-        let smoothed = |guess: &Guess| {
+        let is_second_choice = |guess: &Guess| {
             let name = guess.from.to_lowercase();
-            SMOOTHED.split(',').any(|word| name.contains(word))
+            SECOND_CHOICE.split(',').any(|word| name.contains(word))
         };
         let is_exact = |guess: &Guess| guess.weight >= EXACT_NAME;
         is_exact(self)
             .cmp(&is_exact(other))
             .then(by(self.samples as f64, other.samples as f64, 1.5))
-            .then(smoothed(other).cmp(&smoothed(self)))
+            .then(is_second_choice(other).cmp(&is_second_choice(self)))
             .then(by(self.roughness, other.roughness, 2.0))
             .then(self.weight.cmp(&other.weight))
     }
 }
 
-/// Words in names of filtered or computed channels.
-const SMOOTHED: &str = "filt,smooth,avg,average,mean,lowpass,calc";
+/// Words in names of channels that are used only if there is no other: filtered or computed ones,
+/// and the speed of a wheel, which slips and lifts.
+const SECOND_CHOICE: &str = "filt,smooth,avg,average,mean,lowpass,calc,wheel,radgeschw";
 
 /// Weight of a name that is a column of kufe.
 const EXACT_NAME: usize = 1000;
@@ -649,6 +650,28 @@ mod tests {
     }
 
     #[test]
+    fn of_two_speeds_that_of_the_wheel_is_not_used() {
+        let speed = |name: &str, noise: f64| Channel {
+            name: name.to_string(),
+            unit: Some("km/h".to_string()),
+            values: (0..100).map(|i| 90.0 + noise * f64::from(i % 2)).collect(),
+            ..Channel::default()
+        };
+        let (gps, wheel) = (speed("GPS Speed", 0.1), speed("Wheel Speed", 5.0));
+        for (channels, expected) in [
+            (vec![wheel.clone(), gps.clone()], "GPS Speed"),
+            (vec![gps, wheel.clone()], "GPS Speed"),
+            (vec![wheel], "Wheel Speed"),
+        ] {
+            let log = Log {
+                channels,
+                ..Log::default()
+            };
+            assert_eq!(Sample::of(&log).columns["v_mps"].from, expected);
+        }
+    }
+
+    #[test]
     fn names_of_four_makers_and_two_languages_are_known() {
         for (name, column) in [
             ("Lateral Acc", "ay_mps2"),
@@ -657,6 +680,12 @@ mod tests {
             ("G Force Long", "ax_mps2"),
             ("VerticalAcc", "az_mps2"),
             ("Accel Z", "az_mps2"),
+            ("Beschl. X", "ax_mps2"),
+            ("imu.acc(:,3)", "az_mps2"),
+            ("gyr_x_dps", "roll_rate_radps"),
+            ("Drehrate Z", "yaw_rate_radps"),
+            ("v_gps", "v_mps"),
+            ("Slip (deg)", "alpha_rad"),
             ("Querbeschleunigung", "ay_mps2"),
             ("Längsbeschleunigung", "ax_mps2"),
             ("Gyro Yaw", "yaw_rate_radps"),

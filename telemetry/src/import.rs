@@ -216,7 +216,7 @@ impl Importer {
         let mut both = values.iter().zip(&channel.values);
         let beyond = |value: f64| !value.is_finite() || value.abs() > LARGEST_VALUE;
         if let Some(row) = both.position(|(value, x)| x.is_finite() && beyond(*value)) {
-            let (found, line) = (channel.values[row], row as u64 + log.first_row.max(1));
+            let (found, line) = (channel.values[row], log.line(row));
             let found = format!("{found:e} {} in row {line}", recipe.unit);
             let expected = format!("at most {LARGEST_VALUE:e} {}", column_unit(column));
             return Err(Error::channel(file, &source.from, found, expected));
@@ -226,7 +226,7 @@ impl Importer {
         let stop = stop.filter(|_| COLUMNS.contains(&column));
         let saturated = stop.map(|stop| {
             let (name, unit, at) = (&source.from, &recipe.unit, stop.at);
-            let line = stop.begins as u64 + log.first_row.max(1);
+            let line = log.line(stop.begins);
             format!(
                 "{file}: {name} stays at its extreme {at} {unit} for {} samples from row {line} on: saturated? if so, record it with a larger range, and leave the run out of fits",
                 stop.longest
@@ -529,7 +529,7 @@ pub(crate) fn times(
     let mut repeated = 0;
     for (row, t) in time.iter_mut().enumerate() {
         if *t < last {
-            let line = row as u64 + log.first_row.max(1);
+            let line = log.line(row);
             let found = format!("{t} s after {last} s in row {line}");
             let expected = "times that do not run backwards".to_string();
             return Err(wrong(name, found, expected));

@@ -29,8 +29,8 @@ pub struct Log {
     pub clocks: Vec<Vec<f64>>,
     /// Anomalies of the file.
     pub remarks: Vec<String>,
-    /// Line number of the first row of a text file.
-    pub first_row: u64,
+    /// Line of each row in a text file; empty for other files.
+    pub lines: Vec<u64>,
 }
 
 /// Whether two names are equal except for capitals and for spaces at their ends.
@@ -39,6 +39,11 @@ pub(crate) fn alike(a: &str, b: &str) -> bool {
 }
 
 impl Log {
+    /// Line of a row in a text file; in other files the number of the sample, from 1.
+    pub(crate) fn line(&self, row: usize) -> u64 {
+        self.lines.get(row).copied().unwrap_or(row as u64 + 1)
+    }
+
     /// Number of values, including those of clocks.
     pub fn numbers(&self) -> u64 {
         let channels = self.channels.iter().map(|channel| &channel.values);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use kufe_files::{TABLE_TEXT, column_names, line_of_row};
+use kufe_files::{TABLE_TEXT, column_names, line_of_row, row_error};
 use kufe_sled::{
     CONDITIONS, COVARIATE, Conditions, Entry, ICE_AT, INDEX_COLUMNS, IceAlong, MORE_INDEX_COLUMNS,
     file_stem, write_index,
@@ -324,7 +324,7 @@ pub(crate) fn read_table(bytes: &[u8], file: &str) -> Result<Vec<(String, IndexV
     };
     let mut rows: Vec<(String, IndexValues)> = Vec::new();
     for record in reader.records() {
-        let record = record.map_err(failure)?;
+        let record = record.map_err(|error| Error::file(file, row_error(bytes, &error)))?;
         let row = line_of_row(bytes, &record);
         let name = record.get(run).unwrap_or("").to_string();
         if rows.iter().any(|(known, _)| *known == name) {

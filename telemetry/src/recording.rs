@@ -6,7 +6,9 @@ use std::path::Path;
 
 use hdf5_pure::{AttrValue, DType, Dataset, File as Hdf5, Group, ReadSeekSource};
 use kufe_files::shown_name;
-use kufe_sled::{LONGEST_MATLAB, MOST_NUMBERS, matlab_remark, read_matlab, read_parquet};
+use kufe_sled::{
+    LONGEST_MATLAB, MOST_NUMBERS, matlab_column, matlab_remark, read_matlab, read_parquet,
+};
 
 use crate::error::Error;
 use crate::log::{Channel, Log, alike};
@@ -19,6 +21,10 @@ const MAX_CHUNK: u64 = 4_000_000;
 
 /// Largest depth of nested structs.
 const MAX_DEPTH: usize = 6;
+
+/// Reason why a MATLAB file has no channels.
+const NO_VECTOR: &str =
+    "no variable is a vector of more than one number or a matrix of more rows than columns";
 
 /// First bytes of a MATLAB file in HDF5 format.
 const MATLAB_73: &[u8] = b"MATLAB 7.3";
@@ -60,8 +66,7 @@ pub fn read_log(
                 )
             })?;
             let found = read_matlab(&bytes, &file).map_err(of_sled(&file))?;
-            of_vectors(found.vectors, found.remarks)
-                .with_channels(&file, "no variable is a vector of more than one number")?
+            of_vectors(found.vectors, found.remarks).with_channels(&file, NO_VECTOR)?
         }
         "mf4" | "mdf" => read_mdf4(open()?, wanted, &file)?,
         _ => read_text(open()?, options, wanted, most, &file)?,
@@ -108,7 +113,8 @@ fn numbers_of(shape: &[u64]) -> u64 {
 }
 
 /// Reads a MATLAB v7.3 file, which is HDF5: the vectors with the names `wanted`, or all numeric
-/// vectors. A vector in a struct is named `struct.field`.
+/// vectors. A vector in a struct is named `struct.field`; the first column of a matrix with more rows
+/// than columns is named `matrix(:,1)`.
 ///
 /// # Errors
 /// [`Error::File`] if the file is not HDF5, a wanted vector cannot be read, or the vectors have
@@ -134,10 +140,12 @@ pub fn read_matlab73(
     let mut found = Variables::default();
     found.collect(&hdf.root(), "", MAX_DEPTH).map_err(failure)?;
     let names = found.vectors.iter();
-    let names = names.map(|(name, _)| (name.clone(), Vec::new()));
+    let names = names.map(|vector| (vector.name.clone(), Vec::new()));
     let mut log = of_vectors(names, found.remarks);
     for place in log.places(wanted, file)? {
-        let (_, data) = &found.vectors[place];
+        let Vector {
+            data, rows, column, ..
+        } = &found.vectors[place];
         let chunk = data.chunk_shape().map_err(failure)?.unwrap_or_default();
         if numbers_of(&chunk) > MAX_CHUNK {
             let name = &log.channels[place].name;
@@ -145,19 +153,31 @@ pub fn read_matlab73(
             let reason = format!("channel {name}: chunks of {chunk:?} numbers, {expected}");
             return Err(Error::file(file, reason));
         }
+        // A column is read with its whole matrix.
         let count = numbers_of(&data.shape().map_err(failure)?);
-        room = room
-            .checked_sub(count)
-            .ok_or_else(|| Error::too_many(file))?;
-        log.channels[place].values = numbers(data).map_err(failure)?;
+        if count > room {
+            return Err(Error::too_many(file));
+        }
+        room -= *rows as u64;
+        let values = numbers(data).map_err(failure)?;
+        let own = values.chunks(*rows).nth(*column).unwrap_or_default();
+        log.channels[place].values = own.to_vec();
     }
-    log.with_channels(file, "no variable is a vector of more than one number")
+    log.with_channels(file, NO_VECTOR)
 }
 
-/// Vectors of an HDF5 file with their names, and remarks on its other variables.
+/// A vector, or a column of a matrix, whose columns follow one another.
+struct Vector {
+    name: String,
+    data: Dataset,
+    rows: usize,
+    column: usize,
+}
+
+/// Vectors of an HDF5 file, and remarks on its other variables.
 #[derive(Default)]
 struct Variables {
-    vectors: Vec<(String, Dataset)>,
+    vectors: Vec<Vector>,
     remarks: Vec<String>,
 }
 
@@ -170,7 +190,8 @@ impl Variables {
     ) -> Result<(), hdf5_pure::Error> {
         for name in group.datasets()? {
             let data = group.dataset(&name)?;
-            let name = format!("{before}{name}");
+            let own = name;
+            let name = format!("{before}{own}");
             let class = match data.attrs()?.remove("MATLAB_class") {
                 Some(
                     AttrValue::String(class)
@@ -181,7 +202,14 @@ impl Variables {
                 _ => "double".to_string(),
             };
             let shape = data.shape()?;
-            let vector = numbers_of(&shape) > 1 && shape.iter().filter(|n| **n != 1).count() == 1;
+            let is_vector =
+                numbers_of(&shape) > 1 && shape.iter().filter(|n| **n != 1).count() == 1;
+            // MATLAB's dimensions in inverse order.
+            let (columns, rows) = match shape[..] {
+                _ if is_vector => (1, numbers_of(&shape)),
+                [columns, rows] if rows > columns => (columns, rows),
+                _ => (0, 0),
+            };
             let numeric = ["double", "single", "logical"].contains(&class.as_str())
                 || class.trim_start_matches('u').starts_with("int");
             let number = !matches!(
@@ -200,8 +228,19 @@ impl Variables {
                     class => class,
                 };
                 self.remarks.push(matlab_remark(&name, kind));
-            } else if vector && number {
-                self.vectors.push((name, data));
+            } else if number {
+                for column in 0..columns as usize {
+                    self.vectors.push(Vector {
+                        name: if is_vector {
+                            name.clone()
+                        } else {
+                            matlab_column(&name, column)
+                        },
+                        data: group.dataset(&own)?,
+                        rows: rows as usize,
+                        column,
+                    });
+                }
             }
         }
         for name in group.groups()? {

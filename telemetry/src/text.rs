@@ -713,7 +713,6 @@ impl<'a> Columns<'a> {
     ) -> Result<Self, Error> {
         let mut log = Log {
             channels: std::mem::take(&mut layout.channels),
-            first_row: layout.first_row,
             ..Log::default()
         };
         let column = |i: usize| format!("column {}", i + 1);
@@ -771,6 +770,7 @@ impl<'a> Columns<'a> {
             None if self.any => return Ok(false),
             None => return Err(Error::too_many(self.file)),
         };
+        self.log.lines.push(*line);
         for (i, cell) in cells
             .iter()
             .chain(iter::repeat(&""))

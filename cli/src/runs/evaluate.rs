@@ -2,6 +2,7 @@
 
 use kufe::charts::{angle_picture, energy_picture, force_picture, losses_picture};
 use kufe::jobs::Failure;
+use kufe::jobs::lateral::warn_of_slip_offsets;
 use kufe::jobs::runs::named_run;
 use kufe::jobs::view_runs::ViewOptions;
 use kufe::results::{Evaluation, write_evaluation_csv};
@@ -38,7 +39,11 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let inputs = args.runs.inputs();
     let output = OutputDir::begin("evaluate", &inputs, &args.runs.out, global.force)?;
     let selection = args.runs.selection();
-    let loaded = global.watched(|watch| selection.load(watch, |_| true))?;
+    let loaded = global.watched(|watch| {
+        let loaded = selection.load(watch, |_| true)?;
+        warn_of_slip_offsets(&loaded, watch);
+        Ok(loaded)
+    })?;
     let runs = evaluate(&loaded.prepared, &loaded.vehicle);
     let document = Evaluation::new(runs, loaded.used.clone(), args.seed);
     let runs = &document.runs;

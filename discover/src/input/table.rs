@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use kufe_files::{TABLE_TEXT, column_names, line_of_row};
+use kufe_files::{TABLE_TEXT, column_names, line_of_row, row_error};
 
 use crate::error::{Error, Result};
 
@@ -39,7 +39,7 @@ impl Table {
         }
         let (mut rows, mut lines) = (Vec::new(), Vec::new());
         for record in reader.records() {
-            let record = record.map_err(|e| refused(&e))?;
+            let record = record.map_err(|e| refused(&row_error(&text, &e)))?;
             lines.push(line_of_row(&text, &record));
             rows.push(record.iter().map(str::to_owned).collect());
         }

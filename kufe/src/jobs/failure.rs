@@ -79,7 +79,9 @@ impl Failure {
 impl From<kufe_sled::Error> for Failure {
     fn from(error: kufe_sled::Error) -> Self {
         match error {
-            kufe_sled::Error::NotConverged { .. } => Failure::NotConverged(error.to_string()),
+            kufe_sled::Error::NotConverged { .. } | kufe_sled::Error::SlipOffsets { .. } => {
+                Failure::NotConverged(error.to_string())
+            }
             _ => Failure::bad_input(error),
         }
     }

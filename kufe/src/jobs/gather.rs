@@ -123,7 +123,7 @@ fn kind(path: &Path) -> Result<Kind, Failure> {
         // Text of another encoding is another file.
         column_names(header.iter()).unwrap_or_default()
     } else {
-        read_columns(path, &[])?.into_keys().collect()
+        read_columns(path, &[])?.columns.into_keys().collect()
     };
     let has = |wanted: [&str; 2]| wanted.iter().all(|name| names.iter().any(|n| n == name));
     Ok(match (has(["run", "file"]), has(["t_s", "v_mps"])) {

@@ -4,12 +4,11 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use kufe_sled::friction::{LateralFit, MagicFormula};
-use kufe_sled::{Model, Vehicle, by_track, fit, validate};
+use kufe_sled::{Model, Vehicle, by_track, fit, slip_offsets, slip_offsets_text, validate};
 
 use crate::jobs::failure::{Failure, Located};
 use crate::jobs::runs::{PreparedRuns, RunSelection};
 use crate::jobs::watch::Watch;
-use crate::plot::measured;
 use crate::results::{LateralFitDocument, Validation};
 
 /// A fit of the lateral friction of both runners, and its runs.
@@ -49,15 +48,10 @@ pub fn fit_lateral(
     }
     watch.progress("fitting");
     let fit = fit(&loaded.prepared, &loaded.vehicle, leave_out_contacts)?;
-    let offsets = fit.slip_offsets.iter().map(|one| {
-        let offset = measured(one.offset_rad, 1.96 * one.error_rad, "rad");
-        format!("session {}, {}: {offset}", one.session, one.runner.name())
-    });
-    let offsets: Vec<String> = offsets.collect();
-    if !offsets.is_empty() {
+    if !fit.slip_offsets.is_empty() {
+        let offsets = slip_offsets_text(&fit.slip_offsets);
         watch.warn(&format!(
-            "slip angles have zero offsets, which the fit subtracts: {}; calibrate the slip and the steering sensor",
-            offsets.join("; ")
+            "slip angles have zero offsets, which the fit subtracts: {offsets}; calibrate the slip and the steering sensor"
         ));
     }
     let model = fit.applied_to(&loaded.model).to_toml();
@@ -120,6 +114,17 @@ impl FittedLaws {
     }
 }
 
+/// Warns of zero offsets of slip angles, which a validation or an evaluation does not subtract.
+pub fn warn_of_slip_offsets(loaded: &PreparedRuns, watch: &Watch) {
+    let offsets = slip_offsets(&loaded.prepared, &loaded.vehicle);
+    if !offsets.is_empty() {
+        let offsets = slip_offsets_text(&offsets);
+        watch.warn(&format!(
+            "with these laws, slip angles have zero offsets, which add to forces and losses: {offsets}; subtract the rear's from alpha_rad and the front's excess over it from delta_rad, by zero in the mapping, or session by session by [effects.slip-offset] and [effects.steer-offset] in the model"
+        ));
+    }
+}
+
 /// Compares the lateral forces that the selected runs measured with those of the model. With
 /// `laws`, these replace the model's laws, and the runs of their fit are excluded.
 ///
@@ -135,6 +140,7 @@ pub fn validate_runs(
     if let Some(laws) = laws {
         loaded.vehicle = loaded.vehicle.with_lateral(laws.front, laws.rear);
     }
+    warn_of_slip_offsets(&loaded, watch);
     let runs = validate(&loaded.prepared, &loaded.vehicle);
     Ok(Validation {
         tracks: by_track(&runs),

@@ -32,7 +32,8 @@ const OPAQUE: u32 = 17;
 /// The variables of a MATLAB file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MatlabVariables {
-    /// Real vectors (1 x n or n x 1) of more than one element, those in structs as `struct.field`.
+    /// Real vectors (1 x n or n x 1) of more than one element, those in structs as `struct.field`,
+    /// and the columns of matrices with more rows than columns ([`matlab_column`]).
     pub vectors: Vec<(String, Vec<f64>)>,
     /// Remarks on variables that are no numeric arrays: their class, and how to save them as vectors.
     pub remarks: Vec<String>,
@@ -51,11 +52,14 @@ pub(crate) fn read_matlab_columns(bytes: &[u8], file: &str) -> Result<Columns, E
         }
         return Err(Error::file(file, reason));
     }
-    let own = vectors.into_iter().filter(|(name, _)| !name.contains('.'));
+    let own = vectors
+        .into_iter()
+        .filter(|(name, _)| !name.contains(['.', '(']));
     collect(own, file)
 }
 
-/// Reads every vector of numbers. Scalars and matrices are ignored; other variables get a remark.
+/// Reads every vector of numbers and the columns of matrices with more rows than columns. Scalars and
+/// other arrays are ignored; other variables get a remark.
 ///
 /// # Errors
 /// [`Error::File`] if the file is no MATLAB v5 file (v7.3 is HDF5), is cut short, or contains more
@@ -232,8 +236,13 @@ impl Variables {
         }
         match class {
             FIRST_NUMERIC..=LAST_NUMERIC => {
-                let vector = dimensions.iter().filter(|n| **n != 1).count() == 1;
-                if !vector || length < 2 || complex {
+                let is_vector = dimensions.iter().filter(|n| **n != 1).count() == 1;
+                let columns = match dimensions[..] {
+                    _ if is_vector => 1,
+                    [rows, columns] if rows > columns => columns,
+                    _ => 0,
+                };
+                if columns == 0 || length < 2 || complex {
                     return Ok(());
                 }
                 if length > self.room {
@@ -243,7 +252,13 @@ impl Variables {
                 let values = numbers(kind, &data).filter(|values| values.len() == length);
                 let values = values.ok_or_else(|| CUT_SHORT.to_string())?;
                 self.room -= length;
-                self.found.vectors.push((name.to_string(), values));
+                if is_vector {
+                    self.found.vectors.push((name.to_string(), values));
+                } else {
+                    let columns = values.chunks(length / columns).enumerate();
+                    let named = columns.map(|(k, own)| (matlab_column(name, k), own.to_vec()));
+                    self.found.vectors.extend(named);
+                }
             }
             STRUCT if length == 1 && depth > 0 => {
                 let longest = elements.next()?.1.first()? as usize;
@@ -267,6 +282,11 @@ impl Variables {
     fn remark(&mut self, name: &str, kind: &str) {
         self.found.remarks.push(matlab_remark(name, kind));
     }
+}
+
+/// The name of a column of a matrix, as MATLAB writes it: `acc(:,1)` for the first.
+pub fn matlab_column(matrix: &str, column: usize) -> String {
+    format!("{matrix}(:,{})", column + 1)
 }
 
 /// The remark on a variable of another class: how to save its numbers as vectors.

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::io::Read;
 
-use kufe_files::{TABLE_TEXT, column_names, line_of_row};
+use kufe_files::{TABLE_TEXT, column_names, line_of_row, row_error};
 
 use crate::conditions::{CONDITIONS, Conditions};
 use crate::error::Error;
@@ -89,7 +89,7 @@ impl Table {
             return Err(Error::missing_column(file, name, &header));
         }
         let rows: Result<Vec<_>, _> = csv.records().collect();
-        let rows = rows.map_err(|error| unreadable(&error))?;
+        let rows = rows.map_err(|error| Error::file(file, row_error(&text, &error)))?;
         let lines = rows.iter().map(|row| line_of_row(&text, row));
         Ok(Table {
             file: file.into(),

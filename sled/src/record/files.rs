@@ -122,7 +122,8 @@ pub fn read_run_of(
     let file = entry.file.display().to_string();
     let more = required.iter().filter(|name| !known.contains(name));
     let known: Vec<&str> = known.iter().chain(more).copied().collect();
-    let mut columns = read_columns(&entry.file, &known)?;
+    let mut found = read_columns(&entry.file, &known)?;
+    let columns = &mut found.columns;
     let mut remarks = Vec::new();
     if is_cut_short(&entry.file) {
         remarks.push(format!(
@@ -138,14 +139,14 @@ pub fn read_run_of(
             ));
         }
     }
-    let is_recorded = |name: &&str| columns.contains_key(*name);
+    let is_recorded = |name: &&str| found.columns.contains_key(*name);
     let used: Vec<&str> = known.into_iter().filter(is_recorded).collect();
-    let (clock, gaps, saturated) = check_columns(&mut columns, required, &used, on_gaps, &file)?;
+    let (clock, gaps, saturated) = check_columns(&mut found, required, &used, on_gaps, &file)?;
     Ok(Run {
         entry,
         t0_s: clock.t0_s,
         dt_s: clock.dt_s,
-        columns,
+        columns: found.columns,
         gaps,
         saturated,
         remarks,

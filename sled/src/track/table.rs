@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::columns::{read_csv, write_csv};
+use crate::columns::{FileColumns, read_csv, write_csv};
 use crate::conditions::CONDITIONS;
 use crate::error::Error;
 use crate::track::spline::Spline;
@@ -69,7 +69,7 @@ impl Track {
             "bank_rad",
             "ice_c",
         ];
-        let mut columns = read_csv(reader, &required, file)?;
+        let FileColumns { mut columns, lines } = read_csv(reader, &required, file)?;
         columns.retain(|name, _| !ERRORS.contains(&name.as_str()));
         let column_error = |column: &str, what: &str| {
             let columns = COLUMNS.join(", ");
@@ -103,23 +103,22 @@ impl Track {
             curvature_1pm: remove("curvature_1pm")?,
             bank_rad: remove("bank_rad")?,
         };
-        track.check(file)?;
+        track.check(&lines, file)?;
         let (_, low, high) = CONDITIONS[0];
         if let Some(row) = ice.iter().position(|c| *c < low || *c > high) {
             let expected = format!("a number from {low} to {high}, or nothing");
-            let line = row as u64 + 2;
-            return Err(Error::cell(file, line, "ice_c", ice[row], &expected));
+            return Err(Error::cell(file, lines[row], "ice_c", ice[row], &expected));
         }
         track.ice = IceAlong::new(track.s_m.iter().zip(ice).map(|(s, c)| [*s, c]));
         Ok(track)
     }
 
-    /// Checks lengths and ranges; `file` names the source in errors.
+    /// Checks lengths and ranges; `lines` are those of the rows in `file`, for errors.
     ///
     /// # Errors
     /// [`Error::Cell`] with row and column, [`Error::TooFew`], [`Error::Column`] for a track of a
     /// few metres.
-    pub fn check(&self, file: &str) -> Result<(), Error> {
+    fn check(&self, lines: &[u64], file: &str) -> Result<(), Error> {
         if self.s_m.len() < 4 {
             return Err(Error::too_few(format!("{file}: rows"), self.s_m.len(), 4));
         }
@@ -131,12 +130,11 @@ impl Track {
         ];
         for ((column, values), (most, expected)) in self.columns().into_iter().zip(EXPECTED) {
             if let Some(row) = values.iter().position(|v| v.is_nan() || v.abs() >= most) {
-                let line = row as u64 + 2;
-                return Err(Error::cell(file, line, column, values[row], expected));
+                return Err(Error::cell(file, lines[row], column, values[row], expected));
             }
         }
         if let Some(row) = self.s_m.windows(2).position(|pair| pair[1] <= pair[0]) {
-            let (line, expected) = (row as u64 + 3, "more than in the row before");
+            let (line, expected) = (lines[row + 1], "more than in the row before");
             return Err(Error::cell(file, line, "s_m", self.s_m[row + 1], expected));
         }
         let span = self.s_m[self.s_m.len() - 1] - self.s_m[0];

@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use kufe_sled::sample_data::{drive_sample, sample_plan};
 use kufe_sled::{
-    Axle, FitResult, Group, Model, PrepareOptions, Prepared, RunEvaluation, Vehicle, by_track,
-    evaluate, fit, groups, prepare_all, validate,
+    Axle, Error, FitResult, Group, Model, PrepareOptions, Prepared, RunEvaluation, Vehicle,
+    by_track, evaluate, fit, groups, prepare_all, slip_offsets, validate,
 };
 
 struct Sample {
@@ -113,6 +113,37 @@ fn zero_offsets_of_sessions_are_found_and_do_not_change_the_fit() {
                 "{session} {runner:?}: {found}, {offset}"
             );
         }
+    }
+}
+
+#[test]
+fn a_fit_that_fails_with_the_offsets_subtracted_is_an_error() {
+    let mut runs = SAMPLE.prepared.clone();
+    for run in &mut runs {
+        // More than the slips, less than the offset.
+        run.slip_sd_rad = [0.01; 2];
+        for state in &mut run.states {
+            state.alpha_r_rad += 0.02;
+            state.alpha_f_rad += 0.02;
+        }
+    }
+    let error = fit(&runs, &SAMPLE.vehicle, false).unwrap_err();
+    println!("{error}");
+    assert!(matches!(error, Error::SlipOffsets { .. }), "{error}");
+}
+
+#[test]
+fn offsets_are_found_with_the_laws_that_are_given() {
+    assert!(slip_offsets(&SAMPLE.prepared, &fitted_vehicle()).is_empty());
+    let mut runs = SAMPLE.prepared.clone();
+    for state in runs.iter_mut().flat_map(|run| &mut run.states) {
+        state.alpha_r_rad += 0.002;
+    }
+    let offsets = slip_offsets(&runs, &fitted_vehicle());
+    assert!(!offsets.is_empty());
+    for one in offsets {
+        assert_eq!(one.runner, Axle::Rear);
+        assert!((one.offset_rad - 0.002).abs() < 1e-4, "{one:?}");
     }
 }
 

@@ -113,7 +113,9 @@ with h5py.File(path, 'w', userblock_size=512, libver=('earliest', 'latest')) as 
         d.attrs['MATLAB_class'] = np.bytes_(kind)
     gps = f.create_group('gps'); gps.attrs['MATLAB_class'] = np.bytes_('struct')
     put(gps, 't', slow, 'double'); put(gps, 'v', 3.6 * (25 + 3 * np.sin(0.7 * slow)), 'double')
-    put(f, 't', fast, 'double'); put(f, 'ay', (0.4 * np.sin(2 * fast)), 'double'); put(f, 'n', np.arange(10000, dtype='u2'), 'uint16')
+    # 10000 x 3 in MATLAB.
+    f.create_dataset('acc', data=np.array([0.0 * fast, 0.4 * np.sin(2 * fast), fast]))
+    put(f, 't', fast, 'double'); put(f, 'n', np.arange(10000, dtype='u2'), 'uint16')
     text = f.create_dataset('name', data=np.array([[105], [103]], dtype='u2')); text.attrs['MATLAB_class'] = np.bytes_('char')
 with open(path, 'r+b') as f:
     f.write(b'MATLAB 7.3 MAT-file, Platform: GLNXA64, HDF5 schema 1.00 .'.ljust(116) + b' ' * 8 + bytes([0, 2]) + b'IM')
@@ -121,7 +123,7 @@ with open(path, 'r+b') as f:
     if !made("h5py, numpy", script, folder.path()) {
         return;
     }
-    let mapping = "[logger.box]\nfiles = \"run.mat\"\ntime = \"t\"\n[channels]\nv_mps = { from = \"gps.v\", unit = \"km/h\", time = \"gps.t\" }\nay_mps2 = { from = \"ay\", unit = \"g\" }\nn = { from = \"n\" }\n";
+    let mapping = "[logger.box]\nfiles = \"run.mat\"\ntime = \"t\"\n[channels]\nv_mps = { from = \"gps.v\", unit = \"km/h\", time = \"gps.t\" }\nay_mps2 = { from = \"acc(:,2)\", unit = \"g\" }\nn = { from = \"n\" }\n";
     is_what_was_written(mapping, folder.path());
 }
 

@@ -152,9 +152,13 @@ fn what_is_wrong_is_one_line_with_its_place() {
     );
     let mut rows: Vec<&str> = good.lines().collect();
     rows.swap(50, 60);
-    assert!(
-        reported(MAPPING, &rows.join("\n")).contains("expected times that do not run backwards")
-    );
+    // Blank lines and comments count, which are no samples.
+    let after_others = format!("\n# a note\n{}", rows[20]);
+    rows[20] = &after_others;
+    let backwards = reported(MAPPING, &rows.join("\n"));
+    for part in ["in row 54, ", "expected times that do not run backwards"] {
+        assert!(backwards.contains(part), "{backwards}");
+    }
     assert!(
         reported(&MAPPING.replace("raw/*", "raw/x*"), &good)
             .contains("expected files of that pattern")

@@ -138,8 +138,9 @@ fn damaged_mappings_are_mappings_or_errors() {
 
 #[test]
 fn damaged_parquet_files_are_columns_or_errors() {
-    let columns = read_csv(run_csv().as_bytes(), &COLUMNS, "run.csv").expect("columns");
-    let columns: Vec<(&str, &[f64])> = columns
+    let run = read_csv(run_csv().as_bytes(), &COLUMNS, "run.csv").expect("columns");
+    let columns: Vec<(&str, &[f64])> = run
+        .columns
         .iter()
         .map(|(name, values)| (name.as_str(), values.as_slice()))
         .collect();
@@ -310,7 +311,7 @@ fn damaged_matlab73_files_are_channels_or_errors() {
     let script = "import sys, h5py, numpy as np\nt = np.arange(40) / 20.0\n\
         for name, filters in (('a', {}), ('b', {'chunks': (1, 20), 'compression': 'gzip'})):\n    \
         with h5py.File(sys.argv[1] + f'/{name}.mat', 'w', userblock_size=512, libver=('earliest', 'latest')) as f:\n        \
-        f.create_dataset('t', data=t[None], **filters)\n        f.create_group('gps').create_dataset('v', data=np.cos(t)[None])\n";
+        f.create_dataset('t', data=t[None], **filters)\n        f.create_dataset('acc', data=np.array([t, t]))\n        f.create_group('gps').create_dataset('v', data=np.cos(t)[None])\n";
     let seeds = logs("h5py, numpy", script, "mat");
     if !seeds.is_empty() {
         rounds("log.mat", &seeds, |bytes| {

@@ -96,7 +96,10 @@ fn kufes_own_runs_are_imported_as_they_are_and_evaluated() {
         read_columns(&index[0].file, &COLUMNS),
         read_columns(&bench.path("monday_1.csv"), &COLUMNS),
     );
-    let (own, original) = (own.expect("a run"), original.expect("a run"));
+    let (own, original) = (
+        own.expect("a run").columns,
+        original.expect("a run").columns,
+    );
     let rate = 1.0 / (original["t_s"][1] - original["t_s"][0]);
     for name in COLUMNS {
         // The way of the other commands from a run's rate to a lower one; both are written with nine decimals.

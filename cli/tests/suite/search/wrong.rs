@@ -52,7 +52,7 @@ fn cells_columns_and_files_that_are_wrong_are_named_with_their_place() -> Outcom
         &["experiments.csv", "a, b", "runs.csv", "pressures.csv"],
     )?;
     let ragged = TABLE.replace("0.0030,0.0003", "0.0030");
-    refused(&ragged, &["experiments.csv", "line: 6"])?;
+    refused(&ragged, &["experiments.csv", "row 6: found"])?;
     let twice = TABLE.replace("p_max_sd_pa", "mu");
     refused(&twice, &["experiments.csv", "`mu`", "twice"])?;
     let gap = TABLE

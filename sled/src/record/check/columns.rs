@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use crate::columns::Columns;
+use crate::columns::{Columns, FileColumns};
 use crate::error::Error;
 use crate::record::gaps::{Gaps, LEAST_SPEED, OnGaps, Saturation};
 use crate::series::median;
@@ -20,14 +20,15 @@ pub const MIN_RUN_SAMPLES: usize = 64;
 /// that are used and the saturated channels.
 ///
 /// `required` are the columns of the file besides `t_s`; `used` are those that must have a value in a
-/// used sample; `file` names the source in errors. `t_s` is removed from the columns.
+/// used sample; `file` names the source in errors. `t_s` is removed from the columns. `lines` remain
+/// those of the rows with a time.
 ///
 /// # Errors
 /// The first of these, with its place: a missing column, a number out of range, too few samples, time
 /// that runs backwards or jumps, a column without values. With [`OnGaps::Refuse`] also irregular
 /// steps, missing values and standstill.
 pub fn check_columns(
-    columns: &mut Columns,
+    FileColumns { columns, lines }: &mut FileColumns,
     required: &[&str],
     used: &[&str],
     on_gaps: OnGaps,
@@ -37,9 +38,15 @@ pub fn check_columns(
     if let Some(name) = needed.find(|name| !columns.contains_key(*name)) {
         return Err(Error::missing_column(file, name, columns.keys()));
     }
-    refuse_too_large(&columns["t_s"], "t_s", LARGEST_TIME_S, file)?;
-    for name in used {
-        refuse_too_large(&columns[*name], name, LARGEST_VALUE, file)?;
+    let too_large = |name: &str, most: f64| {
+        let row = columns[name].iter().position(|value| value.abs() > most)?;
+        let expected = format!("a number between -{most:e} and {most:e}");
+        let found = format!("{:e}", columns[name][row]);
+        Some(Error::cell(file, lines[row], name, found, &expected))
+    };
+    let of_used = || used.iter().find_map(|name| too_large(name, LARGEST_VALUE));
+    if let Some(error) = too_large("t_s", LARGEST_TIME_S).or_else(of_used) {
+        return Err(error);
     }
     let mut time = columns.remove("t_s").unwrap_or_default();
     if time.len() < MIN_RUN_SAMPLES {
@@ -47,21 +54,22 @@ pub fn check_columns(
         return Err(Error::too_few(what, time.len(), MIN_RUN_SAMPLES));
     }
     if on_gaps == OnGaps::Refuse {
-        refuse_gaps(columns, &time, used, file)?;
+        refuse_gaps(columns, &time, lines, used, file)?;
     }
     let rows: Vec<usize> = (0..time.len()).filter(|i| time[*i].is_finite()).collect();
     if rows.len() < MIN_RUN_SAMPLES {
-        refuse_missing(&time, &time, "t_s", file)?;
+        refuse_missing(&time, &time, lines, "t_s", file)?;
     }
     if rows.len() < time.len() {
         for column in columns.values_mut().chain([&mut time]) {
             *column = rows.iter().map(|i| column[*i]).collect();
         }
+        *lines = rows.iter().map(|i| lines[*i]).collect();
     }
-    let base = TimeBase::of(&time, &|i| rows[i] as u64 + 2, file)?;
+    let base = TimeBase::of(&time, lines, file)?;
     for name in used {
         if columns[*name].iter().all(|x| !x.is_finite()) {
-            refuse_missing(&columns[*name], &time, name, file)?;
+            refuse_missing(&columns[*name], &time, lines, name, file)?;
         }
     }
     for column in columns.values_mut() {
@@ -74,7 +82,7 @@ pub fn check_columns(
     if samples == 0
         && let Some(speed) = speed.filter(|v| v.iter().all(|v| *v <= LEAST_SPEED))
     {
-        return Err(standstill(file, 2, speed[0], time[0]));
+        return Err(standstill(file, lines[0], speed[0], time[0]));
     }
     if samples < MIN_RUN_SAMPLES {
         let what = format!(
@@ -91,28 +99,24 @@ pub fn check_columns(
     Ok((clock, gaps, saturated))
 }
 
-fn refuse_too_large(values: &[f64], column: &str, most: f64, file: &str) -> Result<(), Error> {
-    let too_large = |value: &f64| value.abs() > most;
-    let Some(first) = values.iter().position(too_large) else {
-        return Ok(());
-    };
-    let expected = format!("a number between -{most:e} and {most:e}");
-    let (row, found) = (first as u64 + 2, format!("{:e}", values[first]));
-    Err(Error::cell(file, row, column, found, &expected))
-}
-
 /// Refuses what [`OnGaps::LeaveOut`] excludes: missing values, uneven time, standstill.
-fn refuse_gaps(columns: &Columns, time: &[f64], used: &[&str], file: &str) -> Result<(), Error> {
-    refuse_missing(time, time, "t_s", file)?;
-    refuse_uneven(time, file)?;
+fn refuse_gaps(
+    columns: &Columns,
+    time: &[f64],
+    lines: &[u64],
+    used: &[&str],
+    file: &str,
+) -> Result<(), Error> {
+    refuse_missing(time, time, lines, "t_s", file)?;
+    refuse_uneven(time, lines, file)?;
     for name in used {
-        refuse_missing(&columns[*name], time, name, file)?;
+        refuse_missing(&columns[*name], time, lines, name, file)?;
     }
     if used.contains(&"v_mps")
         && let Some(speed) = columns.get("v_mps")
         && let Some(at) = speed.iter().position(|v| *v <= LEAST_SPEED)
     {
-        return Err(standstill(file, at as u64 + 2, speed[at], time[at]));
+        return Err(standstill(file, lines[at], speed[at], time[at]));
     }
     Ok(())
 }
@@ -132,7 +136,7 @@ fn bad_step(file: &str, row: u64, what: &str, [t_s, step, expected]: [f64; 3]) -
     Error::row(file, row, reason)
 }
 
-fn refuse_uneven(time: &[f64], file: &str) -> Result<(), Error> {
+fn refuse_uneven(time: &[f64], lines: &[u64], file: &str) -> Result<(), Error> {
     let steps = time.windows(2).map(|pair| pair[1] - pair[0]);
     let median = median(steps.clone()).unwrap_or(0.0);
     for (i, step) in steps.enumerate() {
@@ -145,12 +149,18 @@ fn refuse_uneven(time: &[f64], file: &str) -> Result<(), Error> {
         } else {
             continue;
         };
-        return Err(bad_step(file, i as u64 + 3, what, [time[i], step, median]));
+        return Err(bad_step(file, lines[i + 1], what, [time[i], step, median]));
     }
     Ok(())
 }
 
-fn refuse_missing(values: &[f64], time: &[f64], column: &str, file: &str) -> Result<(), Error> {
+fn refuse_missing(
+    values: &[f64],
+    time: &[f64],
+    lines: &[u64],
+    column: &str,
+    file: &str,
+) -> Result<(), Error> {
     let missing = |value: &f64| !value.is_finite();
     let Some(first) = values.iter().position(missing) else {
         return Ok(());
@@ -159,7 +169,7 @@ fn refuse_missing(values: &[f64], time: &[f64], column: &str, file: &str) -> Res
     let bursts: Vec<&[f64]> = bursts.filter(|burst| missing(&burst[0])).collect();
     let (length, count) = (bursts[0].len(), bursts.len());
     let total: usize = bursts.iter().map(|burst| burst.len()).sum();
-    let (row, t_s) = (first + 2, time[first]);
+    let (row, t_s) = (lines[first], time[first]);
     let reason = format!(
         "column {column}: {length} values are NaN or missing from row {row} on (t = {t_s:.3} s); {count} such bursts in all, {total} values; expected a number in every row: nothing is filled in"
     );
@@ -198,7 +208,7 @@ pub struct TimeBase {
 }
 
 impl TimeBase {
-    /// The time base of rows at increasing `time` [s]; `row` is the line of each in the file, for
+    /// The time base of rows at increasing `time` [s]; `lines` are those of the rows in the file, for
     /// errors.
     ///
     /// A step of 1.5 times the typical step or more is a gap: its samples have no value. Rows remain
@@ -208,11 +218,11 @@ impl TimeBase {
     /// # Errors
     /// [`Error::Row`] if time does not increase, a step is less than half the typical step, or time
     /// jumps farther than the recorded duration.
-    pub fn of(time: &[f64], row: &dyn Fn(usize) -> u64, file: &str) -> Result<TimeBase, Error> {
+    pub fn of(time: &[f64], lines: &[u64], file: &str) -> Result<TimeBase, Error> {
         let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let typical = typical_step(&steps);
         let step = |i: usize, what, expected| {
-            bad_step(file, row(i + 1), what, [time[i], steps[i], expected])
+            bad_step(file, lines[i + 1], what, [time[i], steps[i], expected])
         };
         let error = |i: usize, what| step(i, what, typical);
         if let Some(i) = steps.iter().position(|step| *step <= 0.0) {
@@ -327,7 +337,8 @@ mod tests {
     use super::*;
 
     fn base(time: &[f64]) -> Result<TimeBase, Error> {
-        TimeBase::of(time, &|i| i as u64 + 2, "run.csv")
+        let lines: Vec<u64> = (2..).take(time.len()).collect();
+        TimeBase::of(time, &lines, "run.csv")
     }
 
     #[test]

@@ -195,7 +195,9 @@ fn biases_at_rest(run: &Run) -> BTreeMap<String, f64> {
     if run.gaps.cut_s.iter().all(|cut| *cut < MIN_REST_S) && run.gaps.standstill == 0 {
         return means;
     }
-    let columns = read_columns(&run.entry.file, &[]).unwrap_or_default();
+    let columns = read_columns(&run.entry.file, &[])
+        .unwrap_or_default()
+        .columns;
     let Some(speed) = columns.get("v_mps") else {
         return means;
     };
@@ -379,7 +381,9 @@ mod tests {
         let entry = read_index(&folder.join("runs.csv"))
             .expect("an index")
             .remove(0);
-        let mut columns = read_columns(&file, &["v_mps", "yaw_rate_radps"]).expect("columns");
+        let mut columns = read_columns(&file, &["v_mps", "yaw_rate_radps"])
+            .expect("columns")
+            .columns;
         columns.remove("t_s");
         let gaps = Gaps::find(&mut columns, &["v_mps", "yaw_rate_radps"], 0.01);
         Run {

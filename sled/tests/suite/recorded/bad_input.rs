@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use kufe_sled::{COLUMNS, Error, Needs, OnGaps, read_good_runs, read_index, read_run, read_runs};
+use kufe_sled::{
+    COLUMNS, Error, Needs, OnGaps, Track, read_good_runs, read_index, read_run, read_runs,
+};
 
 /// A plausible run of `samples` samples at 100 Hz; `spoil` may change any cell of it.
 fn run_file(folder: &Path, name: &str, samples: usize, spoil: &dyn Fn(usize, &str, f64) -> String) {
@@ -180,6 +182,42 @@ fn irregular_time_and_clock_jumps_are_placed() {
         .to_string()
     });
     has(&message, &["row 102", "backwards"]);
+}
+
+#[test]
+fn places_are_lines_of_the_file_with_blank_lines_counted() {
+    for (column, faulty, parts) in [
+        ("t_s", "0.5", ["row 104", "backwards"]),
+        ("v_mps", "", ["row 104", "missing"]),
+        ("v_mps", "0", ["row 104", "standstill"]),
+        ("v_mps", "1e7", ["row 104", "between"]),
+    ] {
+        let message = reported(200, &|i, name, value| match (i, name) {
+            (5, "t_s") => format!("\n\n{value}"),
+            (100, name) if name == column => faulty.to_string(),
+            _ => value.to_string(),
+        });
+        has(&message, &parts);
+    }
+    // A row without a time is a line, too.
+    let folder = tempfile::tempdir().unwrap();
+    run_file(
+        folder.path(),
+        "bad",
+        200,
+        &|i, name, value| match (i, name) {
+            (5, "t_s") => String::new(),
+            (100, "t_s") => "0.5".to_string(),
+            _ => value.to_string(),
+        },
+    );
+    let path = index(folder.path(), &[("K1", "bad.csv")]);
+    let entry = read_index(&path).unwrap().remove(0);
+    let error = read_run(entry, &COLUMNS, OnGaps::LeaveOut).unwrap_err();
+    has(&error.to_string(), &["row 102", "backwards"]);
+    let text = "s_m,slope_rad,curvature_1pm,bank_rad\n0,0,0,0\n\n\n10,0,0,0\n5,0,0,0\n20,0,0,0\n";
+    let error = Track::from_csv(text.as_bytes(), "east", "track_east.csv").unwrap_err();
+    has(&error.to_string(), &["row 6", "s_m"]);
 }
 
 #[test]

@@ -130,7 +130,9 @@ scipy.io.savemat(os.path.join(sys.argv[1], 'packed.mat'), {k: data[k][:, None] f
     let packed = ["none", "snappy", "gzip", "zstd"].map(|codec| format!("{codec}.parquet"));
     let matlab = ["two.mat", "packed.mat"].map(str::to_owned);
     for name in packed.iter().chain(&matlab) {
-        let columns = read_columns(&folder.path().join(name), &[]).unwrap();
+        let columns = read_columns(&folder.path().join(name), &[])
+            .unwrap()
+            .columns;
         assert_eq!(columns["t_s"].len(), 200, "{name}");
         assert!((columns["v_mps"][100] - 21.0).abs() < 1e-12, "{name}");
         assert!((columns["half"][100] - 0.5).abs() < 1e-6, "{name}");
@@ -382,12 +384,16 @@ fn matlab_files_with_tables_and_text_give_their_vectors_and_remarks() {
         &matrix("note", 4, &[1, 2], 4, &[104, 0, 105, 0]),
         &matrix("n", 12, &[3, 1], 3, &[255, 255, 2, 0, 3, 0]),
         &matrix("scalar", 6, &[1, 1], 2, &[3]),
+        &matrix("acc", 6, &[3, 2], 2, &[1, 2, 3, 4, 5, 6]),
+        &matrix("wide", 6, &[2, 3], 2, &[1, 2, 3, 4, 5, 6]),
         &element(14, &fields.concat()),
     ]);
     let found = kufe_sled::read_matlab(&bytes, "a.mat").unwrap();
     let expected = [
         ("t", [0.0, 0.5, 1.0]),
         ("n", [-1.0, 2.0, 3.0]),
+        ("acc(:,1)", [1.0, 2.0, 3.0]),
+        ("acc(:,2)", [4.0, 5.0, 6.0]),
         ("gps.v", [0.0, 0.5, 1.0]),
         ("gps.t", [1.0, 2.0, 3.0]),
     ];
