@@ -183,7 +183,7 @@ pub(crate) mod tests {
     use crate::grid::grading::Resolution;
     use crate::grid::patch::Patch;
     use crate::mesh::discretise::Reach;
-    use crate::{Ice, Options, Problem, Runner, Tilt};
+    use crate::{Ice, Options, Problem, Runner};
 
     /// A mesh of a problem's patch as found, and what it is solved from.
     pub(crate) struct MeshProblem {
@@ -218,29 +218,6 @@ pub(crate) mod tests {
             }
             .solve(self.patch.motion, &self.forces)
         }
-    }
-
-    #[test]
-    fn a_load_above_what_yielding_ice_bears_on_the_patch_is_refused()
-    -> Result<(), Box<dyn std::error::Error>> {
-        let runner = Runner::rigid(Arc::new(Paraboloid::new(30.0, 0.005)?));
-        let mut ice = Ice::half_space(9e9, 0.33);
-        ice.hardness = Some(10e6);
-        let problem = |fz| Problem::new(runner.clone(), ice.clone(), Load::central(fz, Tilt::Free));
-        let one = MeshProblem::new(problem(1000.0), 4.0)?;
-        let heavier = problem(1e5);
-        let options = Options::default();
-        let checked = CheckedProblem::new(&heavier, &options)?;
-        let mesh = checked.mesh(&one.patch, Resolution::of(4.0), Reach::Patch)?;
-        let solve = MeshSolve {
-            checked: &checked,
-            mesh: &mesh,
-            stored: StorageLimit::USUAL,
-            report: &|_, _| {},
-        };
-        let found = solve.solve(one.patch.motion, &one.forces);
-        assert!(matches!(found, Err(Error::NoAnswer { .. })));
-        Ok(())
     }
 
     #[test]
