@@ -42,7 +42,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let loaded = global.watched(|watch| {
         let loaded = selection.load(watch, |_| true)?;
         warn_of_slip_offsets(&loaded, watch);
-        Ok(loaded)
+        Ok::<_, Failure>(loaded)
     })?;
     let runs = evaluate(&loaded.prepared, &loaded.vehicle);
     let document = Evaluation::new(runs, loaded.used.clone(), args.seed);
