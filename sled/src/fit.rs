@@ -1,5 +1,6 @@
 //! Lateral friction of both runners from measured runs.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
@@ -21,8 +22,9 @@ use crate::signals::prepare::Prepared;
 /// The forces come from [`crate::one_track::inverse`], which takes the longitudinal friction from
 /// `vehicle`; of its lateral laws only C is used, where the data do not determine it. The fit
 /// corrects for the slip noise that each run states. With `leave_out_contacts`, stretches with a
-/// force from outside, such as a wall, are found ([`find_contacts`]) and excluded. Slip angles whose
-/// zero is off in a session, as of sensors that are mounted anew, are corrected ([`SlipOffset`]).
+/// force from outside, such as a wall, are found ([`find_contacts`]) and excluded. Zero offsets of
+/// slip angles in a session ([`SlipOffset`]), as of sensors that are mounted anew, are subtracted
+/// from the runs, and the fit is repeated.
 ///
 /// # Errors
 /// [`Error::Undetermined`] where the data do not determine a runner's stiffness; [`Error::TooFew`]
@@ -35,48 +37,11 @@ pub fn fit(
     if runs.is_empty() {
         return Err(Error::too_few("runs to fit", 0, 1));
     }
-    let slip_sd = |axle: usize| {
-        let squares: f64 = runs.iter().map(|run| run.slip_sd_rad[axle].powi(2)).sum();
-        (squares / runs.len() as f64).sqrt()
-    };
-    let fit_one = |samples: &[LateralSample], runner: &RunnerFriction, axle: usize| {
-        let options = LateralFitOptions {
-            c: runner.lateral.c,
-            slip_sd: slip_sd(axle),
-            ..LateralFitOptions::default()
-        };
-        fit_lateral(samples, &options)
-    };
-    let both = |contacts: &[Vec<bool>], offsets: &[SlipOffset], fitted: &Vehicle| {
-        let ([front, rear], excluded) = lateral_samples(runs, fitted, contacts, offsets);
-        let (front, rear) = rayon::join(
-            || fit_one(&front, &vehicle.front, 0),
-            || fit_one(&rear, &vehicle.rear, 1),
-        );
-        Ok::<_, Error>((front?, rear?, excluded))
-    };
-    let (mut front, mut rear, excluded) = both(&[], &[], vehicle)?;
-    let mut contacts = 0;
-    let mut marked = Vec::new();
-    // The first fit is biased by the contacts, so that they are searched for again with the second
-    // fit. Effects that scale with the stiffness of the laws use the stiffness of the previous
-    // round.
-    let refine = leave_out_contacts || !vehicle.effects.is_empty();
-    for _ in 0..if refine { 2 } else { 0 } {
-        let fitted = vehicle.with_lateral(front.law(), rear.law());
-        if leave_out_contacts {
-            marked = find_contacts(runs, &fitted);
-            contacts = marked.iter().flatten().filter(|marked| **marked).count();
-        }
-        if contacts == 0 && vehicle.effects.is_empty() {
-            break;
-        }
-        (front, rear, _) = both(&marked, &[], &fitted)?;
-    }
-    let mut fitted = vehicle.with_lateral(front.law(), rear.law());
+    let mut laws = fit_laws(runs, vehicle, leave_out_contacts)?;
+    let mut corrected = Cow::Borrowed(runs);
     let mut slip_offsets = Vec::new();
     for round in 0.. {
-        let found = significant_offsets(runs, &fitted, &marked, &slip_offsets);
+        let found = significant_offsets(&corrected, &laws.vehicle, &laws.contacts, &slip_offsets);
         let change = largest_change(&found, &slip_offsets);
         if change < MAX_OFFSET_CHANGE {
             break;
@@ -93,22 +58,91 @@ pub fn fit(
                 tolerance: MAX_OFFSET_CHANGE,
             }));
         }
-        (front, rear, _) = both(&marked, &found, &fitted).map_err(failure)?;
-        fitted = vehicle.with_lateral(front.law(), rear.law());
+        corrected = Cow::Owned(without_slip_offsets(runs, &found));
+        laws = fit_laws(&corrected, vehicle, leave_out_contacts).map_err(failure)?;
         slip_offsets = found;
     }
+    let contacts = laws.contacts.iter().flatten();
     Ok(FitResult {
         slip_offsets,
-        front,
-        rear,
+        front: laws.front,
+        rear: laws.rear,
         confidence: CONFIDENCE,
         runs: runs.iter().map(|run| run.entry.run.clone()).collect(),
         samples: runs.iter().map(|run| run.states.len()).sum(),
-        excluded_roll_acceleration: excluded,
-        excluded_contacts: contacts,
-        balances_left_rms: balance_residuals(runs, &fitted),
+        excluded_roll_acceleration: laws.excluded,
+        excluded_contacts: contacts.filter(|marked| **marked).count(),
+        balances_left_rms: balance_residuals(&corrected, &laws.vehicle),
         identifiability: IDENTIFIABILITY.to_owned(),
     })
+}
+
+/// Fitted laws of both runners.
+struct FittedLaws {
+    front: LateralFit,
+    rear: LateralFit,
+    /// The vehicle with these laws.
+    vehicle: Vehicle,
+    /// Samples excluded because of a force from outside, run by run; empty if none was searched for.
+    contacts: Vec<Vec<bool>>,
+    /// Number of samples excluded for their roll acceleration.
+    excluded: usize,
+}
+
+/// Fits the laws of both runners as [`fit`], without offsets of slip angles.
+fn fit_laws(
+    runs: &[Prepared],
+    vehicle: &Vehicle,
+    leave_out_contacts: bool,
+) -> Result<FittedLaws, Error> {
+    let slip_sd = |axle: usize| {
+        let squares: f64 = runs.iter().map(|run| run.slip_sd_rad[axle].powi(2)).sum();
+        (squares / runs.len() as f64).sqrt()
+    };
+    let fit_one = |samples: &[LateralSample], runner: &RunnerFriction, axle: usize| {
+        let options = LateralFitOptions {
+            c: runner.lateral.c,
+            slip_sd: slip_sd(axle),
+            ..LateralFitOptions::default()
+        };
+        fit_lateral(samples, &options)
+    };
+    let both = |contacts: Vec<Vec<bool>>, known: &Vehicle| {
+        let ([front, rear], excluded) = lateral_samples(runs, known, &contacts);
+        let (front, rear) = rayon::join(
+            || fit_one(&front, &vehicle.front, 0),
+            || fit_one(&rear, &vehicle.rear, 1),
+        );
+        let (front, rear) = (front?, rear?);
+        Ok::<_, Error>(FittedLaws {
+            vehicle: vehicle.with_lateral(front.law(), rear.law()),
+            front,
+            rear,
+            contacts,
+            excluded,
+        })
+    };
+    let mut laws = both(Vec::new(), vehicle)?;
+    // The first fit is biased by the contacts, so that they are searched for again with the second
+    // fit. Effects that scale with the stiffness of the laws use the stiffness of the previous
+    // round.
+    let has_effects = !vehicle.effects.is_empty();
+    for _ in 0..if leave_out_contacts || has_effects {
+        2
+    } else {
+        0
+    } {
+        let contacts = if leave_out_contacts {
+            find_contacts(runs, &laws.vehicle)
+        } else {
+            Vec::new()
+        };
+        if !has_effects && !contacts.iter().flatten().any(|marked| *marked) {
+            break;
+        }
+        laws = both(contacts, &laws.vehicle)?;
+    }
+    Ok(laws)
 }
 
 impl FitResult {
@@ -227,9 +261,26 @@ pub fn slip_offsets(runs: &[Prepared], vehicle: &Vehicle) -> Vec<SlipOffset> {
     significant_offsets(runs, vehicle, &find_contacts(runs, vehicle), &[])
 }
 
+/// The runs with the offsets of their slip angles subtracted: that of the rear runner from the slip
+/// angle of the sled, and what the front's has in excess of it from the steering angle.
+pub fn without_slip_offsets(runs: &[Prepared], offsets: &[SlipOffset]) -> Vec<Prepared> {
+    let corrected = |run: &Prepared| {
+        let mut run = run.clone();
+        let [front, rear] = Axle::BOTH.map(|runner| offset_of(offsets, &run.entry.session, runner));
+        for state in &mut run.states {
+            state.alpha_cog_rad -= rear;
+            state.alpha_r_rad -= rear;
+            state.alpha_f_rad -= front;
+            state.delta_rad -= front - rear;
+        }
+        run
+    };
+    runs.iter().map(corrected).collect()
+}
+
 /// The significant offsets given the laws of `vehicle`, by one Gauss-Newton step from the offsets
-/// `before`, which remain even if they are no longer significant: otherwise one at the threshold
-/// would come and go.
+/// `before`, which were subtracted from the runs. These remain even if they are no longer significant:
+/// otherwise one at the threshold would come and go.
 ///
 /// ```text
 /// r = F_y - F(alpha - o),   dr/do = F' = g,   o <- o - sum(r g) / sum(g^2)
@@ -246,7 +297,7 @@ fn significant_offsets(
     let laws = [&vehicle.front.lateral, &vehicle.rear.lateral];
     let of_run = |(number, run): (usize, &Prepared)| {
         let marked = contacts.get(number).map(Vec::as_slice);
-        let (samples, _) = samples_of_run(run, vehicle, marked, before);
+        let (samples, _) = samples_of_run(run, vehicle, marked);
         [0, 1].map(|axle| {
             let mut sums: BTreeMap<u32, [f64; 2]> = BTreeMap::new();
             for s in samples[axle].iter().filter(|s| s.fz > 0.0) {
@@ -301,19 +352,17 @@ const MAX_ROLL_ACCEL: f64 = 100.0 * std::f64::consts::PI / 180.0;
 /// Samples of both runners (front, rear), with the forces of the base laws: measured forces minus
 /// those of the vehicle's effects. Also the number of samples excluded for their roll acceleration.
 ///
-/// `contacts` flags the samples to leave out, run by run; it may be empty. `offsets` are subtracted
-/// from the slip angles. A cluster is a run if there are at least twelve runs, else a stretch of
-/// four seconds of a run.
+/// `contacts` flags the samples to leave out, run by run; it may be empty. A cluster is a run if
+/// there are at least twelve runs, else a stretch of four seconds of a run.
 pub fn lateral_samples(
     runs: &[Prepared],
     vehicle: &Vehicle,
     contacts: &[Vec<bool>],
-    offsets: &[SlipOffset],
 ) -> ([Vec<LateralSample>; 2], usize) {
     let by_run = runs.len() >= 12;
     let of_run = |(number, run): (usize, &Prepared)| {
         let marked = contacts.get(number).map(Vec::as_slice);
-        let (mut samples, excluded) = samples_of_run(run, vehicle, marked, offsets);
+        let (mut samples, excluded) = samples_of_run(run, vehicle, marked);
         let number = number as u32;
         for sample in samples.iter_mut().flatten() {
             sample.cluster = if by_run {
@@ -341,11 +390,9 @@ fn samples_of_run(
     run: &Prepared,
     vehicle: &Vehicle,
     marked: Option<&[bool]>,
-    offsets: &[SlipOffset],
 ) -> ([Vec<LateralSample>; 2], usize) {
     let vehicle = &with_own_contacts(run, vehicle);
     let stretch = (4.0 / run.dt_s) as usize;
-    let offset = Axle::BOTH.map(|runner| offset_of(offsets, &run.entry.session, runner));
     let (mut samples, mut excluded) = ([Vec::new(), Vec::new()], 0);
     for (i, (state, motion)) in run.states.iter().zip(&run.motions).enumerate() {
         if state.roll_accel_radps2.abs() > MAX_ROLL_ACCEL {
@@ -360,7 +407,7 @@ fn samples_of_run(
         let alpha = [state.alpha_f_rad, state.alpha_r_rad];
         for (axle, load) in [forces.front[2], forces.rear[2]].into_iter().enumerate() {
             samples[axle].push(LateralSample {
-                alpha: alpha[axle] - offset[axle],
+                alpha: alpha[axle],
                 fz: load,
                 fy: across[axle],
                 cluster: (i / stretch) as u32,

@@ -70,7 +70,10 @@ pub use evaluate::validate::{
     root_mean_square, validate,
 };
 pub use fault::{Fault, FaultKind};
-pub use fit::{Axle, FitResult, SlipOffset, fit, lateral_samples, slip_offsets, slip_offsets_text};
+pub use fit::{
+    Axle, FitResult, SlipOffset, fit, lateral_samples, slip_offsets, slip_offsets_text,
+    without_slip_offsets,
+};
 pub use model::model_toml::{Friction, MODEL_EXAMPLE, Model};
 pub use model::vehicle::{RunnerFriction, RunnerLaw, RunnerTable, Vehicle, refuse_effects};
 pub use motion::balance::{Balance, BalanceResidual, LawForces};

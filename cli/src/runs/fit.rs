@@ -4,7 +4,7 @@ use kufe::charts::fit_picture;
 use kufe::jobs::lateral::fit_lateral;
 use kufe::jobs::{Failure, runs::PreparedRuns};
 use kufe_sled::friction::{Interval, LateralFit, MagicFormula};
-use kufe_sled::{find_contacts, lateral_samples};
+use kufe_sled::{find_contacts, lateral_samples, without_slip_offsets};
 
 use crate::output::OutputDir;
 use crate::runs::RunArgs;
@@ -55,12 +55,13 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     output.bytes("model.fit.toml", written)?;
     let [front_law, rear_law] = [&fit.front, &fit.rear].map(LateralFit::law);
     let fitted = vehicle.with_lateral(front_law, rear_law);
+    let prepared = &without_slip_offsets(prepared, &fit.slip_offsets);
     let marked = if leave_out_contacts {
         find_contacts(prepared, &fitted)
     } else {
         Vec::new()
     };
-    let ([front, rear], _) = lateral_samples(prepared, vehicle, &marked, &fit.slip_offsets);
+    let ([front, rear], _) = lateral_samples(prepared, vehicle, &marked);
     let pictures = [("front", &front, &front_law), ("rear", &rear, &rear_law)];
     for (runner, samples, law) in pictures {
         let name = format!("fit_{runner}.png");

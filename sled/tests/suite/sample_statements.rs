@@ -93,8 +93,10 @@ fn zero_offsets_of_sessions_are_found_and_do_not_change_the_fit() {
             .find(|(session, ..)| *session == run.entry.session);
         let (_, slip, steering) = own.unwrap();
         for state in &mut run.states {
+            state.alpha_cog_rad += slip;
             state.alpha_r_rad += slip;
             state.alpha_f_rad += slip + steering;
+            state.delta_rad += steering;
         }
     }
     let fit = fit(&runs, &SAMPLE.vehicle, true).unwrap();
@@ -103,6 +105,11 @@ fn zero_offsets_of_sessions_are_found_and_do_not_change_the_fit() {
         let k = fit.k_n_per_rad.value;
         assert!((k / truth.k_n_per_rad - 1.0).abs() < 0.05, "{k}");
     }
+    // Contacts are found in the runs with the offsets subtracted.
+    let [found, expected] = [&fit, &SAMPLE.fit].map(|fit| fit.excluded_contacts as f64);
+    assert!((found / expected - 1.0).abs() < 0.05, "{found} {expected}");
+    let [found, expected] = [&fit, &SAMPLE.fit].map(|fit| fit.balances_left_rms.side_n);
+    assert!(found < 1.05 * expected, "{found} {expected}");
     for (session, slip, steering) in offsets {
         for (runner, offset) in [(Axle::Rear, slip), (Axle::Front, slip + steering)] {
             let mut found = fit.slip_offsets.iter();
