@@ -131,7 +131,8 @@ pub enum Error {
     Stopped,
     /// The iteration stopped short of its tolerance.
     #[error(
-        "not converged after {iterations} iterations: residual {residual:.2e}, requested {tolerance:.2e}"
+        "not converged after {iterations} iterations: {}residual {residual:.2e}, requested {tolerance:.2e}",
+        if residual <= tolerance { "the contact set still changes, " } else { "" }
     )]
     NotConverged {
         /// Iterations spent.
