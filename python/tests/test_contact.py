@@ -95,7 +95,7 @@ def test_the_result_is_the_commands():
     assert result["p_max_pa"] == contact.p_max_pa
     assert result["case"]["accuracy"]["p_max"] == 0.02
     assert result["case"]["track"]["radius_m"] == "inf"
-    assert any("10-30 MPa" in warning for warning in contact.warnings)
+    assert any("yields at 10 to 30 MPa" in warning for warning in contact.warnings)
     assert "p_max" in repr(contact)
 
 

@@ -19,6 +19,10 @@ use crate::unit::name_unit;
 /// Largest number of values in a chunk of an HDF5 file (32 MB): each chunk is unpacked whole.
 const MAX_CHUNK: u64 = 4_000_000;
 
+/// Largest number of columns of a matrix whose columns are channels. A damaged file may state any
+/// number.
+const MAX_COLUMNS: u64 = 64;
+
 /// Largest depth of nested structs.
 const MAX_DEPTH: usize = 6;
 
@@ -142,10 +146,10 @@ pub fn read_matlab73(
     let names = found.vectors.iter();
     let names = names.map(|vector| (vector.name.clone(), Vec::new()));
     let mut log = of_vectors(names, found.remarks);
+    let mut read = (usize::MAX, Vec::new());
     for place in log.places(wanted, file)? {
-        let Vector {
-            data, rows, column, ..
-        } = &found.vectors[place];
+        let Vector { array, column, .. } = found.vectors[place];
+        let Array { data, rows } = &found.arrays[array];
         let chunk = data.chunk_shape().map_err(failure)?.unwrap_or_default();
         if numbers_of(&chunk) > MAX_CHUNK {
             let name = &log.channels[place].name;
@@ -153,30 +157,38 @@ pub fn read_matlab73(
             let reason = format!("channel {name}: chunks of {chunk:?} numbers, {expected}");
             return Err(Error::file(file, reason));
         }
-        // A column is read with its whole matrix.
         let count = numbers_of(&data.shape().map_err(failure)?);
         if count > room {
             return Err(Error::too_many(file));
         }
         room -= *rows as u64;
-        let values = numbers(data).map_err(failure)?;
-        let own = values.chunks(*rows).nth(*column).unwrap_or_default();
+        // A column is read with its whole matrix.
+        if read.0 != array {
+            read = (array, numbers(data).map_err(failure)?);
+        }
+        let own = read.1.chunks(*rows).nth(column).unwrap_or_default();
         log.channels[place].values = own.to_vec();
     }
     log.with_channels(file, NO_VECTOR)
 }
 
-/// A vector, or a column of a matrix, whose columns follow one another.
-struct Vector {
-    name: String,
+/// A vector, or a matrix whose columns follow one another.
+struct Array {
     data: Dataset,
     rows: usize,
+}
+
+/// A column of the array with index `array`.
+struct Vector {
+    name: String,
+    array: usize,
     column: usize,
 }
 
 /// Vectors of an HDF5 file, and remarks on its other variables.
 #[derive(Default)]
 struct Variables {
+    arrays: Vec<Array>,
     vectors: Vec<Vector>,
     remarks: Vec<String>,
 }
@@ -190,8 +202,7 @@ impl Variables {
     ) -> Result<(), hdf5_pure::Error> {
         for name in group.datasets()? {
             let data = group.dataset(&name)?;
-            let own = name;
-            let name = format!("{before}{own}");
+            let name = format!("{before}{name}");
             let class = match data.attrs()?.remove("MATLAB_class") {
                 Some(
                     AttrValue::String(class)
@@ -207,7 +218,7 @@ impl Variables {
             // MATLAB's dimensions in inverse order.
             let (columns, rows) = match shape[..] {
                 _ if is_vector => (1, numbers_of(&shape)),
-                [columns, rows] if rows > columns => (columns, rows),
+                [columns, rows] if rows > columns && columns <= MAX_COLUMNS => (columns, rows),
                 _ => (0, 0),
             };
             let numeric = ["double", "single", "logical"].contains(&class.as_str())
@@ -236,11 +247,14 @@ impl Variables {
                         } else {
                             matlab_column(&name, column)
                         },
-                        data: group.dataset(&own)?,
-                        rows: rows as usize,
+                        array: self.arrays.len(),
                         column,
                     });
                 }
+                self.arrays.push(Array {
+                    data,
+                    rows: rows as usize,
+                });
             }
         }
         for name in group.groups()? {

@@ -118,6 +118,6 @@ mod tests {
     fn stresses_beyond_the_pressure_are_explained_and_no_others() {
         assert_eq!(in_field(139.39e6, 139.4e6), None);
         let more = in_field(100e6, 109e6).expect("a note");
-        assert!(more.text == "109 MPa" && more.note.contains("9.00 % over the pressure"));
+        assert!(more.text == "109 MPa" && more.note.contains("9.00 % above the pressure"));
     }
 }

@@ -203,19 +203,12 @@ mod tests {
 
     #[test]
     fn arrays_and_values_in_place_of_tables_are_refused_with_the_table_expected() {
-        let case = toml::toml! {
-            [runner]
-            shape = { kind = "paraboloid", rocker_radius_m = 30.0, section_radius_m = 0.005 }
-            [ice]
-            youngs_modulus_pa = 9.0e9
-            poissons_ratio = 0.33
-            thickness_m = "half-space"
-            [load]
-            fz_n = 1000.0
-        };
-        let case = case.to_string();
-        Case::parse(&case).unwrap();
-        let shape = case.find("[runner.shape]").unwrap()..case.find("[ice]").unwrap();
+        let case = "[runner]\n\
+            shape = { kind = \"paraboloid\", rocker_radius_m = 30.0, section_radius_m = 0.005 }\n\
+            [ice]\nyoungs_modulus_pa = 9.0e9\npoissons_ratio = 0.33\nthickness_m = \"half-space\"\n\
+            [load]\nfz_n = 1000.0\n";
+        Case::parse(case).unwrap();
+        let shape = case.find("shape").unwrap()..case.find("[ice]").unwrap();
         let with_shape = |shape_text: &str| case.replace(&case[shape.clone()], shape_text);
         let carries = "[runner.mount]\ncarries = [[0.1, 0.05, 0.5]]\n";
         for (text, expected) in [

@@ -206,26 +206,29 @@ fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<([f64; 2],
 }
 
 /// Radius of the section at the lowest vertex [m], from points nearby along the hull. The examined
-/// width decreases while the curvature is significant and changes by more than its standard error:
-/// from there on a narrower section has no less bias, only more noise.
+/// width decreases while the curvature is significant, and its standard error decreases or is less
+/// than its change: from there on a narrower section has no less bias, only more noise.
 fn section_radius(points: &[[f64; 3]], lowest: &[f64; 3]) -> Option<f64> {
     let off = |p: &[f64; 3]| (p[1] - lowest[1]).abs();
     let mut half = points.iter().map(off).fold(0.0, f64::max);
-    let mut found: Option<f64> = None;
+    let credible = |c: f64| radius(c, MAX_RADII[1]).is_some();
+    let mut found: Option<(f64, f64)> = None;
     loop {
         // Excludes the walls and the other side of the hull.
         let own = |p: &&[f64; 3]| off(p) <= half && p[2] - lowest[2] < SHALLOW * half;
         let section: Vec<[f64; 3]> = points.iter().filter(own).copied().collect();
         let fitted = surface(&section, &[[0, 0], [0, 1], [0, 2], [1, 0], [2, 0]]);
         let estimate = fitted.map(|f| (f.coefficients[2], f.errors[2]));
-        let differs = |c: f64, error: f64| found.is_none_or(|wider| (c - wider).abs() > error);
         let narrower = estimate.filter(|&(c, error)| {
-            radius(c, MAX_RADII[1]).is_some() && c >= SIGNIFICANT * error && differs(c, error)
+            let better = |(wider, its_error): (f64, f64)| {
+                credible(c) && (error < its_error || (c - wider).abs() > error)
+            };
+            c >= SIGNIFICANT * error && found.is_none_or(better)
         });
-        let Some((curvature, _)) = narrower else {
-            return found.and_then(|c| radius(c, MAX_RADII[1]));
+        let Some(narrower) = narrower else {
+            return found.and_then(|(c, _)| radius(c, MAX_RADII[1]));
         };
-        found = Some(curvature);
+        found = Some(narrower).filter(|(c, _)| credible(*c));
         half *= 0.7;
     }
 }

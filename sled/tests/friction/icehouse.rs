@@ -369,7 +369,10 @@ fn bad_files_are_named_with_row_and_column() {
         ),
         (gap, vec!["row 41", "t_s", "no gap"]),
         (lines[..4].join("\n"), vec!["run.csv", "samples: 3", "30"]),
-        (with(40, "0.38"), vec!["run.csv", "line: 40"]),
+        (
+            with(40, "0.38"),
+            vec!["run.csv", "row 40: found 1 cells, expected 2"],
+        ),
     ] {
         let reported = read_glide("run.csv", text.as_bytes())
             .expect_err("refused")

@@ -279,7 +279,10 @@ fn bad_cells_are_named_by_file_row_and_column() {
             ",7.7e6,4e5,0.0045,0.0004\n",
             vec!["row 2", "specimen", "a name"],
         ),
-        ("A,7.7e6,4e5,0.0045\n", vec!["t.csv", "line: 2"]),
+        (
+            "A,7.7e6,4e5,0.0045\n",
+            vec!["t.csv", "row 2: found 4 cells, expected 5"],
+        ),
     ] {
         let whole = if text.starts_with("specimen") {
             text.to_string()

@@ -382,5 +382,8 @@ fn tables_of_impossible_contacts_are_refused_with_their_place() {
             "inf",
         ],
     );
-    assert!(reported.contains("expected a finite number"), "{reported}");
+    assert!(
+        reported.contains("--fz-n inf: expected a finite force"),
+        "{reported}"
+    );
 }

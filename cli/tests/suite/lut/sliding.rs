@@ -151,7 +151,11 @@ fn wrong_sliding_tables_are_refused_with_their_place() {
             "ice_c = { from = -5.0, to = 1.0 }",
             &["axes.ice_c", "sliding.ice_c = 1"],
         ),
-        (slides, "ice_c = 4", &["line 5", "integer `4`"]),
+        (
+            slides,
+            "ice_c = 4",
+            &["line 5", "found `4`, expected a table"],
+        ),
         (
             slides,
             "rocker_radius_m = { values = [0.01, 30.0] }",

@@ -71,7 +71,7 @@ fn a_list_of_loads_gives_a_folder_each_one_table_and_one_series() {
     // What is true of both steps is printed once.
     let reported = errors(&bench.kufe(&[&loads[..], &["--fresh"]].concat()));
     assert_eq!(
-        reported.matches("above 10 MPa, from which").count(),
+        reported.matches("above 10 MPa, and ice").count(),
         1,
         "{reported}"
     );
