@@ -37,7 +37,7 @@ pub fn fit(
     if runs.is_empty() {
         return Err(Error::too_few("runs to fit", 0, 1));
     }
-    let mut laws = fit_laws(runs, vehicle, leave_out_contacts)?;
+    let mut laws = fit_laws(runs, vehicle, leave_out_contacts, None)?;
     let mut corrected = Cow::Borrowed(runs);
     let mut slip_offsets = Vec::new();
     for round in 0.. {
@@ -59,7 +59,9 @@ pub fn fit(
             }));
         }
         corrected = Cow::Owned(without_slip_offsets(runs, &found));
-        laws = fit_laws(&corrected, vehicle, leave_out_contacts).map_err(failure)?;
+        // Contacts are discrete: rounds that search for them need not converge.
+        let contacts = (round >= CONTACT_ROUNDS).then_some(laws.contacts);
+        laws = fit_laws(&corrected, vehicle, leave_out_contacts, contacts).map_err(failure)?;
         slip_offsets = found;
     }
     let contacts = laws.contacts.iter().flatten();
@@ -89,11 +91,13 @@ struct FittedLaws {
     excluded: usize,
 }
 
-/// Fits the laws of both runners as [`fit`], without offsets of slip angles.
+/// Fits the laws of both runners as [`fit`], without offsets of slip angles. If `contacts` are
+/// given, they are not searched for.
 fn fit_laws(
     runs: &[Prepared],
     vehicle: &Vehicle,
     leave_out_contacts: bool,
+    contacts: Option<Vec<Vec<bool>>>,
 ) -> Result<FittedLaws, Error> {
     let slip_sd = |axle: usize| {
         let squares: f64 = runs.iter().map(|run| run.slip_sd_rad[axle].powi(2)).sum();
@@ -122,20 +126,17 @@ fn fit_laws(
             excluded,
         })
     };
-    let mut laws = both(Vec::new(), vehicle)?;
+    let search = leave_out_contacts && contacts.is_none();
+    let mut laws = both(contacts.unwrap_or_default(), vehicle)?;
     // The first fit is biased by the contacts, so that they are searched for again with the second
     // fit. Effects that scale with the stiffness of the laws use the stiffness of the previous
     // round.
     let has_effects = !vehicle.effects.is_empty();
-    for _ in 0..if leave_out_contacts || has_effects {
-        2
-    } else {
-        0
-    } {
-        let contacts = if leave_out_contacts {
+    for _ in 0..if search || has_effects { 2 } else { 0 } {
+        let contacts = if search {
             find_contacts(runs, &laws.vehicle)
         } else {
-            Vec::new()
+            std::mem::take(&mut laws.contacts)
         };
         if !has_effects && !contacts.iter().flatten().any(|marked| *marked) {
             break;
@@ -232,6 +233,8 @@ pub fn slip_offsets_text(offsets: &[SlipOffset]) -> String {
 
 /// Largest number of rounds of offsets and laws, each given the other.
 const MAX_OFFSET_ROUNDS: usize = 8;
+/// Number of rounds with a correction after which the contacts found are kept.
+const CONTACT_ROUNDS: usize = 2;
 /// Change of an offset in a round below which it has converged, in standard errors.
 const MAX_OFFSET_CHANGE: f64 = 0.1;
 /// Ratio of an offset to its standard error from which it is corrected.
