@@ -187,7 +187,7 @@ impl<'a> Meshes<'a> {
         if let Some(deepest) = deepest.filter(|_| self.widened.len() == WIDENINGS) {
             let ([x, y], depth) = (deepest.at, deepest.depth);
             return Err(Error::Unsolved(format!(
-                "the runner also touches the ice at x = {x} m, y = {y} m, by {depth:.2e} m, far from \
+                "the runner also touches the ice at x = {x:.4} m, y = {y:.4} m, by {depth:.2e} m, far from \
                  where contact was expected or between the nodes there: expected a hull that touches \
                  at fewer places, or is smoother"
             )));

@@ -29,6 +29,8 @@ const MIDDLE: f64 = 0.8;
 const NEAR: [f64; 3] = [0.02, 0.05, 0.12];
 /// Ratio of the height of the examined section to half its width.
 const SHALLOW: f64 = 0.2;
+/// Powers of x and y of the examined section. A circle is a parabola but for y^4 / (8 r^3).
+const SECTION: [[i32; 2]; 6] = [[0, 0], [0, 1], [0, 2], [0, 4], [1, 0], [2, 0]];
 /// Smallest ratio of a section's curvature to its standard error that is significant.
 const SIGNIFICANT: f64 = 10.0;
 /// Smallest ratio of a rocker's curvature to its standard error that is significant: ragged rims of
@@ -206,30 +208,27 @@ fn radii(hull: &Hull, forward: usize, up: Axis, scale: f64) -> Option<([f64; 2],
 }
 
 /// Radius of the section at the lowest vertex [m], from points nearby along the hull. The examined
-/// width decreases while the curvature is significant, and its standard error decreases or is less
-/// than its change: from there on a narrower section has no less bias, only more noise.
+/// width decreases while the curvature is significant and its standard error decreases: while it
+/// does, the error is the misfit of the form rather than noise.
 fn section_radius(points: &[[f64; 3]], lowest: &[f64; 3]) -> Option<f64> {
     let off = |p: &[f64; 3]| (p[1] - lowest[1]).abs();
     let mut half = points.iter().map(off).fold(0.0, f64::max);
-    let credible = |c: f64| radius(c, MAX_RADII[1]).is_some();
     let mut found: Option<(f64, f64)> = None;
     loop {
         // Excludes the walls and the other side of the hull.
         let own = |p: &&[f64; 3]| off(p) <= half && p[2] - lowest[2] < SHALLOW * half;
         let section: Vec<[f64; 3]> = points.iter().filter(own).copied().collect();
-        let fitted = surface(&section, &[[0, 0], [0, 1], [0, 2], [1, 0], [2, 0]]);
-        let estimate = fitted.map(|f| (f.coefficients[2], f.errors[2]));
+        let estimate = surface(&section, &SECTION).map(|f| (f.coefficients[2], f.errors[2]));
         let narrower = estimate.filter(|&(c, error)| {
-            let better = |(wider, its_error): (f64, f64)| {
-                credible(c) && (error < its_error || (c - wider).abs() > error)
-            };
+            let better = |(_, wider)| error < wider && radius(c, MAX_RADII[1]).is_some();
             c >= SIGNIFICANT * error && found.is_none_or(better)
         });
         let Some(narrower) = narrower else {
             return found.and_then(|(c, _)| radius(c, MAX_RADII[1]));
         };
-        found = Some(narrower).filter(|(c, _)| credible(*c));
-        half *= 0.7;
+        // Flatter curvatures do not stop the search.
+        found = Some(narrower).filter(|(c, _)| radius(*c, MAX_RADII[1]).is_some());
+        half = 0.7 * section.iter().map(off).fold(0.0, f64::max);
     }
 }
 
