@@ -161,6 +161,8 @@ fn forward_axis(runs: &[&SlowChannels]) -> Option<(Vector3<f64>, f64)> {
     }
     let found = coefficients(&columns.each_ref().map(Vec::as_slice), &forces)?;
     let axis = Vector3::from_fn(|k, _| found[k].0);
-    let errors = Vector3::from_fn(|k, _| found[k].1);
-    Some((axis, errors.norm() / axis.norm()))
+    let variances = Vector3::from_fn(|k, _| found[k].1.powi(2));
+    // An error along the axis changes its length only.
+    let across = axis.normalize().map(|share| 1.0 - share * share);
+    Some((axis, variances.dot(&across).sqrt() / axis.norm()))
 }
