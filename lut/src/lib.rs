@@ -30,8 +30,8 @@ mod unit;
 pub use axes::{Axes, AxisKind, MAX_NODES, Outside, Point};
 pub use error::Error;
 pub use export::{
-    Fmi, Fmu, MatValue, OCTAVE_FUNCTION, binding_files, parallel_script, read_fmu, simulink_files,
-    slurm_script, write_mat_file,
+    Fmi, Fmu, MatValue, OCTAVE_FUNCTION, binding_files, parallel_script, read_fmu, shell_word,
+    simulink_files, slurm_script, write_mat_file,
 };
 pub use file::MAX_FILE_BYTES;
 pub use interpolator::{Interpolated, Interpolator, Mode};

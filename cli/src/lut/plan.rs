@@ -8,7 +8,7 @@ use kufe::jobs::{
     case_file::LoadedCase,
     table::{PlanFile, PointStore, Solver, TableSpec},
 };
-use kufe_lut::{Origin, Progress, replay};
+use kufe_lut::{Origin, Progress, replay, shell_word};
 use serde::Serialize;
 
 use crate::lut::export::Forms;
@@ -114,13 +114,16 @@ pub fn plan(args: &PlanArgs, global: &Global) -> Result<(), Failure> {
         points: plan.points.len(),
         shards,
     };
+    let slurm = shell_word(&args.out.join("slurm.sh"))?;
+    let parallel = shell_word(&args.out.join("parallel.sh"))?;
+    let word = shell_word(&args.out)?;
     global.print(&planned, || {
         let (folder, points) = (args.out.display(), planned.points);
         format!(
             "{folder}: round {round}, {points} points in {shards} shards\n  \
-             Slurm          sbatch --wait {folder}/slurm.sh\n  \
-             GNU parallel   sh {folder}/parallel.sh\n  \
-             then           kufe lut merge {folder} -o TABLE.lut\n"
+             Slurm          sbatch --wait {slurm}\n  \
+             GNU parallel   sh {parallel}\n  \
+             then           kufe lut merge {word} -o TABLE.lut\n"
         )
     })
 }

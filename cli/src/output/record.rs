@@ -6,10 +6,8 @@ use std::path::Path;
 
 use kufe::jobs::field::is_plain;
 use kufe::jobs::{Failure, Located};
-use kufe_files::sha256_of_file;
+use kufe_files::{sha256_of_file, write_whole};
 use serde::{Deserialize, Serialize};
-
-use crate::output::TEMPORARY;
 
 /// The file of an output folder that records which command wrote which files there.
 pub const RECORD: &str = ".kufe.json";
@@ -82,12 +80,12 @@ impl FolderRecord {
     /// # Errors
     /// The error of the operating system if the record cannot be written.
     pub fn write(&self, folder: &Path) -> std::io::Result<()> {
-        let file = tempfile::Builder::new()
-            .prefix(TEMPORARY)
-            .tempfile_in(folder)?;
-        serde_json::to_writer(&file, self)?;
-        file.persist(folder.join(RECORD))?;
-        Ok(())
+        let path = folder.join(RECORD);
+        // A link is replaced, not written through.
+        if path.is_symlink() {
+            std::fs::remove_file(&path)?;
+        }
+        write_whole(&path, |writer| Ok(serde_json::to_writer(writer, self)?))
     }
 
     /// The files that any of these commands wrote.

@@ -21,7 +21,7 @@ use crate::text::table_text;
 /// Largest size of a result.json: 3 kB, and the points that its case lists [bytes].
 const MAX_BYTES: u64 = 1 << 22;
 /// Largest number of steps, so that a typing error does not fill the disk.
-const MAX_STEPS: usize = 10_000;
+const MAX_STEPS: usize = 5_000;
 
 /// The columns that are printed.
 const COLUMNS: [&str; 10] = [

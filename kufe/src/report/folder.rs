@@ -295,6 +295,9 @@ fn documents(folder: &Path, files: &[PathBuf], viewer: Option<&str>) -> Result<S
         let path = folder.join(name);
         if path.is_file() {
             let document: Datum = read_json(&path, MAX_TREE_BYTES)?;
+            if !matches!(&document, Datum::Group(data) if !data.is_empty()) {
+                return Err(Failure::in_file(&path, "expected an object with results"));
+            }
             let kind = DocumentKind::of(&document).map_or(name, |kind| kind.name);
             documents.push((kind.to_owned(), document.effective()));
         }
@@ -314,19 +317,22 @@ fn documents(folder: &Path, files: &[PathBuf], viewer: Option<&str>) -> Result<S
     let name = folder_name(folder);
     let kind = documents.first().map(|(kind, _)| capital(kind) + ": ");
     let title = kind.unwrap_or_default() + &name;
-    let headline = headline(folder).unwrap_or_default();
+    let headline = headline(folder)?.unwrap_or_default();
     let heads = [&*title, &headline];
     Ok(results_page(heads, &pictures, &links, &documents))
 }
 
-/// The result of a fit or a validation in one sentence; `None` for other folders and documents.
-fn headline(folder: &Path) -> Option<String> {
-    let fit = read_json::<LateralFitDocument>(&folder.join("fit.json"), MAX_TREE_BYTES);
-    let validation = || {
-        let file = folder.join("validation.json");
-        read_json::<Validation>(&file, MAX_TREE_BYTES).map(|validation| validation.headline())
-    };
-    fit.map(|fit| fit.headline()).or_else(|_| validation()).ok()
+/// The result of a fit or a validation in one sentence; `None` for other folders and fits.
+fn headline(folder: &Path) -> Result<Option<String>, Failure> {
+    if let Ok(fit) = read_json::<LateralFitDocument>(&folder.join("fit.json"), MAX_TREE_BYTES) {
+        return Ok(Some(fit.headline()));
+    }
+    let file = folder.join("validation.json");
+    if !file.is_file() {
+        return Ok(None);
+    }
+    let validation = read_json::<Validation>(&file, MAX_TREE_BYTES)?;
+    Ok(Some(validation.headline()))
 }
 
 /// The replay in a `simulation.json`.

@@ -61,12 +61,17 @@ pub(super) fn script_path(path: &Path) -> Result<&str, Error> {
     })
 }
 
-/// A path as one word of a POSIX shell.
+/// A path as one word of a POSIX shell; quoted only if it needs it.
 ///
 /// # Errors
 /// As [`script_path`].
-pub(super) fn shell_word(path: &Path) -> Result<String, Error> {
-    Ok(format!("'{}'", script_path(path)?.replace('\'', r"'\''")))
+pub fn shell_word(path: &Path) -> Result<String, Error> {
+    let text = script_path(path)?;
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "/._-".contains(c);
+    if !text.is_empty() && text.chars().all(is_plain) {
+        return Ok(text.to_owned());
+    }
+    Ok(format!("'{}'", text.replace('\'', r"'\''")))
 }
 
 /// A path as the value of an option in a `#SBATCH` line: quoted, with percent signs doubled, since

@@ -10,6 +10,7 @@ mod script;
 mod simulink;
 
 pub use bindings::{OCTAVE_FUNCTION, binding_files};
+pub use escape::shell_word;
 pub use fmu::{Fmi, Fmu, read_fmu};
 pub use mat::{MatValue, write_mat_file};
 pub use script::{parallel_script, slurm_script};

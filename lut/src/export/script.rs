@@ -15,10 +15,9 @@ const MARK: &str = concat!("# kufe ", env!("CARGO_PKG_VERSION"), "\n");
 /// # Errors
 /// [`Error::Invalid`] for a path with characters that a script cannot contain.
 pub fn slurm_script(kufe: &Path, plan: &Path, shards: usize) -> Result<String, Error> {
-    let log = format!(
-        "{}/slurm-%A_%a.log\"",
-        slurm_value(plan)?.trim_end_matches('"')
-    );
+    let folder = slurm_value(plan)?;
+    let folder = folder.strip_suffix('"').unwrap_or(&folder);
+    let log = format!("{folder}/slurm-%A_%a.log\"");
     Ok(format!(
         "#!/bin/bash\n\
          {MARK}\

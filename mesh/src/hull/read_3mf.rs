@@ -102,6 +102,8 @@ struct Package<'a> {
     archive: ZipArchive<Cursor<&'a [u8]>>,
     /// Bytes that may still be unpacked.
     budget: u64,
+    /// Number of objects, components and build items read.
+    declared: usize,
     models: HashMap<String, Model>,
 }
 
@@ -112,6 +114,7 @@ impl<'a> Package<'a> {
         Ok(Self {
             archive,
             budget: MAX_BYTES,
+            declared: 0,
             models: HashMap::new(),
         })
     }
@@ -160,15 +163,16 @@ impl<'a> Package<'a> {
         if !self.models.contains_key(part) {
             let bytes = self.unpack(part)?;
             let bytes = bytes.ok_or_else(|| error(part, "no such part", "a model"))?;
-            self.models
-                .insert(part.to_owned(), Model::parse(part, &bytes)?);
+            let model = Model::parse(part, &bytes, &mut self.declared)?;
+            self.models.insert(part.to_owned(), model);
         }
         Ok(&self.models[part])
     }
 }
 
 impl Model {
-    fn parse(part: &str, bytes: &[u8]) -> Result<Self, MeshError> {
+    /// Adds the number of its objects, components and build items to `declared`.
+    fn parse(part: &str, bytes: &[u8], declared: &mut usize) -> Result<Self, MeshError> {
         let mut model = Model {
             unit: 1e-3,
             objects: HashMap::new(),
@@ -180,6 +184,10 @@ impl Model {
                 let found = attribute(tag, name).unwrap_or_default();
                 error(part, format!("{name}={found:?} near byte {line}"), expected)
             };
+            if let b"object" | b"component" | b"item" = tag.local_name().as_ref() {
+                *declared += 1;
+                at_most(MAX_USES, *declared, "objects, components and build items")?;
+            }
             match tag.local_name().as_ref() {
                 b"model" => {
                     if let Some(unit) = attribute(tag, "unit") {
@@ -400,6 +408,10 @@ mod tests {
             ),
             (model("", &object.replace("1e0", "1,0"), item), "1,0"),
             (model("", circle, item), "uses of objects"),
+            (
+                model("", &object, &item.repeat(MAX_USES)),
+                "more than 100000 objects",
+            ),
             (model("", &object, ""), "no triangles"),
             ("<model><<".into(), "well-formed"),
         ] {

@@ -15,6 +15,8 @@ use crate::friction::longitudinal::law::{PressureLaw, ZetaActsOn};
 
 /// Smallest standard deviation of a coefficient of friction in a weighted fit.
 const MIN_SD: f64 = 1e-20;
+/// Largest number of Newton steps for the true pressure of a point.
+const MAX_PRESSURE_STEPS: usize = 50;
 
 /// Fits the quadratic to experiments.
 ///
@@ -252,38 +254,55 @@ impl Points {
         })
     }
 
-    /// Orthogonal distance regression, weighted by the errors of mu and p.
+    /// Orthogonal distance regression, weighted by the errors of mu and p. The true pressures are
+    /// eliminated (variable projection), so that memory grows with the number of points:
+    ///
+    /// ```text
+    /// f(u) = (q(t + u s_t) - mu) / s_mu,   g = df/du,   u minimises f^2 + u^2:   u = -f g
+    /// r = f sqrt(1 + g^2),   dr/dq = (df/dq) / sqrt(1 + g^2)
+    /// ```
     fn orthogonal(&self, start: Vector3<f64>) -> Result<Quadratic, Error> {
         let n = self.t.len();
-        let residuals = |u: &DVector<f64>| {
-            let coefficients = Vector3::new(u[0], u[1], u[2]);
-            DVector::from_fn(2 * n, |row, _| {
-                if row >= n {
-                    return u[3 + row - n];
+        // True pressure, f and g of a point.
+        let nearest = |q: &Vector3<f64>, i: usize| {
+            let (t_sd, mu_sd) = (self.t_sd[i], self.mu_sd[i]);
+            let mut u = 0.0;
+            for _ in 0..MAX_PRESSURE_STEPS {
+                let t = self.t[i] + u * t_sd;
+                let f = (quadratic(q, t) - self.mu[i]) / mu_sd;
+                let g = (2.0 * q[0] * t + q[1]) * t_sd / mu_sd;
+                let gauss_newton = 1.0 + g * g;
+                let newton = gauss_newton + f * 2.0 * q[0] * t_sd * t_sd / mu_sd;
+                let curvature = if newton > 0.0 { newton } else { gauss_newton };
+                let step = (u + f * g) / curvature;
+                if step.abs() <= f64::EPSILON * (1.0 + u.abs()) {
+                    return (t, f, g);
                 }
-                let t = self.t[row] + u[3 + row] * self.t_sd[row];
-                (quadratic(&coefficients, t) - self.mu[row]) / self.mu_sd[row]
-            })
+                u -= step;
+            }
+            (f64::NAN, f64::NAN, f64::NAN)
         };
-        let jacobian = |u: &DVector<f64>| {
-            let mut jacobian = DMatrix::zeros(2 * n, 3 + n);
-            for i in 0..n {
-                let (t_sd, mu_sd) = (self.t_sd[i], self.mu_sd[i]);
-                let t = self.t[i] + u[3 + i] * t_sd;
-                jacobian[(i, 0)] = t * t / mu_sd;
-                jacobian[(i, 1)] = t / mu_sd;
-                jacobian[(i, 2)] = 1.0 / mu_sd;
-                jacobian[(i, 3 + i)] = (2.0 * u[0] * t + u[1]) * t_sd / mu_sd;
-                jacobian[(n + i, 3 + i)] = 1.0;
+        let points = |q: &DVector<f64>| {
+            let q = Vector3::new(q[0], q[1], q[2]);
+            (0..n).map(move |i| nearest(&q, i))
+        };
+        let residuals = |q: &DVector<f64>| {
+            DVector::from_iterator(n, points(q).map(|(_, f, g)| f * (1.0 + g * g).sqrt()))
+        };
+        let jacobian = |q: &DVector<f64>| {
+            let mut jacobian = DMatrix::zeros(n, 3);
+            for (i, (t, _, g)) in points(q).enumerate() {
+                let weight = 1.0 / (self.mu_sd[i] * (1.0 + g * g).sqrt());
+                for (k, power) in [t * t, t, 1.0].into_iter().enumerate() {
+                    jacobian[(i, k)] = power * weight;
+                }
             }
             jacobian
         };
-        let mut unknowns = DVector::zeros(3 + n);
-        unknowns.rows_mut(0, 3).copy_from(&start);
-        let method = LevenbergMarquardt::new();
-        let (u, report) = minimize(method, unknowns, residuals, jacobian);
+        let start = DVector::from_column_slice(start.as_slice());
+        let (q, report) = minimize(LevenbergMarquardt::new(), start, residuals, jacobian);
         let chi2 = 2.0 * report.objective_function;
-        let jacobian = report.termination.was_successful().then(|| jacobian(&u));
+        let jacobian = report.termination.was_successful().then(|| jacobian(&q));
         let inverse =
             jacobian.and_then(|jacobian| (jacobian.transpose() * &jacobian).try_inverse());
         let inverse = inverse.ok_or(Error::NotConverged {
@@ -293,7 +312,7 @@ impl Points {
             tolerance: f64::EPSILON,
         })?;
         Ok(Quadratic {
-            coefficients: Vector3::new(u[0], u[1], u[2]),
+            coefficients: Vector3::new(q[0], q[1], q[2]),
             covariance: Matrix3::from_fn(|i, j| inverse[(i, j)]),
             chi2,
         })
