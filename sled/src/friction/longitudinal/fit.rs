@@ -17,6 +17,9 @@ use crate::friction::longitudinal::law::{PressureLaw, ZetaActsOn};
 const MIN_SD: f64 = 1e-20;
 /// Largest number of Newton steps for the true pressure of a point.
 const MAX_PRESSURE_STEPS: usize = 50;
+/// Last of these steps, relative to the standard deviation of the pressure: Newton's steps square
+/// the error.
+const PRESSURE_STEP: f64 = 1e-9;
 
 /// Fits the quadratic to experiments.
 ///
@@ -275,7 +278,7 @@ impl Points {
                 let newton = gauss_newton + f * 2.0 * q[0] * t_sd * t_sd / mu_sd;
                 let curvature = if newton > 0.0 { newton } else { gauss_newton };
                 let step = (u + f * g) / curvature;
-                if step.abs() <= f64::EPSILON * (1.0 + u.abs()) {
+                if step.abs() <= PRESSURE_STEP * (1.0 + u.abs()) {
                     return (t, f, g);
                 }
                 u -= step;
