@@ -44,11 +44,11 @@ thickness_m = "half-space"
 fz_n = 500.0
 tilt = "fixed"
 [accuracy]
-p_max = 0.03
+p_max = 0.06
 """
 
 
-def told(kufe, *words):
+def result_of(kufe, *words):
     return json.loads(subprocess.run([kufe, *map(str, words), "--json"], check=True, capture_output=True).stdout)
 
 
@@ -58,9 +58,9 @@ def computed(kufe, shape, places, pressure):
         files = [Path(folder) / f"{k}.toml" for k in range(len(places))]
         for file, place in zip(files, places):
             file.write_text(CASE.format(shape.format(*place)))
-        points = told(kufe, "friction", *files, "--groove", "--v-mps", 2.4, "--ice-c", -1.5)["points"]
+        points = result_of(kufe, "friction", *files, "--groove", "--v-mps", 2.4, "--ice-c", -1.5)["points"]
         mu = {place: 1e3 * point["mu"] for place, point in zip(places, points)}
-        solve = lambda file: 1e-6 * told(kufe, "press", file, "-o", Path(folder) / "out")["p_max_pa"]
+        solve = lambda file: 1e-6 * result_of(kufe, "press", file, "-o", Path(folder) / "out")["p_max_pa"]
         return mu, {place: solve(file) for place, file in zip(places, files)} if pressure else {}
 
 
