@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use kufe_sled::{
-    Entry, Needs, PrepareOptions, Prepared, Run, Track, TrackEstimate, TrackShape, align,
-    prepare_all, read_index, read_runs, state_places, track_file,
+    Needs, PrepareOptions, Prepared, Run, Track, TrackEstimate, TrackShape, align, prepare_all,
+    read_runs, state_places, track_file,
 };
 
 use crate::jobs::failure::Failure;
@@ -79,12 +79,7 @@ impl AlignOptions {
     pub fn align(&self, watch: &Watch) -> Result<AlignedRuns, Failure> {
         watch.progress("reading the runs");
         let (model, vehicle) = load_model(&self.model)?;
-        let surveyed = |entry: &Entry| self.survey_file(&entry.track).is_some();
-        let needs = if read_index(&self.runs)?.iter().all(surveyed) {
-            Needs::PLACE
-        } else {
-            Needs::TRACK
-        };
+        let needs = Needs::PLACE;
         let mut runs = read_runs(&self.runs, &needs, on_gaps(self.strict))?;
         watch.progress(&format!("aligning {} runs", runs.len()));
         let options = PrepareOptions {

@@ -25,16 +25,9 @@ impl Needs {
         forces: true,
     };
 
-    /// Distance along a track from its curvature and bank: `ay_mps2` to `v_mps`.
+    /// Distance along a track from its curvature and bank: `ax_mps2` to `v_mps`.
     pub const PLACE: Needs = Needs {
         by: "the place along the track, from curvature and bank",
-        columns: COLUMNS.split_at(7).0.split_at(1).1,
-        forces: false,
-    };
-
-    /// As [`Needs::PLACE`], with `ax_mps2` for the slope of a track without a survey.
-    pub const TRACK: Needs = Needs {
-        by: "a track estimated from its runs",
         columns: COLUMNS.split_at(7).0,
         forces: false,
     };
