@@ -25,4 +25,4 @@ pub use apart::{leads_out, outputs_apart, resolved, same_file};
 pub use leftovers::{TemporaryFolder, clear_temporaries};
 pub use names::{TABLE_TEXT, column_names, line_of_row, row_error, shown_name};
 pub use read::{broken_at, open_regular, read_regular, sha256, sha256_of_file, text_of_regular};
-pub use whole::{TEMPORARY, write_whole};
+pub use whole::{TEMPORARY, temporary_in, write_whole};

@@ -33,8 +33,11 @@ pub fn write_whole(path: &Path, write: impl FnOnce(&mut dyn Write) -> Result<()>
     Ok(())
 }
 
-/// A hidden file in `folder`; temporary files are private by default.
-fn temporary_in(folder: &Path) -> Result<NamedTempFile> {
+/// A hidden file in `folder`, with the permissions of any other new file.
+///
+/// # Errors
+/// The error of the operating system if it cannot be created.
+pub fn temporary_in(folder: &Path) -> Result<NamedTempFile> {
     let mut builder = Builder::new();
     builder.prefix(TEMPORARY);
     #[cfg(unix)]

@@ -114,9 +114,8 @@ pub fn plan(args: &PlanArgs, global: &Global) -> Result<(), Failure> {
         points: plan.points.len(),
         shards,
     };
-    let slurm = shell_word(&args.out.join("slurm.sh"))?;
-    let parallel = shell_word(&args.out.join("parallel.sh"))?;
-    let word = shell_word(&args.out)?;
+    let [_, slurm, parallel] = PlanFile::NAMES.map(|name| shell_word(&args.out.join(name)));
+    let (slurm, parallel, word) = (slurm?, parallel?, shell_word(&args.out)?);
     global.print(&planned, || {
         let (folder, points) = (args.out.display(), planned.points);
         format!(

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use kufe::jobs::field::is_plain;
 use kufe::jobs::{Failure, Located};
-use kufe_files::{sha256_of_file, write_whole};
+use kufe_files::{sha256_of_file, temporary_in};
 use serde::{Deserialize, Serialize};
 
 /// The file of an output folder that records which command wrote which files there.
@@ -80,12 +80,10 @@ impl FolderRecord {
     /// # Errors
     /// The error of the operating system if the record cannot be written.
     pub fn write(&self, folder: &Path) -> std::io::Result<()> {
-        let path = folder.join(RECORD);
-        // A link is replaced, not written through.
-        if path.is_symlink() {
-            std::fs::remove_file(&path)?;
-        }
-        write_whole(&path, |writer| Ok(serde_json::to_writer(writer, self)?))
+        let file = temporary_in(folder)?;
+        serde_json::to_writer(&file, self)?;
+        file.persist(folder.join(RECORD))?;
+        Ok(())
     }
 
     /// The files that any of these commands wrote.

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use kufe::jobs::field::write_contact;
 use kufe::jobs::{Failure, Step, Watch, case_file::LoadedCase, time_left};
-use kufe::report::read_json;
+use kufe::report::{MAX_CONTACTS, read_json};
 use kufe::results::{ContactResult, SeriesRow, VariedKeys, write_csv};
 use kufe_contact::Options;
 use kufe_mesh::write_pvd;
@@ -20,8 +20,6 @@ use crate::text::table_text;
 
 /// Largest size of a result.json: 3 kB, and the points that its case lists [bytes].
 const MAX_BYTES: u64 = 1 << 22;
-/// Largest number of steps, so that a typing error does not fill the disk.
-const MAX_STEPS: usize = 5_000;
 
 /// The columns that are printed.
 const COLUMNS: [&str; 10] = [
@@ -64,9 +62,9 @@ pub fn run(
     options: &Options,
 ) -> Result<(), Failure> {
     let count = args.lists.count();
-    if count > MAX_STEPS {
+    if count > MAX_CONTACTS {
         return Err(Failure::Usage(format!(
-            "{count} combinations: expected at most {MAX_STEPS}"
+            "{count} combinations: expected at most {MAX_CONTACTS}"
         )));
     }
     let steps = Step::of(args.lists.combinations(), loaded, options)?;

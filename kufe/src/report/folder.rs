@@ -56,8 +56,8 @@ const MAX_PAGE_BYTES: u64 = 1 << 28;
 const POINTS: [usize; 2] = [420, 260];
 /// Largest number of triangles of a hull; `hull.glb` has fewer.
 const MAX_TRIANGLES: usize = 20_000;
-/// Largest number of contacts of a page.
-const MAX_CONTACTS: usize = 5000;
+/// Largest number of contacts of a page, and of steps of a series.
+pub const MAX_CONTACTS: usize = 5000;
 /// Largest number of runs of a page.
 const MAX_RUNS: usize = 1000;
 /// Largest size of a picture of a page [bytes].

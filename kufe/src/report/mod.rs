@@ -41,7 +41,9 @@ mod viewer;
 
 pub use contact::{ContactPage, PackedHull, SeriesPage};
 pub use discovery::discovery_page;
-pub use folder::{MAX_TREE_BYTES, PAGE, ResultPage, TABLE_PICTURES, read_json, result_page};
+pub use folder::{
+    MAX_CONTACTS, MAX_TREE_BYTES, PAGE, ResultPage, TABLE_PICTURES, read_json, result_page,
+};
 pub use grid::PackedGrid;
 pub use index::index_page;
 pub use page::{Kind, page};
