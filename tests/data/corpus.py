@@ -1,10 +1,10 @@
-"""Odd files as scanners, loggers, spreadsheets and their users write them, each with its right reading.
+"""Unusual files from scanners, loggers and spreadsheets, each with its expected result.
 
     python tests/data/corpus.py target/release/kufe [NAME ...]
 
-Writes each file into a temporary folder, reads it with the command, and compares: of a hull its size, volume and
-triangles, of a recording the start and the values of each channel in SI units after an import at the recording's own
-rate, or a part of the refusal. Prints a line for each file that is read otherwise; exit code 1 where there is one.
+Writes each file into a temporary folder, reads it with the command, and compares with the expected result: size, volume
+and triangles of a hull; start and values of each channel of a recording in SI units, imported at its own rate; or a part
+of the error message. Prints a line for each difference. The exit code is 1 if there is one.
 """
 
 import base64
@@ -43,7 +43,7 @@ BRICK = {"vertices": 8, "triangles": 12, "length_m": L, "width_m": W, "height_m"
 
 
 def hull(name, data, expected=TETRAHEDRON, companions=None):
-    """A hull file; `expected` is what `kufe info` reports of it, or a part of the refusal."""
+    """A hull file; `expected` are values of `kufe info --json`, or a part of the error message."""
     HULLS[name] = (data.encode() if isinstance(data, str) else data, expected, companions or {})
 
 
@@ -127,12 +127,12 @@ LETTERS = {FLOAT: "f", U8: "B", U16: "H", U32: "I", I16: "h"}
 
 
 def y_up(points):
-    """Of a file whose y points up: (x, y, z) of the hull is (x, -z, y) of the file."""
+    """Coordinates in a file with y upwards: (x, y, z) of the hull is (x, z, -y) of the file."""
     return [(x, z, -y) for x, y, z in points]
 
 
 def gltf(points=None, indices=None, kind=U16, point_kind=FLOAT, normalized=False, mode=4, nodes=None, stride=0, extensions=(), form="embedded"):
-    """A glTF file; its buffer embedded, in a file, or as GLB."""
+    """A glTF file with its buffer embedded or in a separate file, or a GLB file."""
     points = y_up(POINTS) if points is None else points
     indices = [k for facet in FACETS for k in facet] if indices is None else indices
     letter = LETTERS[point_kind]
@@ -213,7 +213,7 @@ hull("placed_twice.3mf", three_mf(build='<item objectid="1"/><item objectid="1" 
 hull("mirrored.3mf", three_mf(build='<item objectid="1" transform="1 0 0 0 -1 0 0 0 1 0 0 0"/>'))
 hull("other_part.3mf", three_mf(objects='<object id="3"><components><component p:path="/3D/Objects/a.model" objectid="1"/></components></object>', build='<item objectid="3"/>', others=["3D/Objects/a.model"]))
 
-# ---- recordings: twelve samples at 10 Hz, two of them missing where a name says so
+# ---- recordings: twelve samples at 10 Hz, two of them missing in some files
 
 N = 12
 TIME = [k / 10 for k in range(N)]
@@ -223,11 +223,11 @@ G = 9.80665
 DEGREE = math.pi / 180
 
 
-def recording(name, data, channels, expected, time="t", start=0.0, said=None, more="", **options):
-    """A recording, the lines of its mapping, and the values of each channel; or a part of the refusal."""
+def recording(name, data, channels, expected, time="t", start=0.0, message=None, more="", **options):
+    """A recording, the lines of its mapping, and the expected values of each channel or a part of the error message."""
     data = data.encode() if isinstance(data, str) else data
     expected = expected if isinstance(expected, str) else {column: list(values) for column, values in expected.items()}
-    RECORDINGS[name] = (data, channels, expected, time, start, said, more, options)
+    RECORDINGS[name] = (data, channels, expected, time, start, message, more, options)
 
 
 def table(names, columns, delimiter=",", end="\n", comma=False, preamble=(), below=(), quoted=False, formats=None):
@@ -243,48 +243,48 @@ def table(names, columns, delimiter=",", end="\n", comma=False, preamble=(), bel
 
 KMH = [3.6 * v for v in SPEED]
 V = {"v_mps": '"v", unit = "m/s"'}
-SAYS_V = {"v_mps": '"v"'}
+V_NO_UNIT = {"v_mps": '"v"'}
 PLAIN = table(["t", "v"], [TIME, SPEED])
-JUST_V = {"v_mps": SPEED}
-gone = SPEED[:3] + [math.nan] * 2 + SPEED[5:]
+V_ONLY = {"v_mps": SPEED}
+with_gap = SPEED[:3] + [math.nan] * 2 + SPEED[5:]
 
-recording("plain.csv", PLAIN, V, JUST_V)
-recording("semicolons.csv", PLAIN.replace(",", ";"), V, JUST_V)
-recording("tabs.txt", PLAIN.replace(",", "\t"), V, JUST_V)
-recording("blanks.txt", PLAIN.replace(",", "    ").replace("\n", "\n  "), V, JUST_V)
-recording("blank_after_comma.csv", PLAIN.replace(",", ", "), V, JUST_V)
-recording("crlf.csv", PLAIN.replace("\n", "\r\n"), V, JUST_V)
-recording("blank_lines.csv", PLAIN.replace("\n", "\n\n"), V, JUST_V)
-recording("excel_separator.csv", "sep=;\r\n" + PLAIN.replace(",", ";").replace("\n", "\r\n"), V, JUST_V)
-recording("mark.csv", b"\xef\xbb\xbf" + PLAIN.encode(), V, JUST_V)
-recording("preamble_mark.csv", b"\xef\xbb\xbf" + ("# driver: a, sled: b\n# day 3, run 2\n\n" + PLAIN).encode(), V, JUST_V)
-recording("hash_names.csv", "# " + PLAIN, V, JUST_V)
-recording("percent.csv", "% made by a script\n% " + PLAIN, V, JUST_V)
-recording("comments_between.csv", PLAIN.replace("\n0.5,", "\n# lap 2\n0.5,"), V, JUST_V)
-recording("text_column.csv", table(["t", "place", "v"], [TIME, ["bend 2"] * N, SPEED]), V, JUST_V)
-recording("line_in_quotes.csv", table(["t", "note", "v"], [TIME, ['"one,\ntwo"'] * N, SPEED]), V, JUST_V)
-recording("doubled_quotes.csv", table(["t", "note", "v"], [TIME, ['"3"" pipe, left"'] * N, SPEED]), V, JUST_V)
-recording("exponents.csv", table(["t", "v"], [TIME, SPEED], formats={0: ".3E", 1: "+.6e"}), V, JUST_V)
-recording("repeated_head.csv", PLAIN.replace("\n0.6,", "\nt,v\n0.6,"), V, JUST_V)
-recording("empty_columns.csv", table(["t", "", "v", "", ""], [TIME, [""] * N, SPEED, [""] * N, [""] * N]), V, JUST_V)
-recording("last_delimiter.csv", PLAIN.replace("\n", ",\n").replace("t,v,", "t,v"), V, JUST_V)
-recording("cut_last_line.csv", PLAIN + "1.2,2", V, JUST_V, said="no line end")
+recording("plain.csv", PLAIN, V, V_ONLY)
+recording("semicolons.csv", PLAIN.replace(",", ";"), V, V_ONLY)
+recording("tabs.txt", PLAIN.replace(",", "\t"), V, V_ONLY)
+recording("blanks.txt", PLAIN.replace(",", "    ").replace("\n", "\n  "), V, V_ONLY)
+recording("blank_after_comma.csv", PLAIN.replace(",", ", "), V, V_ONLY)
+recording("crlf.csv", PLAIN.replace("\n", "\r\n"), V, V_ONLY)
+recording("blank_lines.csv", PLAIN.replace("\n", "\n\n"), V, V_ONLY)
+recording("excel_separator.csv", "sep=;\r\n" + PLAIN.replace(",", ";").replace("\n", "\r\n"), V, V_ONLY)
+recording("mark.csv", b"\xef\xbb\xbf" + PLAIN.encode(), V, V_ONLY)
+recording("preamble_mark.csv", b"\xef\xbb\xbf" + ("# driver: a, sled: b\n# day 3, run 2\n\n" + PLAIN).encode(), V, V_ONLY)
+recording("hash_names.csv", "# " + PLAIN, V, V_ONLY)
+recording("percent.csv", "% made by a script\n% " + PLAIN, V, V_ONLY)
+recording("comments_between.csv", PLAIN.replace("\n0.5,", "\n# lap 2\n0.5,"), V, V_ONLY)
+recording("text_column.csv", table(["t", "place", "v"], [TIME, ["bend 2"] * N, SPEED]), V, V_ONLY)
+recording("line_in_quotes.csv", table(["t", "note", "v"], [TIME, ['"one,\ntwo"'] * N, SPEED]), V, V_ONLY)
+recording("doubled_quotes.csv", table(["t", "note", "v"], [TIME, ['"3"" pipe, left"'] * N, SPEED]), V, V_ONLY)
+recording("exponents.csv", table(["t", "v"], [TIME, SPEED], formats={0: ".3E", 1: "+.6e"}), V, V_ONLY)
+recording("repeated_head.csv", PLAIN.replace("\n0.6,", "\nt,v\n0.6,"), V, V_ONLY)
+recording("empty_columns.csv", table(["t", "", "v", "", ""], [TIME, [""] * N, SPEED, [""] * N, [""] * N]), V, V_ONLY)
+recording("last_delimiter.csv", PLAIN.replace("\n", ",\n").replace("t,v,", "t,v"), V, V_ONLY)
+recording("cut_last_line.csv", PLAIN + "1.2,2", V, V_ONLY, message="no line end")
 recording("latin_unit.csv", table(["t", "w [°/s]"], [TIME, RATE]).encode("latin-1"), {"yaw_rate_radps": '"w"'}, {"yaw_rate_radps": [DEGREE * w for w in RATE]})
 recording("utf8_unit.csv", table(["t", "w [°/s]"], [TIME, RATE]), {"yaw_rate_radps": '"w"'}, {"yaw_rate_radps": [DEGREE * w for w in RATE]})
-recording("utf16_little.csv", b"\xff\xfe" + PLAIN.encode("utf-16-le"), V, JUST_V)
-recording("utf16_big.csv", b"\xfe\xff" + PLAIN.encode("utf-16-be"), V, JUST_V)
-recording("utf16_no_mark.csv", PLAIN.replace(",", ";").replace(".", ",").encode("utf-16-le"), V, JUST_V)
-recording("utf16_excel.txt", b"\xff\xfe" + PLAIN.replace(",", "\t").replace("\n", "\r\n").encode("utf-16-le"), V, JUST_V)
-recording("decimal_commas.csv", table(["Zeit", "v"], [TIME, SPEED], ";", comma=True), V, JUST_V, time="Zeit")
-recording("decimal_commas_tabs.txt", table(["t", "v"], [TIME, SPEED], "\t", comma=True), V, JUST_V)
-recording("quoted_commas.csv", table(["t", "v"], [TIME, SPEED], comma=True, quoted=True), V, JUST_V)
+recording("utf16_little.csv", b"\xff\xfe" + PLAIN.encode("utf-16-le"), V, V_ONLY)
+recording("utf16_big.csv", b"\xfe\xff" + PLAIN.encode("utf-16-be"), V, V_ONLY)
+recording("utf16_no_mark.csv", PLAIN.replace(",", ";").replace(".", ",").encode("utf-16-le"), V, V_ONLY)
+recording("utf16_excel.txt", b"\xff\xfe" + PLAIN.replace(",", "\t").replace("\n", "\r\n").encode("utf-16-le"), V, V_ONLY)
+recording("decimal_commas.csv", table(["Zeit", "v"], [TIME, SPEED], ";", comma=True), V, V_ONLY, time="Zeit")
+recording("decimal_commas_tabs.txt", table(["t", "v"], [TIME, SPEED], "\t", comma=True), V, V_ONLY)
+recording("quoted_commas.csv", table(["t", "v"], [TIME, SPEED], comma=True, quoted=True), V, V_ONLY)
 recording("thousands.csv", table(["t", "p [Pa]"], [TIME, [f"{95_000 + k:,}.5".replace(",", " ").replace(".", ",").replace(" ", ".") for k in range(N)]], ";", comma=True), {"air_pa": '"p"'}, {"air_pa": [95_000.5 + k for k in range(N)]})
 recording("thousands_quoted.csv", table(["t", "p [Pa]"], [TIME, [f'"{95_000 + k:,}.5"' for k in range(N)]]), {"air_pa": '"p"'}, {"air_pa": [95_000.5 + k for k in range(N)]})
-recording("units_row.csv", table(["t", "v"], [TIME, KMH], below=["s,km/h"]), SAYS_V, JUST_V)
-recording("units_brackets_row.csv", table(["t", "v"], [TIME, KMH], below=["[s],[km/h]"]), SAYS_V, JUST_V)
-recording("units_in_names.csv", table(["t (s)", "v [km/h]"], [TIME, KMH]), SAYS_V, JUST_V)
+recording("units_row.csv", table(["t", "v"], [TIME, KMH], below=["s,km/h"]), V_NO_UNIT, V_ONLY)
+recording("units_brackets_row.csv", table(["t", "v"], [TIME, KMH], below=["[s],[km/h]"]), V_NO_UNIT, V_ONLY)
+recording("units_in_names.csv", table(["t (s)", "v [km/h]"], [TIME, KMH]), V_NO_UNIT, V_ONLY)
 recording("units_at_ends.csv", table(["time_ms", "speed_kmh", "acc_x_gs", "yaw_deg_per_s"], [[1000 * t for t in TIME], KMH, RATE, RATE]), {"v_mps": '"speed_kmh"', "ax_mps2": '"acc_x_gs"', "yaw_rate_radps": '"yaw_deg_per_s"'}, {"v_mps": SPEED, "ax_mps2": [G * x for x in RATE], "yaw_rate_radps": [DEGREE * x for x in RATE]}, time="time_ms")
-recording("duplicates.csv", table(["t", "v", "v"], [TIME, SPEED, KMH]), {"v_mps": '"v (column 2)", unit = "m/s"'}, JUST_V)
+recording("duplicates.csv", table(["t", "v", "v"], [TIME, SPEED, KMH]), {"v_mps": '"v (column 2)", unit = "m/s"'}, V_ONLY)
 recording("duplicate_asked.csv", table(["t", "v", "v"], [TIME, SPEED, KMH]), V, 'no channel "v"')
 recording("words.csv", "t,v\n0,1\nfast,slow\n", V, "fast")
 recording("wide_row.csv", PLAIN.replace("\n0.5,", "\n0.5,1,"), V, "3 cells, expected 2")
@@ -295,7 +295,7 @@ recording("too_large.csv", PLAIN.replace("20,5", "20,5") + "1.2,1e309\n", V, "1e
 for spelling, words in {"nan": ["NaN", "nan"], "excel": ["#N/A", "#DIV/0!"], "msvc": ["1.#QNAN", "-1.#IND"], "database": ["NULL", "None"], "dashes": ["--", "-"], "empty": ["", " "], "infinity": ["inf", "1.#INF"], "na": ["n/a", "NA"]}.items():
     cells = [format(v, "g") for v in SPEED]
     cells[3:5] = words
-    recording(f"missing_{spelling}.csv", table(["t", "v"], [TIME, cells]), V, {"v_mps": gone})
+    recording(f"missing_{spelling}.csv", table(["t", "v"], [TIME, cells]), V, {"v_mps": with_gap})
 
 
 def clock(seconds, form="{h:02d}:{m:02d}:{s:06.3f}"):
@@ -308,22 +308,22 @@ def clocks(start, form="{h:02d}:{m:02d}:{s:06.3f}", date="{}"):
 
 
 NOON, LATE = 43_199.5, 86_399.5
-recording("clock.csv", table(["Time", "v"], [clocks(NOON), SPEED]), V, JUST_V, time="Time", start=NOON)
-recording("clock_minutes.csv", table(["Time", "v"], [clocks(59.5, "{m:02d}:{s:04.1f}"), SPEED]), V, JUST_V, time="Time", start=59.5)
-recording("clock_comma.csv", table(["Zeit", "v"], [[t.replace(".", ",") for t in clocks(NOON)], SPEED], ";", comma=True), V, JUST_V, time="Zeit", start=NOON)
-recording("midnight.csv", table(["Time", "v"], [clocks(LATE), SPEED]), V, JUST_V, time="Time", start=LATE)
+recording("clock.csv", table(["Time", "v"], [clocks(NOON), SPEED]), V, V_ONLY, time="Time", start=NOON)
+recording("clock_minutes.csv", table(["Time", "v"], [clocks(59.5, "{m:02d}:{s:04.1f}"), SPEED]), V, V_ONLY, time="Time", start=59.5)
+recording("clock_comma.csv", table(["Zeit", "v"], [[t.replace(".", ",") for t in clocks(NOON)], SPEED], ";", comma=True), V, V_ONLY, time="Zeit", start=NOON)
+recording("midnight.csv", table(["Time", "v"], [clocks(LATE), SPEED]), V, V_ONLY, time="Time", start=LATE)
 DAYS = 18_687  # from 1970 to 1 March 2021
 dates = [("2021-03-01 " if t < 0.45 else "2021-03-02 ") for t in TIME]
 stamps = [day + c for day, c in zip(dates, clocks(LATE))]
 EPOCH = 86_400.0 * DAYS + LATE
-recording("date.csv", table(["Time", "v"], [stamps, SPEED]), V, JUST_V, time="Time", start=EPOCH)
-recording("date_iso.csv", table(["Time", "v"], [[s.replace(" ", "T") + "Z" for s in stamps], SPEED]), V, JUST_V, time="Time", start=EPOCH)
-recording("date_german.csv", table(["Zeit", "v"], [[f"{s[8:10]}.{s[5:7]}.{s[:4]} {s[11:]}".replace(".", "@", 2).replace(".", ",").replace("@", ".") for s in stamps], SPEED], ";", comma=True), V, JUST_V, time="Zeit", start=EPOCH)
+recording("date.csv", table(["Time", "v"], [stamps, SPEED]), V, V_ONLY, time="Time", start=EPOCH)
+recording("date_iso.csv", table(["Time", "v"], [[s.replace(" ", "T") + "Z" for s in stamps], SPEED]), V, V_ONLY, time="Time", start=EPOCH)
+recording("date_german.csv", table(["Zeit", "v"], [[f"{s[8:10]}.{s[5:7]}.{s[:4]} {s[11:]}".replace(".", "@", 2).replace(".", ",").replace("@", ".") for s in stamps], SPEED], ";", comma=True), V, V_ONLY, time="Zeit", start=EPOCH)
 recording("date_us.csv", table(["Time", "v"], [["3/1/2021 11:59:59.%d PM" % (5 + k) if k < 5 else "3/2/2021 12:00:00.%d AM" % (k - 5) for k in range(10)], SPEED[:10]]), V, {"v_mps": SPEED[:10]}, time="Time", start=LATE)
-recording("date_apart.csv", table(["Date", "Time", "v"], [["2021-03-01"] * N, clocks(NOON), SPEED]), V, JUST_V, time="Time", start=NOON)
-recording("packed.csv", table(["UTC Time", "v"], [clocks(35_999.5, "{h:02d}{m:02d}{s:05.2f}"), SPEED]), V, JUST_V, time="UTC Time", start=35_999.5)
-recording("unix.csv", table(["timestamp", "v"], [[EPOCH + t for t in TIME], SPEED], formats={0: ".1f"}), V, JUST_V, time="timestamp", start=EPOCH)
-recording("unix_ms.csv", table(["timestamp", "v"], [[1000 * (EPOCH + t) for t in TIME], SPEED], formats={0: ".0f"}), V, JUST_V, time="timestamp", start=EPOCH, more='time_unit = "ms"')
+recording("date_apart.csv", table(["Date", "Time", "v"], [["2021-03-01"] * N, clocks(NOON), SPEED]), V, V_ONLY, time="Time", start=NOON)
+recording("packed.csv", table(["UTC Time", "v"], [clocks(35_999.5, "{h:02d}{m:02d}{s:05.2f}"), SPEED]), V, V_ONLY, time="UTC Time", start=35_999.5)
+recording("unix.csv", table(["timestamp", "v"], [[EPOCH + t for t in TIME], SPEED], formats={0: ".1f"}), V, V_ONLY, time="timestamp", start=EPOCH)
+recording("unix_ms.csv", table(["timestamp", "v"], [[1000 * (EPOCH + t) for t in TIME], SPEED], formats={0: ".0f"}), V, V_ONLY, time="timestamp", start=EPOCH, more='time_unit = "ms"')
 recording("backwards.csv", table(["t", "v"], [TIME[::-1], SPEED]), V, "backwards")
 
 AIM = ['"Format","AiM CSV File"', '"Session","run 2"', '"Venue","Igls"', '"Sample Rate","10"', '"Duration","1.1"', '"Segment Times","0:43.2","0:44.1"', '"Beacon Markers","43.2","87.3"', ""]
@@ -333,7 +333,7 @@ aim = table(["Time", "GPS Speed", "GPS LatAcc", "GPS Gyro"], [TIME, KMH, RATE, R
 recording("aim.csv", aim, AIM_CHANNELS, AIM_READ, time="Time")
 recording("aim_crlf.csv", aim.replace("\n", "\r\n"), AIM_CHANNELS, AIM_READ, time="Time")
 recording("aim_bare.csv", aim.replace('"', ""), AIM_CHANNELS, AIM_READ, time="Time")
-recording("aim_gap.csv", aim.replace(f'"{KMH[3]:.10g}"', '""').replace(f'"{KMH[4]:.10g}"', '""'), AIM_CHANNELS, AIM_READ | {"v_mps": gone}, time="Time")
+recording("aim_gap.csv", aim.replace(f'"{KMH[3]:.10g}"', '""').replace(f'"{KMH[4]:.10g}"', '""'), AIM_CHANNELS, AIM_READ | {"v_mps": with_gap}, time="Time")
 
 MOTEC = ['"Format","MoTeC CSV File",,,"Workbook",""', '"Venue","Igls",,,"Worksheet",""', '"Log Date","01/03/2021",,,"",""', '"Sample Rate","10.000","Hz",,"",""', '"Duration","1.1","s",,"",""', '"Range","entire outing",,,"",""', '"Beacon Markers","",,,"",""', "", ""]
 motec = table(["Time", "Distance", "Ground Speed", "G Force Lat", "Gyro Yaw", "Lap"], [TIME, [2.0 * k for k in range(N)], KMH, RATE, RATE, [1] * N], preamble=MOTEC, below=['"s","m","km/h","G","deg/s",""', "", ""], quoted=True)
@@ -345,7 +345,7 @@ recording("motec_crlf.csv", motec.replace("\n", "\r\n"), MOTEC_CHANNELS, MOTEC_R
 RACECHRONO = ["This file is created using RaceChrono v7.0.0 ( http://racechrono.com/ ).", "Format,3", 'Session title,"Igls, run 2"', "Session type,Lap timing", "Driver name,", "Created,01/03/2021,12:00", "Note,", ""]
 chrono = table(["timestamp", "fragment_id", "lap_number", "elapsed_time", "speed", "speed", "x_acc", "speed"], [[f"{EPOCH + t:.2f}" for t in TIME], [0] * 6 + [1] * 6, [""] * N, TIME, SPEED, ["", *SPEED[1:]], RATE, KMH], preamble=RACECHRONO, below=["unix time,,,s,m/s,m/s,G,km/h", ",,,,100: gps,calc,101: acc,100: gps"])
 recording("racechrono.csv", chrono, {"v_mps": '"speed (calc)"', "x_mps": '"speed (100: gps) (column 8)"', "ax_mps2": '"x_acc"'}, {"v_mps": [math.nan, *SPEED[1:]], "x_mps": SPEED, "ax_mps2": [G * x for x in RATE]}, time="elapsed_time")
-recording("racechrono_stamp.csv", chrono, {"v_mps": '"speed (100: gps) (column 5)"'}, JUST_V, time="timestamp", start=EPOCH, more='time_unit = "s"')
+recording("racechrono_stamp.csv", chrono, {"v_mps": '"speed (100: gps) (column 5)"'}, V_ONLY, time="timestamp", start=EPOCH, more='time_unit = "s"')
 recording("racechrono_asked.csv", chrono, {"v_mps": '"speed"'}, "speed (calc)", time="elapsed_time")
 
 VBOX = ["File created on 01/03/2021 at 10:00:00", "", "[header]", "satellites", "time", "latitude", "longitude", "velocity kmh", "heading", "vertical velocity m/s", "Lat_Acc", "", "[channel units]", "g", "", "[comments]", "(c) Racelogic", "", "[column names]"]
@@ -356,7 +356,7 @@ VBOX_READ = {"v_mps": SPEED, "z_mps": RATE, "ay_mps2": [G * x for x in RATE], "l
 recording("vbox.vbo", vbox, VBOX_CHANNELS, VBOX_READ, time="time", start=35_999.5)
 recording("vbox_east.vbo", vbox.replace(" -03", " +03"), VBOX_CHANNELS, VBOX_READ | {"long_rad": [-x for x in VBOX_READ["long_rad"]]}, time="time", start=35_999.5)
 late = table(["sats", "time", "velocity"], [["010"] * N, clocks(LATE, "{h:02d}{m:02d}{s:05.2f}"), KMH], " ", "\r\n", preamble=["[header]", "satellites", "time", "velocity kmh", "", "[column names]"], below=["", "[data]"])
-recording("vbox_midnight.vbo", late, {"v_mps": '"velocity"'}, JUST_V, time="time", start=LATE)
+recording("vbox_midnight.vbo", late, {"v_mps": '"velocity"'}, V_ONLY, time="time", start=LATE)
 
 # ---- Parquet
 
@@ -373,19 +373,19 @@ from decimal import Decimal  # noqa: E402
 CENTS = [Decimal(f"{v:.2f}") for v in SPEED]
 COUNTS = {"n_1": '"n"'}
 for packed in ("none", "snappy", "gzip", "zstd"):
-    parquet(f"{packed}.parquet", {"v": SPEED}, JUST_V, compression=packed)
+    parquet(f"{packed}.parquet", {"v": SPEED}, V_ONLY, compression=packed)
 parquet("brotli.parquet", {"v": SPEED}, "brotli", compression="brotli")
-parquet("dictionary.parquet", {"v": SPEED}, JUST_V, use_dictionary=True)
-parquet("pages_v2.parquet", {"v": SPEED}, JUST_V, data_page_version="2.0", use_dictionary=False)
-parquet("row_groups.parquet", {"v": SPEED}, JUST_V, row_group_size=5)
-parquet("split.parquet", {"v": SPEED}, JUST_V, use_dictionary=False, column_encoding={"v": "BYTE_STREAM_SPLIT", "t": "PLAIN"})
-parquet("single.parquet", {"v": pyarrow.array(SPEED, pyarrow.float32())}, JUST_V)
-parquet("half.parquet", {"v": pyarrow.array([numpy.float16(v) for v in SPEED], pyarrow.float16())}, JUST_V)
-parquet("nulls.parquet", {"v": pyarrow.array([None if math.isnan(v) else v for v in gone])}, {"v_mps": gone})
-parquet("decimal32.parquet", {"v": pyarrow.array(CENTS, pyarrow.decimal128(7, 2))}, JUST_V, store_decimal_as_integer=True)
-parquet("decimal64.parquet", {"v": pyarrow.array(CENTS, pyarrow.decimal128(15, 4))}, JUST_V, store_decimal_as_integer=True)
-parquet("decimal128.parquet", {"v": pyarrow.array(CENTS, pyarrow.decimal128(30, 10))}, JUST_V)
-parquet("decimal256.parquet", {"v": pyarrow.array(CENTS, pyarrow.decimal256(60, 20))}, JUST_V)
+parquet("dictionary.parquet", {"v": SPEED}, V_ONLY, use_dictionary=True)
+parquet("pages_v2.parquet", {"v": SPEED}, V_ONLY, data_page_version="2.0", use_dictionary=False)
+parquet("row_groups.parquet", {"v": SPEED}, V_ONLY, row_group_size=5)
+parquet("split.parquet", {"v": SPEED}, V_ONLY, use_dictionary=False, column_encoding={"v": "BYTE_STREAM_SPLIT", "t": "PLAIN"})
+parquet("single.parquet", {"v": pyarrow.array(SPEED, pyarrow.float32())}, V_ONLY)
+parquet("half.parquet", {"v": pyarrow.array([numpy.float16(v) for v in SPEED], pyarrow.float16())}, V_ONLY)
+parquet("nulls.parquet", {"v": pyarrow.array([None if math.isnan(v) else v for v in with_gap])}, {"v_mps": with_gap})
+parquet("decimal32.parquet", {"v": pyarrow.array(CENTS, pyarrow.decimal128(7, 2))}, V_ONLY, store_decimal_as_integer=True)
+parquet("decimal64.parquet", {"v": pyarrow.array(CENTS, pyarrow.decimal128(15, 4))}, V_ONLY, store_decimal_as_integer=True)
+parquet("decimal128.parquet", {"v": pyarrow.array(CENTS, pyarrow.decimal128(30, 10))}, V_ONLY)
+parquet("decimal256.parquet", {"v": pyarrow.array(CENTS, pyarrow.decimal256(60, 20))}, V_ONLY)
 parquet("decimal_negative.parquet", {"v": pyarrow.array([Decimal(f"{w:.3f}") for w in RATE], pyarrow.decimal128(9, 3))}, {"v_mps": RATE})
 for bits in (8, 16, 32, 64):
     top = [2**bits - 1 - 2 ** (bits - 6) * k for k in range(N)]
@@ -395,17 +395,17 @@ for bits in (8, 16, 32, 64):
         parquet(f"{sign}int{bits}.parquet", {"n": array}, {"n_1": [n / 2**bits for n in counts]}, {"n_1": f'"n", scale = {2.0**-bits!r}'})
 for unit, per in (("ms", 1e3), ("us", 1e6), ("ns", 1e9)):
     steps = pyarrow.array([int(EPOCH) * int(per) + round((0.5 + t) * per) for t in TIME], pyarrow.timestamp(unit))
-    parquet(f"stamp_{unit}.parquet", {"time": steps, "v": SPEED}, JUST_V, time="time", start=EPOCH)
+    parquet(f"stamp_{unit}.parquet", {"time": steps, "v": SPEED}, V_ONLY, time="time", start=EPOCH)
     zoned = steps.cast(pyarrow.timestamp(unit, "UTC"))
-    parquet(f"stamp_{unit}_utc.parquet", {"time": zoned, "v": SPEED}, JUST_V, time="time", start=EPOCH)
+    parquet(f"stamp_{unit}_utc.parquet", {"time": zoned, "v": SPEED}, V_ONLY, time="time", start=EPOCH)
     kind = pyarrow.time32(unit) if unit == "ms" else pyarrow.time64(unit)
     hours = pyarrow.array([round((NOON + t) * per) for t in TIME], pyarrow.int32() if unit == "ms" else pyarrow.int64()).cast(kind)
-    parquet(f"time_{unit}.parquet", {"time": hours, "v": SPEED}, JUST_V, time="time", start=NOON)
+    parquet(f"time_{unit}.parquet", {"time": hours, "v": SPEED}, V_ONLY, time="time", start=NOON)
 old = pyarrow.array([int(EPOCH) * 10**9 + round((0.5 + t) * 1e9) for t in TIME], pyarrow.timestamp("ns"))
-parquet("stamp_int96.parquet", {"time": old, "v": SPEED}, JUST_V, time="time", start=EPOCH, use_deprecated_int96_timestamps=True)
-parquet("text_column.parquet", {"place": ["bend"] * N, "v": SPEED}, JUST_V)
+parquet("stamp_int96.parquet", {"time": old, "v": SPEED}, V_ONLY, time="time", start=EPOCH, use_deprecated_int96_timestamps=True)
+parquet("text_column.parquet", {"place": ["bend"] * N, "v": SPEED}, V_ONLY)
 parquet("only_text.parquet", {"v": ["fast"] * N}, 'no channel "v"')
-parquet("nested.parquet", {"v": SPEED, "pair": [{"a": 1.0, "b": 2.0}] * N, "list": [[1.0, 2.0]] * N}, JUST_V)
+parquet("nested.parquet", {"v": SPEED, "pair": [{"a": 1.0, "b": 2.0}] * N, "list": [[1.0, 2.0]] * N}, V_ONLY)
 recording("no.parquet", "PAR1", V, "parquet")
 
 # ---- MDF 4
@@ -431,17 +431,17 @@ t, v, w = (numpy.array(values) for values in (TIME, SPEED, RATE))
 SPEED_SIGNAL = SIGNAL(3.6 * v, t, name="GPS Speed", unit="km/h")
 GPS = {"v_mps": '"GPS Speed"'}
 for version in ("4.00", "4.10", "4.20"):
-    mdf4(f"v{version[0]}{version[2]}.mf4", [[SPEED_SIGNAL]], GPS, JUST_V, version)
-mdf4("deflated.mf4", [[SPEED_SIGNAL]], GPS, JUST_V, compression=1)
-mdf4("transposed.mdf", [[SPEED_SIGNAL]], GPS, JUST_V, compression=2)
+    mdf4(f"v{version[0]}{version[2]}.mf4", [[SPEED_SIGNAL]], GPS, V_ONLY, version)
+mdf4("deflated.mf4", [[SPEED_SIGNAL]], GPS, V_ONLY, compression=1)
+mdf4("transposed.mdf", [[SPEED_SIGNAL]], GPS, V_ONLY, compression=2)
 mdf4("two_groups.mf4", [[SPEED_SIGNAL], [SIGNAL(w, t, name="Gyro", unit="deg/s")]], GPS | {"yaw_rate_radps": '"Gyro"'}, {"v_mps": SPEED, "yaw_rate_radps": [DEGREE * x for x in RATE]})
 mdf4("counts.mf4", [[SIGNAL(numpy.round(8 * w).astype("i2"), t, name="Gyro", unit="rad/s", conversion={"a": 0.125, "b": 0.0})]], {"yaw_rate_radps": '"Gyro"'}, {"yaw_rate_radps": RATE})
-mdf4("invalid.mf4", [[SIGNAL(v, t, name="v", unit="m/s", invalidation_bits=numpy.array([k in (3, 4) for k in range(N)]))]], SAYS_V, {"v_mps": gone})
-mdf4("single.mf4", [[SIGNAL(v.astype("f4"), t, name="v", unit="m/s")]], SAYS_V, JUST_V)
-mdf4("duplicates.mf4", [[SIGNAL(v, t, name="v", unit="m/s")], [SIGNAL(2 * v, t, name="v", unit="m/s")]], {"v_mps": '"v (group 0)"'}, JUST_V)
-mdf4("duplicate_asked.mf4", [[SIGNAL(v, t, name="v", unit="m/s")], [SIGNAL(2 * v, t, name="v", unit="m/s")]], SAYS_V, "v (group 1)")
-mdf4("text.mf4", [[SIGNAL(v, t, name="v", unit="m/s"), SIGNAL(numpy.array([b"bend"] * N), t, name="place", encoding="latin-1")]], SAYS_V, JUST_V)
-mdf4("late_start.mf4", [[SIGNAL(v, t + 7.5, name="v", unit="m/s")]], SAYS_V, JUST_V, start=7.5)
+mdf4("invalid.mf4", [[SIGNAL(v, t, name="v", unit="m/s", invalidation_bits=numpy.array([k in (3, 4) for k in range(N)]))]], V_NO_UNIT, {"v_mps": with_gap})
+mdf4("single.mf4", [[SIGNAL(v.astype("f4"), t, name="v", unit="m/s")]], V_NO_UNIT, V_ONLY)
+mdf4("duplicates.mf4", [[SIGNAL(v, t, name="v", unit="m/s")], [SIGNAL(2 * v, t, name="v", unit="m/s")]], {"v_mps": '"v (group 0)"'}, V_ONLY)
+mdf4("duplicate_asked.mf4", [[SIGNAL(v, t, name="v", unit="m/s")], [SIGNAL(2 * v, t, name="v", unit="m/s")]], V_NO_UNIT, "v (group 1)")
+mdf4("text.mf4", [[SIGNAL(v, t, name="v", unit="m/s"), SIGNAL(numpy.array([b"bend"] * N), t, name="place", encoding="latin-1")]], V_NO_UNIT, V_ONLY)
+mdf4("late_start.mf4", [[SIGNAL(v, t + 7.5, name="v", unit="m/s")]], V_NO_UNIT, V_ONLY, start=7.5)
 recording("no.mf4", "MDF     4.10", V, "no.mf4", time=None)
 
 # ---- MATLAB
@@ -456,7 +456,7 @@ def variable(name, kind, shape, storage, data):
 
 
 def opaque(name, kind):
-    """What MATLAB writes for a variable of a class: its name, and a reference to its contents."""
+    """A variable of a MATLAB class: its name and a reference to its contents."""
     reference = variable("", 13, (6, 1), 6, struct.pack("<6I", 0xDD000000, 2, 1, 1, 1, 1))
     return element(14, element(6, struct.pack("<II", 17, 0)) + element(1, name.encode()) + element(1, b"MCOS") + element(1, kind.encode()) + reference)
 
@@ -504,26 +504,26 @@ def others73(file):
 
 DOUBLES = struct.pack(f"<{N}d", *SPEED)
 T_VARIABLE = variable("t", 6, (N, 1), 9, struct.pack(f"<{N}d", *TIME))
-recording("plain.mat", savemat({"t": t, "v": v}), V, JUST_V)
-recording("columns.mat", savemat({"t": t, "v": v}, oned_as="column"), V, JUST_V)
-recording("packed.mat", savemat({"t": t, "v": v}, do_compression=True), V, JUST_V)
-recording("single.mat", savemat({"t": t, "v": v.astype("f4")}), V, JUST_V)
+recording("plain.mat", savemat({"t": t, "v": v}), V, V_ONLY)
+recording("columns.mat", savemat({"t": t, "v": v}, oned_as="column"), V, V_ONLY)
+recording("packed.mat", savemat({"t": t, "v": v}, do_compression=True), V, V_ONLY)
+recording("single.mat", savemat({"t": t, "v": v.astype("f4")}), V, V_ONLY)
 recording("integers.mat", savemat({"t": t, "n": numpy.arange(-6, 6, dtype="i2")}), COUNTS, {"n_1": [float(n) for n in range(-6, 6)]})
-recording("struct.mat", savemat({"gps": {"t": t, "v": v}}), {"v_mps": '"gps.v", unit = "m/s"'}, JUST_V, time="gps.t")
-recording("scalars_matrices.mat", savemat({"t": t, "v": v, "rate": 10.0, "m": numpy.eye(3), "note": "monday", "c": numpy.array([1, "a"], dtype=object)}), V, JUST_V)
-recording("big_endian.mat", b"MATLAB 5.0 MAT-file".ljust(124) + b"\1\0MI" + b"".join(struct.pack(">II", 14, 48 + 8 * N) + struct.pack(">IIII", 6, 8, 6, 0) + struct.pack(">IIii", 5, 8, N, 1) + struct.pack(">HH4s", 1, 1, name) + struct.pack(">II", 9, 8 * N) + struct.pack(f">{N}d", *values) for name, values in ((b"t\0\0\0", TIME), (b"v\0\0\0", SPEED))), V, JUST_V)
-recording("table.mat", matlab5(T_VARIABLE, opaque("T", "table"), variable("v", 6, (1, N), 9, DOUBLES)), V, JUST_V, said="table2struct")
+recording("struct.mat", savemat({"gps": {"t": t, "v": v}}), {"v_mps": '"gps.v", unit = "m/s"'}, V_ONLY, time="gps.t")
+recording("scalars_matrices.mat", savemat({"t": t, "v": v, "rate": 10.0, "m": numpy.eye(3), "note": "monday", "c": numpy.array([1, "a"], dtype=object)}), V, V_ONLY)
+recording("big_endian.mat", b"MATLAB 5.0 MAT-file".ljust(124) + b"\1\0MI" + b"".join(struct.pack(">II", 14, 48 + 8 * N) + struct.pack(">IIII", 6, 8, 6, 0) + struct.pack(">IIii", 5, 8, N, 1) + struct.pack(">HH4s", 1, 1, name) + struct.pack(">II", 9, 8 * N) + struct.pack(f">{N}d", *values) for name, values in ((b"t\0\0\0", TIME), (b"v\0\0\0", SPEED))), V, V_ONLY)
+recording("table.mat", matlab5(T_VARIABLE, opaque("T", "table"), variable("v", 6, (1, N), 9, DOUBLES)), V, V_ONLY, message="table2struct")
 recording("only_table.mat", matlab5(opaque("T", "timetable")), V, "table2struct(T, 'ToScalar', true)")
-recording("string.mat", matlab5(T_VARIABLE, opaque("note", "string"), variable("v", 6, (1, N), 9, DOUBLES)), V, JUST_V, said="variable note is a string")
+recording("string.mat", matlab5(T_VARIABLE, opaque("note", "string"), variable("v", 6, (1, N), 9, DOUBLES)), V, V_ONLY, message="variable note is a string")
 recording("datetime.mat", matlab5(opaque("t", "datetime"), variable("v", 6, (1, N), 9, DOUBLES)), V, 'no channel "t"')
 recording("packed_integers.mat", matlab5(T_VARIABLE, variable("n", 6, (1, N), 2, bytes(range(N)))), COUNTS, {"n_1": [float(n) for n in range(N)]})
 recording("cut.mat", savemat({"t": t, "v": v})[:-40], V, "cut short")
 recording("no.mat", "no MATLAB", V, "no MATLAB v5 header")
-recording("v73.mat", matlab73(columns73), V, JUST_V)
-recording("v73_chunks.mat", matlab73(lambda file: columns73(file, chunks=(1, 5), compression="gzip", compression_opts=3)), V, JUST_V)
-recording("v73_shuffled.mat", matlab73(lambda file: columns73(file, chunks=(1, 4), compression="gzip", shuffle=True)), V, JUST_V)
-recording("v73_struct.mat", matlab73(struct73), {"v_mps": '"gps.v", unit = "m/s"'}, JUST_V, time="gps.t")
-recording("v73_others.mat", matlab73(others73), V, JUST_V, said="variable T is a table")
+recording("v73.mat", matlab73(columns73), V, V_ONLY)
+recording("v73_chunks.mat", matlab73(lambda file: columns73(file, chunks=(1, 5), compression="gzip", compression_opts=3)), V, V_ONLY)
+recording("v73_shuffled.mat", matlab73(lambda file: columns73(file, chunks=(1, 4), compression="gzip", shuffle=True)), V, V_ONLY)
+recording("v73_struct.mat", matlab73(struct73), {"v_mps": '"gps.v", unit = "m/s"'}, V_ONLY, time="gps.t")
+recording("v73_others.mat", matlab73(others73), V, V_ONLY, message="variable T is a table")
 
 
 # ---- reading and comparing
@@ -534,8 +534,8 @@ def run(command, folder, *words):
     return found.returncode, found.stdout, found.stderr
 
 
-def refused(code, errors, expected):
-    """What is wrong with a refusal."""
+def check_error(code, errors, expected):
+    """Difference from the expected error message, or None."""
     lines = errors.strip().splitlines()
     if code != 3 or len(lines) != 1 or expected not in errors:
         return f"exit {code}, {errors.strip()!r}; expected exit 3 and one line with {expected!r}"
@@ -548,7 +548,7 @@ def read_hull(command, folder, name):
             out.write(content)
     code, text, errors = run(command, folder, "info", name, "--json")
     if isinstance(expected, str):
-        return refused(code, errors, expected)
+        return check_error(code, errors, expected)
     if code != 0:
         return f"exit {code}: {errors.strip()}"
     found = json.loads(text)
@@ -558,7 +558,7 @@ def read_hull(command, folder, name):
 
 
 def read_recording(command, folder, name):
-    data, channels, expected, time, start, said, more, _ = RECORDINGS[name]
+    data, channels, expected, time, start, message, more, _ = RECORDINGS[name]
     with open(os.path.join(folder, name), "wb") as out:
         out.write(data)
     lines = ["rate_hz = 10.0", "[logger.box]", f'files = "{name}"', more, "[channels]"]
@@ -569,11 +569,11 @@ def read_recording(command, folder, name):
         out.write("\n".join(lines) + "\n")
     code, _, errors = run(command, folder, "runs", "import", "mapping.toml", "-o", "out")
     if isinstance(expected, str):
-        return refused(code, errors, expected)
+        return check_error(code, errors, expected)
     if code != 0:
         return f"exit {code}: {errors.strip()}"
-    if said is not None and said not in errors:
-        return f"said {errors!r}, expected {said!r}"
+    if message is not None and message not in errors:
+        return f"printed {errors!r}, expected {message!r}"
     out = os.path.join(folder, "out")
     note = next(file for file in os.listdir(out) if file.endswith(".import.json") and file != "import.json")
     with open(os.path.join(out, note)) as file:
@@ -593,17 +593,17 @@ def main():
     command = os.path.abspath(sys.argv[1])
     names = sys.argv[2:] or [*HULLS, *RECORDINGS]
 
-    def wrong(name):
+    def difference(name):
         with tempfile.TemporaryDirectory() as folder:
             read = read_hull if name in HULLS else read_recording
             return read(command, folder, name)
 
     with ThreadPoolExecutor() as pool:
-        found = list(pool.map(wrong, names))
+        found = list(pool.map(difference, names))
     for name, reason in zip(names, found):
         if reason:
             print(f"{name}: {reason}")
-    print(f"{found.count(None)} of {len(names)} files are read right")
+    print(f"{found.count(None)} of {len(names)} files are read correctly")
     sys.exit(found.count(None) < len(names))
 
 

@@ -1,14 +1,16 @@
-"""Contacts drawn at random, class by class, with their peak pressure, area and approach. Nothing here is a finite element.
+"""Random contacts of several classes with reference peak pressure, area and approach, without finite elements.
 
     python coverage.py [SEED [COUNT CLASS...]] > coverage.csv
 
-With classes COUNT contacts of each of them and nothing else.
+With classes: COUNT contacts of each of them only.
 
-Hertz's closed form (rigid, two elastic bodies, offset loads, which shift a paraboloid's patch and nothing else); Hankel transforms in depth
-(`layered.py`) for round hulls on one or two layers over a rigid bed; for gaps that are no paraboloid and for ice that yields, rectangles of uniform
-pressure (A. E. H. Love, 1929) whose displacements are convolutions, on so many of them and on half as many along each side: `truth` is what the two
-differ by, over the figure. Of worn flats the reach is found on a coarse grid first. The last lines are those of `slender.py`, whose pressures have their
-peaks at a runner's ends.
+References:
+
+- rigid, two elastic bodies, offset loads (which only shift the patch): Hertz's closed form
+- round hulls on one or two layers over a rigid bed: Hankel transforms (`layered.py`)
+- other gaps, yielding ice, worn flats: rectangles of uniform pressure (A. E. H. Love, 1929), with displacements by convolution, on two grids; `truth` is
+  their relative difference
+- peaks at the ends of a runner, narrow flats: `slender.csv`
 """
 import csv
 import pathlib
@@ -26,7 +28,7 @@ COLUMNS = (
     " bed_thickness_m steel hardness_pa worn_m worn_edge_m curvature_1pm p_max_pa area_m2 approach_m truth"
 ).split()
 SEED = int(sys.argv[1]) if sys.argv[1:] else 20261122
-ASKED = sys.argv[3:]
+CLASSES = sys.argv[3:]
 random = np.random.default_rng(SEED)
 
 
@@ -40,7 +42,7 @@ def logarithmic(low, high):
 
 
 class Rectangles:
-    """A half-space under nx x ny rectangles over [-x, x] x [-y, y]."""
+    """Half-space with nx x ny rectangles of uniform pressure over [-x, x] x [-y, y]."""
 
     def __init__(self, shape, x, y, contact_modulus):
         self.shape, self.double = shape, [2 * n for n in shape]
@@ -65,7 +67,7 @@ class Rectangles:
         return np.fft.irfft2(spectrum, self.double)[: self.shape[0], : self.shape[1]]
 
     def solve(self, inside, side, start):
-        """Conjugate gradients on the rectangles inside, preconditioned with what presses waves of a plane flat."""
+        """Conjugate gradients on the rectangles inside, preconditioned by the stiffness of the half-space in Fourier space."""
         x = np.where(inside, start, 0.0)
         r = np.where(inside, side - self.displacement(x), 0.0)
         p, rho = 0.0, 1.0
@@ -81,7 +83,7 @@ class Rectangles:
         return x
 
     def press(self, gap, force, hardness):
-        """Pressure and approach: an active set of open, pressed and full rectangles."""
+        """Pressure and approach by an active set of open, closed and yielding rectangles."""
         cell = self.dx * self.dy
         depth = np.sort(gap.ravel())[int(0.3 * gap.size)]
         inside, full = gap < depth, np.zeros(gap.shape, bool)
@@ -92,18 +94,18 @@ class Rectangles:
             shape = self.solve(inside, gap + self.displacement(load), shape)
             approach = (force / cell - load.sum() + shape.sum()) / ones.sum()
             pressure = np.where(inside, approach * ones - shape, load)
-            left = gap + self.displacement(pressure) - approach
+            opening = gap + self.displacement(pressure) - approach
             slack = 1e-9 * approach
-            new_full = (inside & (pressure > hardness)) | (full & (left <= slack))
-            new_inside = (inside & (pressure > 0) & (pressure <= hardness)) | (full & (left > slack)) | (~inside & ~full & (left < -slack))
+            new_full = (inside & (pressure > hardness)) | (full & (opening <= slack))
+            new_inside = (inside & (pressure > 0) & (pressure <= hardness)) | (full & (opening > slack)) | (~inside & ~full & (opening < -slack))
             if (new_full == full).all() and (new_inside == inside).all():
                 return pressure, approach
             inside, full = new_inside, new_full
-        raise SystemExit("the contact set does not settle")
+        raise SystemExit("the contact set does not converge")
 
 
 def highest(pressure):
-    """The largest pressure, raised by the vertex of the parabola through its neighbours on each axis."""
+    """Peak pressure, interpolated by parabolas through the neighbours of the largest value on each axis."""
     i, j = np.unravel_index(pressure.argmax(), pressure.shape)
     top = pressure[i, j]
     for before, after in ((pressure[i - 1, j], pressure[i + 1, j]), (pressure[i, j - 1], pressure[i, j + 1])):
@@ -113,7 +115,7 @@ def highest(pressure):
 
 
 def boundary(gap, force, hardness, reach, coarse=(64, 64)):
-    """Peak, area, approach and what two resolutions differ by."""
+    """Peak, area, approach and relative difference of two grids."""
     found = []
     for finer in (1, 2):
         grid = Rectangles([finer * n for n in coarse], *reach, modulus())
@@ -126,7 +128,7 @@ def boundary(gap, force, hardness, reach, coarse=(64, 64)):
 
 
 def reach_of(gap, force, reach):
-    """Half the sides of a rectangle somewhat larger than the contact."""
+    """Half lengths of a rectangle slightly larger than the contact, from a coarse grid."""
     reach = np.array(reach)
     while True:
         grid = Rectangles((24, 128), *reach, modulus())
@@ -159,7 +161,7 @@ def layers(radius, force, e1, nu1, h1, e2, nu2, h2):
 
 
 def layer(kind, low, high):
-    """A round hull on ice whose thickness is between so many parts of the half-space's patch."""
+    """A round hull on a layer of ice with a thickness of `low` to `high` contact radii of the half-space."""
     radius, force = logarithmic(0.02, 2.0), logarithmic(100, 4000)
     patch = (0.75 * force * radius / modulus()) ** (1 / 3)
     thickness = patch * logarithmic(low, high)
@@ -168,15 +170,15 @@ def layer(kind, low, high):
 
 
 def draws(kind, count):
-    """So many draws of a class, or as many as were asked of it."""
-    return range(count if not ASKED else int(sys.argv[2]) if kind in ASKED else 0)
+    """`count` draws of a class, or the number from the command line."""
+    return range(count if not CLASSES else int(sys.argv[2]) if kind in CLASSES else 0)
 
 
 writer = csv.writer(sys.stdout, lineterminator="\n")
 writer.writerow(COLUMNS)
 for _ in draws("rigid Hertz", 70):
     section = logarithmic(1e-3, 2e-2)
-    # The patch's aspect goes with the radii's ratio to the power 2/3 or so.
+    # The aspect ratio of the patch is about the ratio of the radii to the power 2/3.
     rocker, force = section * logarithmic(1.0, 3e4), logarithmic(100, 8000)
     row("rigid Hertz", rocker, section, force, hertz(rocker, section, modulus(), force))
 for _ in draws("two elastic bodies", 20):
@@ -217,12 +219,12 @@ for _ in draws("ice that yields", 15):
     gap = lambda x, y: x * x / (2 * rocker) + y * y / (2 * section)
     *figures, truth = boundary(gap, force, share * peak, (1.35 * a, 1.5 * b))
     row("ice that yields", rocker, section, force, figures, truth, hardness_pa=share * peak)
-# Drawn after the estimates of errors were mended on the rows above, and scored once.
+# Independent of the rows above, on which the error estimates were developed.
 random = np.random.default_rng(SEED + 1)
 for kind, low, high in (("layer as thick as the patch", 0.1, 1.0), ("thin layer", 0.02, 0.1)):
     for _ in draws(f"{kind} anew", 15):
         layer(f"{kind} anew", low, high)
-# With peaks along both rounded edges of the flat.
+# Pressure peaks along both rounded edges of the flat.
 random = np.random.default_rng(SEED + 8)
 for _ in draws("worn flat", 30):
     rocker, section, force = logarithmic(15, 60), logarithmic(3.5e-3, 8e-3), logarithmic(500, 5000)
@@ -234,9 +236,9 @@ for _ in draws("worn flat", 30):
 
     reach = reach_of(gap, force, (4e-3 * np.sqrt(rocker * force / 1000), 1.4 * np.sqrt(2 * section * worn)))
     peak, _, approach, truth = boundary(gap, force, np.inf, reach, (24, 512))
-    # 48 rectangles along the contact do not say how far it reaches.
+    # 48 rectangles along the contact do not resolve its length: no reference area.
     row("worn flat", rocker, section, force, (peak, 0, approach), truth, worn_m=worn, worn_edge_m=edge)
-for line in [] if ASKED else csv.DictReader((pathlib.Path(__file__).parent / "slender.csv").open()):
+for line in [] if CLASSES else csv.DictReader((pathlib.Path(__file__).parent / "slender.csv").open()):
     numbers = {key: float(value) for key, value in line.items()}
     worn = numbers["worn_m"]
     kind = "narrow flat" if worn else "peaks at the ends"

@@ -1,11 +1,11 @@
-"""Grooves of runners that slide on a half-space that yields, by boundary elements. Nothing here is a finite element.
+"""Grooves of runners that slide on a yielding half-space, by boundary elements.
 
     python groove.py > groove.csv
 
 Rectangles of uniform pressure, the displacement at their centres from A. E. H. Love's integral (1929), mirrored at y = 0. At a given
 approach, sweeps from the front to the back: each rectangle takes the pressure between 0 and the hardness that closes its gap over the
-groove which it meets, and what the hardness leaves open deepens the groove. The approach follows from the load by bisection. The
-grid is laid so that the groove's side and the patch's front fall between rectangles.
+groove it meets, and the remaining penetration deepens the groove. The approach follows from the load by bisection. The edges of
+the groove and the front of the patch fall between rectangles.
 """
 import numpy as np
 
@@ -39,7 +39,7 @@ def response(x_edges, y_edges):
 
 
 def swept(kernel, height, hardness, approach, pressure):
-    """Pressures, deflections and groove at an approach, by sweeps; rows are columns of one x, the front last."""
+    """Pressures and groove at an approach by Gauss-Seidel sweeps; the first axis is x, the front last."""
     deflection = np.array([
         sum(kernel[i - k + CELLS_X - 1] @ pressure[k] for k in range(CELLS_X)) for i in range(CELLS_X)
     ])
@@ -49,20 +49,20 @@ def swept(kernel, height, hardness, approach, pressure):
             for j in range(CELLS_Y):
                 own = kernel[CELLS_X - 1, j, j]
                 gap = height[i, j] - approach + deflection[i, j] + depth[j]
-                wanted = pressure[i, j] - gap / own
-                depth[j] += own * max(wanted - hardness, 0.0)
-                change = min(max(wanted, 0.0), hardness) - pressure[i, j]
+                trial = pressure[i, j] - gap / own
+                depth[j] += own * max(trial - hardness, 0.0)
+                change = min(max(trial, 0.0), hardness) - pressure[i, j]
                 if change:
                     pressure[i, j] += change
                     deflection += change * kernel[CELLS_X - 1 - i : 2 * CELLS_X - 1 - i, :, j]
                     largest = max(largest, abs(change))
         if largest < 1e-7 * hardness:
             return pressure, depth
-    raise RuntimeError("sweeps do not settle")
+    raise RuntimeError("the sweeps do not converge")
 
 
 def groove(rocker, section, force, hardness, width, front):
-    """Depth over y, ploughing over the load and centre of pressure; the grid from half the width and the front that are expected."""
+    """Depth, ploughing force over load, load ahead, half-width and front; the grid follows from the expected half-width and front."""
     y_edges = width / ROWS_IN * np.arange(CELLS_Y + 1)
     dx = front / COLUMNS_AHEAD
     x_edges = dx * (np.arange(CELLS_X + 1) - (CELLS_X - 3 - COLUMNS_AHEAD))
@@ -85,8 +85,8 @@ def groove(rocker, section, force, hardness, width, front):
     curve = np.polyfit(y[inside] ** 2, depth[inside], 2)
     side = np.sqrt(min(root.real for root in np.roots(curve) if abs(root.imag) < 1e-12 and root.real > 0))
     touched = np.flatnonzero(pressure[:, 0] > 0)[-1]
-    above = lambda i: approach - height[i, 0] - sum(kernel[i - k + CELLS_X - 1, 0] @ pressure[k] for k in range(CELLS_X))
-    inside, outside = above(touched), above(touched + 1)
+    penetration = lambda i: approach - height[i, 0] - sum(kernel[i - k + CELLS_X - 1, 0] @ pressure[k] for k in range(CELLS_X))
+    inside, outside = penetration(touched), penetration(touched + 1)
     tip = x[touched] + dx * inside / (inside - outside) if inside > outside else x[touched] + dx / 2
     return np.polyval(curve, 0.0), ploughing, ahead, side, tip
 

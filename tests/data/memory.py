@@ -18,7 +18,7 @@ import tempfile
 import zipfile
 import zlib
 
-# A reader that takes longer is ended, which gives exit -9 [s].
+# Time limit of a reader [s]; a slower one is killed, which gives exit -9.
 LONGEST_S = 60
 WATCH = """
 import os, subprocess, sys, threading
@@ -35,7 +35,7 @@ INPUTS = {}
 
 
 def reader(name, words):
-    """Registers a function that gives the bytes of an input of about `size`."""
+    """Registers a function that returns an input of about `size` bytes."""
 
     def register(make):
         INPUTS[name] = (make, words)
@@ -164,7 +164,7 @@ def glb(size):
 
 @reader("uses.gltf", ["hull", "check", "uses.gltf"])
 def uses(size):
-    """One strip of triangles at many places."""
+    """One strip of triangles in many instances."""
     points = 2000
     data = struct.pack(f"<{3 * points}f", *(0.001 * (k % 7) + k for k in range(3 * points)))
     count = max(1_000_000, size // 12) // points - 1
@@ -249,7 +249,7 @@ def mat73(size):
 
     sink = io.BytesIO()
     with h5py.File(sink, "w", userblock_size=512) as file:
-        # Chunks that are not written hold zeros.
+        # Chunks that are not written are zeros.
         for name in ("a", "b"):
             file.create_dataset(name, (1, size * 2), "f8", chunks=(1, 1_000_000), compression="gzip")
     head = b"MATLAB 7.3 MAT-file".ljust(124) + bytes([0, 2]) + b"IM"
@@ -280,7 +280,7 @@ SHAPE = CASE.splitlines()[1]
 
 
 def prepare(command, folder, name, data):
-    """Writes what the command needs beside the input."""
+    """Writes the input and the other files that the command needs."""
     for kind in ("model", "case"):
         subprocess.run([command, "init", f"{kind}.toml", "--kind", kind, "-q"], cwd=folder, check=True)
     files = {
@@ -302,7 +302,7 @@ def prepare(command, folder, name, data):
 
 def peak(command, folder, words):
     """The largest resident memory of the command [MB], and its exit code."""
-    # A process of its own: what is counted begins with the memory of the one that starts it.
+    # Measured in a separate process, because the peak includes the memory of the parent at the start.
     watch = [sys.executable, "-c", WATCH, str(LONGEST_S), folder, command, *words]
     memory, code = subprocess.run(watch, capture_output=True, check=True, text=True).stdout.split()
     return float(memory) / 1024, int(code)

@@ -1,16 +1,18 @@
-"""How often `kufe press` states errors that hold: runners that deform and hulls that are scanned, beside answers that share no code with it.
+"""Coverage of the stated errors of `kufe press` for elastic runners and scanned hulls, against independent references.
 
-    python runners.py KUFE SEED COUNT [CLASS ...] [--asked 0.02]
+    python runners.py KUFE SEED COUNT [CLASS ...] [--requested 0.02]
 
-Draws COUNT contacts of each class, writes each as a case with its files, presses it to the accuracy asked and prints what does not hold and a table.
+Draws COUNT contacts of each class, writes each as a case with its files, solves it to the requested error of the peak, and prints the errors that are
+not covered and a table.
 
-- *held at its top*: a round underside, its flat top held: Hankel transforms of ice and runner (`layered.py`).
-- *carried*: a bar that two places press down: Hertz with the rocker's curvature less the bar's own, M / (E I). Within its height of the load a
-  bar is no beam, so M is known to half the height over the distance of the places: the truth's error.
-- *meshed runner*: the first class on hexahedra of this file's own, 2 to 5 cells over half the patch.
-- *noisy mesh*: the same with normal noise on the nodes of its underside, of 1e-3 to 0.1 of the approach.
-- *scanned hull*: a paraboloid's triangles with normal noise on their vertices, of 1e-4 to 3e-2 of the approach: Hertz without the noise.
-- *unstated scan*: the same, the noise not in the case.
+- *clamped at its top*: a round underside, its flat top fixed. Reference: Hankel transforms of ice and runner (`layered.py`).
+- *on carriers*: a bar loaded at two places. Reference: Hertz with the curvature of the rocker minus that of the bar, M / (E I). Beam theory does
+  not apply within one height of the load, so that M has a relative error of half the height over the distance to a place.
+- *meshed runner*: the first class with a mesh of hexahedra from this script, 2 to 5 cells over half the patch.
+- *noisy mesh*: the same with normal noise on the nodes of its underside, with a standard deviation of 1e-3 to 0.1 of the approach.
+- *scanned hull*: a triangulated paraboloid with normal noise on its vertices, with a standard deviation of 1e-4 to 3e-2 of the approach. Reference:
+  Hertz without the noise.
+- *unstated scan*: the same, without the noise in the case.
 """
 import argparse
 import json
@@ -50,7 +52,7 @@ thickness_m = "half-space"
 fz_n = {force}
 tilt = {tilt}
 [accuracy]
-p_max = ASKED
+p_max = REQUESTED
 """
 
 
@@ -59,8 +61,8 @@ def layered_truth(radius, force, material, height):
     return {"p_max_pa": peak, "area_m2": np.pi * a * a, "approach_m": approach}
 
 
-def held_at_top(draw, folder):
-    """Radii of metres keep the runner's height even over the patch: it differs by a^2 / (2 R H) there, which the truth takes for its error."""
+def clamped_at_top(draw, folder):
+    """The height of the runner changes by the share a^2 / (2 R H) over the patch, which is the error of the reference."""
     radius, force = draw.logarithmic(2, 6), draw.logarithmic(300, 3000)
     material = draw.logarithmic(5e9, 210e9), 0.30
     a = (0.75 * force * radius / modulus(ICE, material)) ** (1 / 3)
@@ -70,20 +72,20 @@ def held_at_top(draw, folder):
     return case(runner, force), layered_truth(radius, force, material, height), a * a / (2 * radius * height)
 
 
-def carried(draw, folder):
+def on_carriers(draw, folder):
     rocker, width, height, away = draw.logarithmic(8, 20), 0.010, draw.logarithmic(0.016, 0.020), draw.logarithmic(0.12, 0.2)
     section = 2 * width
-    # What is left of a rectangle under the round section, to the first order in width / section.
+    # Section: a rectangle minus the round underside, to first order in width / section.
     y = np.linspace(-width / 2, width / 2, 2001)
     low = section - np.sqrt(section**2 - y**2)
     area, first = np.trapezoid(height - low, y), np.trapezoid((height**2 - low**2) / 2, y)
     inertia = np.trapezoid((height**3 - low**3) / 3, y) - first**2 / area
-    # Bent by a tenth to two fifths of its curvature.
+    # Bending curvature 0.1 to 0.4 of that of the rocker.
     force = draw.logarithmic(0.1, 0.4) / rocker * STEEL[0] * inertia / (0.5 * away)
     e = modulus(ICE, STEEL)
 
-    def figures(share):
-        """With so much of M / (E I)."""
+    def reference(share):
+        """Peak and area with this share of M / (E I)."""
         a = 0.0
         for _ in range(50):
             bend = share * 0.5 * force * (away - 3 / 8 * a) / (STEEL[0] * inertia)
@@ -91,7 +93,7 @@ def carried(draw, folder):
             a = ellipse(1 / (1 / rocker - bend), section, e, force)[0]
         return {"p_max_pa": peak, "area_m2": area}
 
-    truth, less = figures(1.0), figures(1.0 - 0.5 * height / away)
+    truth, less = reference(1.0), reference(1.0 - 0.5 * height / away)
     error = max(abs(truth[k] / less[k] - 1) for k in truth)
     length = 2 * away + 0.1
     shape = f'{{ kind = "bob", length_m = {length}, rocker_radius_m = {rocker}, section_radius_m = {section}, width_m = {width}, height_m = {height} }}'
@@ -100,7 +102,7 @@ def carried(draw, folder):
 
 
 def graded(fine, even, end):
-    """From 0: even cells up to `even`, then each longer by a third, to `end`."""
+    """Nodes from 0 to `end`: cells of equal length up to `even`, then growing by a third."""
     nodes = list(np.linspace(0, even, round(even / fine) + 1))
     while nodes[-1] < end:
         nodes.append(nodes[-1] + 4 / 3 * (nodes[-1] - nodes[-2]))
@@ -175,7 +177,7 @@ def scanned(draw, folder):
     return case(f'hull = "hull.obj"\nnoise_m = {noise}', force), truth, 1e-4
 
 
-CLASSES = {"held at its top": held_at_top, "carried": carried, "meshed runner": meshed, "noisy mesh": noisy, "scanned hull": scanned, "unstated scan": unstated}
+CLASSES = {"clamped at its top": clamped_at_top, "on carriers": on_carriers, "meshed runner": meshed, "noisy mesh": noisy, "scanned hull": scanned, "unstated scan": unstated}
 
 
 def main():
@@ -184,37 +186,37 @@ def main():
     parser.add_argument("seed", type=int)
     parser.add_argument("count", type=int)
     parser.add_argument("classes", nargs="*", default=list(CLASSES))
-    parser.add_argument("--asked", default="0.02")
+    parser.add_argument("--requested", default="0.02")
     given = parser.parse_args()
     kufe, seed, count = given.kufe.resolve(), given.seed, given.count
-    table = ["| class | contacts | answered | reached | peak | area | approach | stated over true, peak |", "|---|---|---|---|---|---|---|---|"]
+    table = ["| class | contacts | solved | reached | peak | area | approach | stated over true, peak |", "|---|---|---|---|---|---|---|---|"]
     for kind in given.classes:
-        draw, held, ratios, refused, reached = Draw(seed), {}, [], 0, 0
+        draw, covered, ratios, failed, reached = Draw(seed), {}, [], 0, 0
         for _ in range(count):
             with tempfile.TemporaryDirectory() as folder:
                 folder = pathlib.Path(folder)
                 text, truth, error = CLASSES[kind](draw, folder)
-                (folder / "case.toml").write_text(text.replace("ASKED", given.asked))
+                (folder / "case.toml").write_text(text.replace("REQUESTED", given.requested))
                 done = subprocess.run([kufe, "press", "case.toml", "-o", "out", "--quiet"], cwd=folder, capture_output=True, text=True)
                 if done.returncode not in (0, 4) or not (folder / "out/result.json").exists():
-                    refused += 1
+                    failed += 1
                     print(f"{kind}: exit {done.returncode}: {done.stderr.strip()}")
                     continue
                 result = json.loads((folder / "out/result.json").read_text())
             reached += result["accuracy_reached"]
             for key, true in truth.items():
                 name, unit = key.rsplit("_", 1)
-                off, error_of = abs(result[key] / true - 1), result[f"{name}_error_{unit}"]
-                # One mesh tells no error.
+                actual, error_of = abs(result[key] / true - 1), result[f"{name}_error_{unit}"]
+                # With one mesh there is no error estimate.
                 stated = np.inf if error_of is None else error_of / true
                 stated += sum(result.get(f"{name}_{part}_{unit}", 0.0) for part in ("noise", "hull")) / true
-                held.setdefault(name, []).append(off <= stated + error)
+                covered.setdefault(name, []).append(actual <= stated + error)
                 if name == "p_max" and np.isfinite(stated):
-                    ratios.append(stated / max(off, 1e-12))
-                if off > stated + error:
-                    print(f"{kind}: {name} off by {100 * off:.2f} %, {100 * stated:.2f} % stated, {100 * error:.2f} % the truth's: {text.split(chr(10) + '[ice]')[0]} fz {truth}")
-        counts = [f"{sum(held[k])} of {len(held[k])}" if k in held else "" for k in ("p_max", "area", "approach")]
-        table.append(f"| {kind} | {count} | {count - refused} | {reached} | {' | '.join(counts)} | {np.median(ratios) if ratios else float('nan'):.1f} |")
+                    ratios.append(stated / max(actual, 1e-12))
+                if actual > stated + error:
+                    print(f"{kind}: {name} error {100 * actual:.2f} %, {100 * stated:.2f} % stated, {100 * error:.2f} % of the reference: {text.split(chr(10) + '[ice]')[0]} fz {truth}")
+        counts = [f"{sum(covered[k])} of {len(covered[k])}" if k in covered else "" for k in ("p_max", "area", "approach")]
+        table.append(f"| {kind} | {count} | {count - failed} | {reached} | {' | '.join(counts)} | {np.median(ratios) if ratios else float('nan'):.1f} |")
     print("\n".join(table))
 
 

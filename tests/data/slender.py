@@ -1,10 +1,10 @@
-"""Peak pressures of slender contacts on a half-space by boundary elements. Nothing here is a finite element.
+"""Peak pressures of slender contacts on a half-space by boundary elements.
 
     python slender.py > slender.csv
 
 Rectangles of uniform pressure on a graded grid, the displacement at their centres from A. E. H. Love's integral (1929),
-both mirror planes used, the contact set by its signs. Where the rocker goes over into the end's radius the rectangles
-are a quarter of the contact's half-width long; halving them moves the peaks by less than 0.1 %.
+with two mirror planes and an active set. At the transition from the rocker to the radius of the end the rectangles are a
+quarter of the contact's half-width long; halving them changes the peaks by less than 0.1 %.
 """
 import numpy as np
 
@@ -40,7 +40,7 @@ def response(x_edges, y_edges):
     total = np.zeros((len(x), len(y), len(x), len(y)))
 
     def logarithm(a, b, r):
-        """ln(a + r), with b^2 / (r - a) where that would cancel."""
+        """ln(a + r), from b^2 / (r - a) for a < 0 to avoid cancellation."""
         return np.where(a >= 0, np.log(np.where(a >= 0, a + r, 1)), 2 * np.log(np.abs(b)) - np.log(np.where(a < 0, r - a, 1)))
 
     for mirror_x in (1, -1):
@@ -74,21 +74,21 @@ def pressures(runner, force, curvature, x_edges, y_edges):
         if (found == inside).all():
             return x, y, pressure.reshape(len(x), len(y))
         inside = found
-    raise SystemExit("the contact set does not settle")
+    raise SystemExit("the contact set does not converge")
 
 
-def graded(corner, smallest, even, largest, beyond):
-    """Edges from 0 over the corner to `beyond` it, `smallest` within `even` of it, growing by a fifth a step."""
-    def steps(reach):
+def graded(corner, smallest, even, largest, reach):
+    """Edges from 0 to `corner + reach`, spaced by `smallest` within `even` of the corner, then growing by a fifth."""
+    def steps(distance):
         edges, step = [0.0], smallest
-        while edges[-1] < reach:
+        while edges[-1] < distance:
             step = min(1.2 * step, largest) if edges[-1] >= even else step
             edges.append(edges[-1] + step)
         return np.array(edges)
 
     before = corner - steps(corner)
     before = before[before > 0.3 * largest * 0.1]
-    return np.concatenate([[0.0], before[::-1], corner + steps(beyond)[1:]])
+    return np.concatenate([[0.0], before[::-1], corner + steps(reach)[1:]])
 
 
 def peak(rocker, section, worn, force, curvature):
@@ -107,7 +107,7 @@ def peak(rocker, section, worn, force, curvature):
             half_width *= 1.2
 
     def at_the_plane(inner, outer, a, b):
-        """sqrt of the parabola through p^2 at a and b at the mirror plane."""
+        """Pressure at the mirror plane, from the parabola of p^2 through its values at a and b."""
         return np.sqrt(np.maximum(inner**2 + (inner**2 - outer**2) * a * a / (b * b - a * a), 0))
 
     if worn > 0:

@@ -1,4 +1,4 @@
-//! Problems that several contact claims share.
+//! Problems that several contact tests share.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ pub const ICE_E: f64 = 9.0e9;
 /// Poisson's ratio of the reference ice.
 pub const ICE_NU: f64 = 0.33;
 
-/// Contact modulus of rigid on the reference ice [Pa].
+/// Contact modulus of a rigid runner on the reference ice [Pa].
 pub fn contact_modulus() -> f64 {
     ICE_E / (1.0 - ICE_NU * ICE_NU)
 }

@@ -1,4 +1,4 @@
-//! Whether stated errors hold the true ones, class by class of contacts drawn at random.
+//! Coverage of stated errors by classes of random contacts.
 
 use std::sync::Arc;
 
@@ -8,20 +8,20 @@ use kufe_mesh::{BobRunner, Paraboloid, Rocker, Section, Swept, Underside};
 
 use crate::contact::{Formula, ICE_E, ICE_NU};
 
-/// A contact with what others say of it: `tests/data/coverage.py` writes them.
+/// A contact with its reference solution, as `tests/data/coverage.py` writes it.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// The class of contacts that it was drawn from.
+    /// Class of contacts.
     pub class: String,
-    /// As the file has it.
+    /// Line of the file.
     pub text: String,
-    /// Rocker and section radius [m], share of x^4 [1/m^3], force [N], offset x and y [m],
+    /// Rocker and section radius [m], coefficient of x^4 [1/m^3], force [N], offset x and y [m],
     /// thickness [m], Young's modulus [Pa] and thickness of a bed [m], whether the runner is steel,
     /// hardness [Pa], depth of a worn flat and radius of its edges [m], track's curvature [1/m].
     numbers: [f64; 14],
-    /// Peak pressure [Pa], area [m2] and approach [m]; 0 where nothing is known.
+    /// Reference peak pressure [Pa], area [m2] and approach [m]; 0 if there is no reference.
     truth: [f64; 3],
-    /// What the truth of peak and approach itself may be off by, relative.
+    /// Relative error of the reference peak and approach.
     truth_error: f64,
 }
 
@@ -30,10 +30,10 @@ pub fn rows() -> Vec<Row> {
     rows_of(include_str!("../data/coverage.csv"))
 }
 
-/// The rows of a table that `tests/data/coverage.py` wrote.
+/// The rows of a table written by `tests/data/coverage.py`.
 ///
 /// # Panics
-/// Where it is none.
+/// If the table has another format.
 pub fn rows_of(table: &str) -> Vec<Row> {
     let row = |line: &str| {
         let (class, numbers) = line.split_once(',').expect("a class and numbers");
@@ -53,29 +53,39 @@ pub fn rows_of(table: &str) -> Vec<Row> {
     table.lines().skip(1).map(row).collect()
 }
 
-/// A figure beside the truth.
+/// Actual and stated error of a quantity, relative to its reference value.
 #[derive(Clone, Copy, Debug)]
-pub struct Miss {
-    /// Relative difference from the truth.
-    pub off: f64,
-    /// Relative error stated.
+pub struct ErrorPair {
+    /// Difference from the reference value.
+    pub actual: f64,
+    /// Error stated by the solver.
     pub stated: f64,
 }
 
-/// What a solve at one accuracy says of one row.
+impl ErrorPair {
+    /// Errors of `value` with the stated absolute error `error`.
+    pub fn of(value: f64, error: f64, truth: f64) -> Self {
+        Self {
+            actual: (value / truth - 1.0).abs(),
+            stated: error / truth,
+        }
+    }
+}
+
+/// Errors of one row at one requested accuracy.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// Peak pressure, area, approach; `None` where the truth says nothing of it.
-    pub figures: [Option<Miss>; 3],
-    /// Whether the accuracy asked was reached.
+    /// Peak pressure, area, approach; `None` without a reference value.
+    pub errors: [Option<ErrorPair>; 3],
+    /// Whether the requested accuracy was reached.
     pub reached: bool,
 }
 
 impl Row {
-    /// The problem that the row states.
+    /// The contact problem.
     ///
     /// # Panics
-    /// Where a number is out of range.
+    /// If a number is out of range.
     pub fn problem(&self) -> Problem {
         let [
             rocker,
@@ -152,10 +162,10 @@ impl Row {
         }
     }
 
-    /// Solves to an accuracy and compares.
+    /// Solves to a relative error `accuracy` of the peak and compares with the reference.
     ///
     /// # Errors
-    /// Those of the solver but for an accuracy that is not reached.
+    /// Those of the solver, except [`Error::AccuracyNotReached`].
     pub fn outcome(&self, accuracy: f64) -> Result<Outcome, Error> {
         let options = Options {
             p_max_tolerance: accuracy,
@@ -167,37 +177,35 @@ impl Row {
             Err(error) => return Err(error),
         };
         Ok(Outcome {
-            figures: self.compared(&solution),
+            errors: self.compared(&solution),
             reached,
         })
     }
 
-    fn compared(&self, s: &Solution) -> [Option<Miss>; 3] {
+    fn compared(&self, s: &Solution) -> [Option<ErrorPair>; 3] {
         let stated = [
             (s.p_max, s.p_max_error),
             (s.area, s.area_error),
             (s.approach, s.approach_error),
         ];
-        std::array::from_fn(|k| self.miss(k, stated[k].0, stated[k].1))
+        std::array::from_fn(|k| self.errors(k, stated[k].0, stated[k].1))
     }
 
-    /// A figure (0: peak, 1: area, 2: approach) with its stated error beside the truth; `None`
-    /// where the truth says nothing of it.
-    pub fn miss(&self, figure: usize, value: f64, error: f64) -> Option<Miss> {
-        let truth = self.truth[figure];
-        (truth > 0.0).then(|| Miss {
-            off: (value / truth - 1.0).abs(),
-            stated: error / truth,
-        })
+    /// Errors of a quantity (0: peak, 1: area, 2: approach); `None` without a reference value.
+    pub fn errors(&self, quantity: usize, value: f64, error: f64) -> Option<ErrorPair> {
+        let truth = self.truth[quantity];
+        (truth > 0.0).then(|| ErrorPair::of(value, error, truth))
     }
 
-    /// Whether what is stated, and what the truth is known to, holds a miss. An area of rectangles
-    /// is known to some of them at its rim.
-    pub fn holds(&self, figure: usize, miss: Miss) -> bool {
+    /// Whether the stated error and the error of the reference cover the actual error.
+    ///
+    /// A reference area of boundary elements has an error of one percent, from the elements at the
+    /// rim.
+    pub fn is_covered(&self, quantity: usize, errors: ErrorPair) -> bool {
         let rectangles = match self.class.as_str() {
-            "no paraboloid" | "ice that yields" if figure == 1 => 0.01,
+            "no paraboloid" | "ice that yields" if quantity == 1 => 0.01,
             _ => 0.0,
         };
-        miss.off <= miss.stated + self.truth_error.max(rectangles)
+        errors.actual <= errors.stated + self.truth_error.max(rectangles)
     }
 }

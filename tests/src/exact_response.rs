@@ -1,9 +1,9 @@
-//! A contact solved once more, by other means: exact surface responses of its assembled bodies by
-//! sparse Cholesky, and a primal-dual active set (M. Hintermüller, K. Ito and K. Kunisch, SIAM J.
-//! Optim. 13 (2003) 865-888).
+//! An independent contact solver: exact surface responses of the assembled bodies by sparse
+//! Cholesky, and a primal-dual active set (M. Hintermüller, K. Ito and K. Kunisch, SIAM J. Optim.
+//! 13 (2003) 865-888).
 //!
-//! Of the solution that is tested it takes the mesh, the stiffness, the displacements of fixed
-//! nodes and the undeformed gap. Contact set, forces and rigid motion are its own.
+//! Mesh, stiffness, displacements of fixed nodes and undeformed gap are those of the tested
+//! solution. Contact set, forces and rigid motion are computed independently.
 
 use std::collections::HashMap;
 
@@ -12,7 +12,7 @@ use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
 use kufe_contact::{AssembledBody, Load, Options, Problem, Solution, StiffnessForm, Tilt, solve};
 
-/// A solution and the differences of the second one from it.
+/// A solution and its differences from the independent one.
 pub struct Compared {
     /// The solution.
     pub solution: Solution,
@@ -21,21 +21,22 @@ pub struct Compared {
     /// Largest change of the gap by the difference of the rigid motions, over the largest change of
     /// the gap by displacements.
     pub motion: f64,
-    /// Nodes that touch, and nodes at the ice's hardness.
+    /// Number of contact nodes, and of those at the hardness of the ice.
     pub nodes: [usize; 2],
 }
 
-/// Most sets of nodes; a primal-dual active set takes some ten.
+/// Iteration limit of the active set; about ten are usual.
 const SETS: usize = 100;
-/// Tension over the largest force, and penetration over the largest gap, that are rounding.
+/// Tension over the largest force, and penetration over the largest gap, below which either is
+/// rounding.
 const SLACK: f64 = 1e-11;
-/// Nodes around those in contact that may touch too.
+/// Distance, in nodes, from the contact nodes to the outermost candidates.
 const AROUND: usize = 3;
 
 /// Solves on one mesh of `cells` cells over half the patch, by the library and by exact responses.
 ///
 /// # Panics
-/// Where there is no solution, or the second method does not end.
+/// If there is no solution or the active set does not converge.
 pub fn by_exact_responses(problem: &Problem, cells: usize) -> Compared {
     let options = Options {
         cells: Some(cells),
@@ -58,13 +59,13 @@ pub fn by_exact_responses(problem: &Problem, cells: usize) -> Compared {
     }
 }
 
-/// One body as the contact plane sees it.
+/// One body and its nodes on the contact plane.
 struct Body<'a> {
     assembled: &'a AssembledBody,
     displacement: Vec<f64>,
-    /// The vertical displacement of each plane node that the body has.
+    /// Degree of freedom of the vertical displacement at each plane node; `None` outside the body.
     vertical: Vec<Option<usize>>,
-    /// How the gap closes with it: 1 for the ice, -1 for the runner.
+    /// Sign of an upward displacement in the gap closure: 1 for the ice, -1 for the runner.
     sign: f64,
 }
 
@@ -77,8 +78,7 @@ impl Body<'_> {
         force
     }
 
-    /// What the body closes the gap by at `nodes` without contact forces, and by unit forces on
-    /// each of them.
+    /// Closure of the gap at `nodes` without contact forces, and under a unit force on each of them.
     fn response(&self, nodes: &[usize]) -> (Vec<f64>, Mat<f64>) {
         let dofs = self.displacement.len();
         let mut number = vec![usize::MAX; dofs];
@@ -99,17 +99,16 @@ impl Body<'_> {
         let n = free.len();
         let matrix = SparseColMat::try_new_from_triplets(n, n, &entries).expect("entries");
         let factor = matrix.sp_cholesky(Side::Lower).expect("positive definite");
-        // Loads other than contact, less what fixed nodes take: K u - contact forces - K_fixed
-        // u_fixed.
+        // Right-hand side without contact forces: K u - contact forces - K_fixed u_fixed.
         let mut load = self.product();
         self.vertical
             .iter()
             .flatten()
             .for_each(|&dof| load[dof] = 0.0);
-        let mut still = self.displacement.clone();
-        free.iter().for_each(|&dof| still[dof] = 0.0);
+        let mut prescribed = self.displacement.clone();
+        free.iter().for_each(|&dof| prescribed[dof] = 0.0);
         let mut by_fixed = vec![0.0; dofs];
-        self.assembled.stiffness.apply(&still, &mut by_fixed);
+        self.assembled.stiffness.apply(&prescribed, &mut by_fixed);
         let at = |node: usize| self.vertical[node].map(|dof| number[dof]);
         let columns = Mat::from_fn(n, nodes.len() + 1, |row, column| {
             match column.checked_sub(1) {
@@ -129,14 +128,14 @@ impl Body<'_> {
     }
 }
 
-/// The part of the contact plane that was solved.
+/// The solved part of the contact plane.
 struct Plane<'a> {
     bodies: Vec<Body<'a>>,
-    /// Candidates for contact among the plane's nodes.
+    /// Plane nodes that are candidates for contact.
     nodes: Vec<usize>,
-    /// Gap with the solution's motion and without displacements [m].
+    /// Gap with the rigid motion of the solution and without displacements [m].
     gap: Vec<f64>,
-    /// Rows N of the rigid motion.
+    /// Gap closure per unit approach, pitch and roll.
     rows: Vec<[f64; 3]>,
     /// Largest force of each node [N].
     bound: Vec<f64>,
@@ -157,7 +156,7 @@ impl<'a> Plane<'a> {
         let grid = &ice.grid;
         let [nx, ny, nz] = grid.shape();
         let surface = &solution.surface;
-        // The surface is the whole patch; the part that was solved has its last rows and columns.
+        // The surface is the whole patch. The solved part is its last rows and columns.
         let (all, rows) = (surface.x.len(), surface.y.len());
         let part = |field: &[f64]| -> Vec<f64> {
             let rows = field.chunks_exact(all).skip(rows - ny);
@@ -177,7 +176,7 @@ impl<'a> Plane<'a> {
         }];
         if let Some(runner) = &solution.runner_volume {
             let points = &runner.mesh.points;
-            // The lowest node over each place of the plane.
+            // The lowest node of each column.
             let mut lowest: HashMap<[u64; 2], usize> = HashMap::new();
             for (node, p) in points.iter().enumerate() {
                 let at = lowest
@@ -259,7 +258,7 @@ impl<'a> Plane<'a> {
             response += own;
         }
         let (force, change, nodes) = self.solved(&base, &response);
-        // On the top of the ice nothing but contact acts.
+        // Contact is the only load on the surface of the ice.
         let ice = &self.bodies[0];
         let product = ice.product();
         let expected = self.nodes.iter();
@@ -276,12 +275,12 @@ impl<'a> Plane<'a> {
         (differ, moved / deepest, [count(Node::Closed) + full, full])
     }
 
-    /// Forces, change of the motion and what each node does, from all nodes closed.
+    /// Forces, change of the rigid motion and state of each node, starting with all nodes closed.
     fn solved(&self, base: &[f64], response: &Mat<f64>) -> (Vec<f64>, [f64; 3], Vec<Node>) {
         let n = base.len();
         let mut nodes = vec![Node::Closed; n];
         for _ in 0..SETS {
-            let (force, motion) = self.on(&nodes, base, response);
+            let (force, motion) = self.for_states(&nodes, base, response);
             let largest = force.iter().fold(0.0f64, |m, f| m.max(f.abs()));
             let gap = |i: usize| {
                 let moved: f64 = (0..3).map(|a| self.rows[i][a] * motion[a]).sum();
@@ -303,11 +302,16 @@ impl<'a> Plane<'a> {
             }
             nodes = next;
         }
-        panic!("the active set did not settle in {SETS} sets");
+        panic!("the active set did not converge in {SETS} iterations");
     }
 
-    /// Forces and motion with the nodes as they are: closed gaps and balance as one system.
-    fn on(&self, nodes: &[Node], base: &[f64], response: &Mat<f64>) -> (Vec<f64>, [f64; 3]) {
+    /// Forces and motion for given node states. Closed gaps and load balance form one linear system.
+    fn for_states(
+        &self,
+        nodes: &[Node],
+        base: &[f64],
+        response: &Mat<f64>,
+    ) -> (Vec<f64>, [f64; 3]) {
         let n = nodes.len();
         let at_bound = |i: usize| {
             if nodes[i] == Node::Full {
@@ -319,7 +323,8 @@ impl<'a> Plane<'a> {
         let mut force: Vec<f64> = (0..n).map(at_bound).collect();
         let closed: Vec<usize> = (0..n).filter(|&i| nodes[i] == Node::Closed).collect();
         let free: Vec<usize> = (0..3).filter(|&a| self.free[a]).collect();
-        // Forces are scaled by the compliance of a node, so that all unknowns are lengths.
+        // Forces are scaled by the compliance of a node, so that all unknowns have the unit of a
+        // length.
         let scale = response[(0, 0)];
         let m = closed.len();
         let matrix = Mat::from_fn(m + free.len(), m + free.len(), |i, j| {

@@ -1,4 +1,4 @@
-//! Verification suite.
+//! Reference solutions and problems of the verification suite.
 
 pub mod contact;
 pub mod coverage;

@@ -1,4 +1,4 @@
-//! Meshes that the verification of the finite elements stands on.
+//! Meshes for the verification of the finite elements.
 
 use kufe_mesh::{HexMesh, TensorGrid};
 
@@ -17,8 +17,8 @@ pub fn block(cells: [usize; 3], size: [f64; 3]) -> HexMesh {
     grid.hex_mesh()
 }
 
-/// Moves the nodes inside a block at random by up to `share` of a cell along x, y and z; its faces
-/// stay plane.
+/// Moves the nodes inside a block at random by up to `share` of a cell along x, y and z. Nodes on a
+/// face stay in its plane.
 pub fn shake(mesh: &mut HexMesh, cells: [usize; 3], size: [f64; 3], share: [f64; 3]) {
     let mut seed = 20_261_121u64;
     for point in &mut mesh.points {

@@ -1,19 +1,21 @@
-//! Ice that yields and does not spring back: the closed form of the models that take it so.
+//! Closed form of sliding on rigid-plastic ice.
 
 use std::f64::consts::PI;
 
 /// A round runner that slides on rigid-plastic ice.
 ///
-/// With rocker radius R, section radius r, load F and hardness H the patch is the front half of the
-/// ellipse that the cut at depth D removes, under H everywhere:
+/// R is the rocker radius, r the section radius, F the load, H the hardness and D the depth. The
+/// patch is the front half of the ellipse in which the runner intersects the ice surface. The
+/// pressure is H everywhere:
 ///
 /// ```text
 /// l = sqrt( 2 F sqrt(R/r) / (pi H) ),   D = l^2/(2 R),   width = 2 sqrt(2 r D),   mu = 4 l/(3 pi R)
 /// ```
 ///
-/// from F = H pi l width/4 and the ploughing force H (2/3) D width, the section times the hardness;
-/// the first assumption of the models of skates and runners after E. Lozowski and K. Szilder, Int.
-/// J. Offshore Polar Eng. 23 (2013).
+/// from F = H pi l width/4 and the ploughing force H (2/3) D width, which is the section of the
+/// groove times the hardness.
+///
+/// Source: E. Lozowski and K. Szilder, Int. J. Offshore Polar Eng. 23 (2013).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidPlastic {
     /// Length of the patch, all of it ahead of the lowest point [m].

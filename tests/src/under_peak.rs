@@ -1,5 +1,5 @@
-//! The stress under elliptic contacts in closed form, and whether stated errors of the solver's
-//! hold.
+//! Stress under elliptic Hertz contacts by numerical integration, as the reference for the stated
+//! errors of the solver.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -10,14 +10,14 @@ use kufe_contact::{
 use kufe_fem::maximum_shear;
 use kufe_mesh::Paraboloid;
 
-use crate::coverage::Miss;
+use crate::coverage::ErrorPair;
 
-/// Stresses (xx, yy, zz) at depth `z` under the middle of a Hertz contact of half-axes `a` >= `b`
-/// and unit peak: the integral of Boussinesq's point load (Johnson, Contact Mechanics, eq. 3.19)
-/// over the ellipse.
+/// Stresses (xx, yy, zz) at depth `z` under the centre of a Hertz contact of half-axes `a` >= `b`
+/// and unit peak pressure.
 ///
-/// Strips across at x = b sinh(u), dense near the middle, and y = Y sin(v) on each, Y its
-/// half-width.
+/// Integrates Boussinesq's point load (Johnson, Contact Mechanics, eq. 3.19) over the ellipse with
+/// the substitutions x = b sinh(u), which is dense near the centre, and y = Y sin(v), where Y is the
+/// half-width at x.
 pub fn hertz_stress(a: f64, b: f64, nu: f64, z: f64) -> [f64; 3] {
     const STRIPS: usize = 600;
     const POINTS: usize = 300;
@@ -50,15 +50,15 @@ pub fn hertz_stress(a: f64, b: f64, nu: f64, z: f64) -> [f64; 3] {
     sum
 }
 
-/// The largest shear on the axis of a Hertz contact of half-axes `a` >= `b` and unit peak, and its
-/// depth.
+/// The largest shear stress on the axis of a Hertz contact of half-axes `a` >= `b` and unit peak
+/// pressure, and its depth.
 pub fn hertz_shear(a: f64, b: f64, nu: f64) -> LargestShear {
     let shear = |z: f64| {
         let [xx, yy, zz] = hertz_stress(a, b, nu, z);
         maximum_shear([xx, yy, zz, 0.0, 0.0, 0.0])
     };
-    // Of long contacts on ice of a low Poisson's ratio there are two tops: stresses along and
-    // across change places.
+    // Long contacts on ice of a low Poisson's ratio have two maxima, because the smallest
+    // horizontal stress changes its direction with depth.
     let coarse = (1..=50).map(|i| 0.02 * b * f64::from(i));
     let top = coarse
         .map(|z| (z, shear(z)))
@@ -80,20 +80,21 @@ pub fn hertz_shear(a: f64, b: f64, nu: f64) -> LargestShear {
     }
 }
 
-/// A paraboloid on a half-space, drawn at random.
+/// A random paraboloid on a half-space.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
     /// Radii along and across [m].
     pub radii: [f64; 2],
     /// Force [N].
     pub force: f64,
-    /// Offset of the load over the patch's half-axes: of a rest that no mirror plane holds.
+    /// Offset of the load over the half-axes of the patch; a non-zero offset breaks the mirror
+    /// symmetry.
     pub offset: [f64; 2],
     /// Young's modulus [Pa] and Poisson's ratio of the ice.
     pub ice: [f64; 2],
 }
 
-/// A generator of numbers in [0, 1) (G. Marsaglia's xorshift, 2003).
+/// Uniform random numbers in [0, 1) by xorshift (G. Marsaglia, 2003).
 struct Random(u64);
 
 impl Random {
@@ -109,11 +110,11 @@ impl Random {
     }
 }
 
-/// So many contacts: patches 1 to 200 times as long as wide, Poisson's ratios of 0.2 to 0.4, every
-/// second load off the middle.
-pub fn drawn(seed: u64, count: usize) -> Vec<Sample> {
+/// `count` random contacts: aspect ratios of the patch 1 to 200, Poisson's ratios 0.2 to 0.4, every
+/// second load with an offset.
+pub fn random_contacts(seed: u64, count: usize) -> Vec<Sample> {
     let mut random = Random(seed.max(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-    // The first numbers of small seeds are small.
+    // The first numbers after a small seed are small.
     for _ in 0..20 {
         random.next();
     }
@@ -132,21 +133,21 @@ pub fn drawn(seed: u64, count: usize) -> Vec<Sample> {
 }
 
 impl Sample {
-    /// Hertz's figures of it.
+    /// Hertz's solution.
     ///
     /// # Panics
-    /// Where it is no contact.
+    /// If the radii, modulus or force are out of range.
     pub fn hertz(&self) -> Hertz {
         let [young, poisson] = self.ice;
         let modulus = young / (1.0 - poisson * poisson);
         hertz(self.radii[0], self.radii[1], modulus, self.force).expect("a contact")
     }
 
-    /// The problem that it states: under a load off the middle the paraboloid turns and is the
-    /// same.
+    /// The contact problem. An offset load rotates the paraboloid and leaves Hertz's solution
+    /// unchanged.
     ///
     /// # Panics
-    /// Where it is none.
+    /// If a radius is out of range.
     pub fn problem(&self) -> Problem {
         let [rocker, section] = self.radii;
         let runner = Runner::rigid(Arc::new(Paraboloid::new(rocker, section).expect("radii")));
@@ -160,15 +161,15 @@ impl Sample {
         Problem::new(runner, Ice::half_space(self.ice[0], self.ice[1]), load)
     }
 
-    /// Shear and depth at an accuracy asked of the peak, with their stated errors, beside the
-    /// integral of point loads.
+    /// Actual and stated errors of the largest shear stress and of its depth, at a requested
+    /// relative error of the peak pressure. The reference is [`hertz_shear`].
     ///
     /// # Errors
     /// Those of the solver.
     ///
     /// # Panics
-    /// Where no shear under the surface is found.
-    pub fn outcome(&self, accuracy: f64) -> Result<[Miss; 2], Error> {
+    /// If the solution has no largest shear stress under the surface.
+    pub fn errors(&self, accuracy: f64) -> Result<[ErrorPair; 2], Error> {
         let options = Options {
             p_max_tolerance: accuracy,
             subsurface: true,
@@ -184,13 +185,9 @@ impl Sample {
             .expect("a largest shear under the surface");
         let Hertz { a, b, p_max, .. } = self.hertz();
         let truth = hertz_shear(a, b, self.ice[1]);
-        let miss = |value: f64, error: f64, truth: f64| Miss {
-            off: (value / truth - 1.0).abs(),
-            stated: error / truth,
-        };
         Ok([
-            miss(shear, shear_error, truth.value * p_max),
-            miss(depth, depth_error, truth.depth),
+            ErrorPair::of(shear, shear_error, truth.value * p_max),
+            ErrorPair::of(depth, depth_error, truth.depth),
         ])
     }
 }

@@ -1,5 +1,4 @@
-//! The layout of the code: the folders of a crate are steps that import one another in one
-//! direction.
+//! Layout of the code: the folders of a crate import one another in one direction.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -41,7 +40,7 @@ fn word_at(text: &str) -> &str {
     &text[..text.find(|c| !is_word(c)).unwrap_or(text.len())]
 }
 
-/// First names after `crate::`, those within its braces too.
+/// First path segments after `crate::`, including those within braces.
 fn first_names(code: &str) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     for part in code.split("crate::").skip(1) {
@@ -69,8 +68,8 @@ fn first_names(code: &str) -> BTreeSet<String> {
     names
 }
 
-/// Which folder of a crate's `src` imports from which; items that `lib.rs` passes on count for the
-/// folder they are from.
+/// Imports between the folders of a crate's `src`. Items that `lib.rs` re-exports count for the
+/// folder that defines them.
 fn imports(source: &Path) -> Graph {
     let entries = std::fs::read_dir(source).into_iter().flatten().flatten();
     let folders = entries.map(|e| e.path()).filter(|path| path.is_dir());
@@ -88,7 +87,7 @@ fn imports(source: &Path) -> Graph {
     for folder in &folders {
         let edges = graph.entry(folder.clone()).or_default();
         let files = rust_files(&source.join(folder)).into_iter();
-        // Tests may use what comes later.
+        // Tests may import from any folder.
         for path in files.filter(|p| !p.to_string_lossy().ends_with("tests.rs")) {
             for first in first_names(&code(&path)) {
                 let to = folders.get(&first).or_else(|| home.get(&first));
@@ -99,7 +98,7 @@ fn imports(source: &Path) -> Graph {
     graph
 }
 
-/// All that can be reached from `from` by one step or more.
+/// Nodes reachable from `from` in one step or more.
 fn reached(graph: &Graph, from: &str) -> BTreeSet<String> {
     let (mut seen, mut open) = (BTreeSet::new(), vec![from.to_string()]);
     while let Some(at) = open.pop() {
@@ -112,7 +111,7 @@ fn reached(graph: &Graph, from: &str) -> BTreeSet<String> {
     seen
 }
 
-fn in_circles(graph: &Graph) -> Vec<&String> {
+fn in_cycles(graph: &Graph) -> Vec<&String> {
     graph
         .keys()
         .filter(|n| reached(graph, n).contains(*n))
@@ -127,15 +126,15 @@ fn folders_of_a_crate_import_one_another_in_one_direction() {
     for folder in crates.filter(|path| path.join("Cargo.toml").exists()) {
         let name = folder.file_name().unwrap_or_default().to_string_lossy();
         let graph = imports(&folder.join("src"));
-        let circle = in_circles(&graph);
-        assert!(circle.is_empty(), "{name}: {circle:?} in {graph:#?}");
+        let cycle = in_cycles(&graph);
+        assert!(cycle.is_empty(), "{name}: {cycle:?} in {graph:#?}");
         checked += usize::from(graph.len() > 1);
     }
     assert!(checked >= 3, "{checked} crates with folders");
 }
 
 #[test]
-fn a_circle_of_folders_is_found() {
+fn a_cycle_of_folders_is_detected() {
     let graph = |edges: &[(&str, &[&str])]| -> Graph {
         let of = |(from, to): &(&str, &[&str])| {
             (
@@ -145,9 +144,9 @@ fn a_circle_of_folders_is_found() {
         };
         edges.iter().map(of).collect()
     };
-    assert!(in_circles(&graph(&[("a", &["b"]), ("b", &["c"]), ("c", &[])])).is_empty());
+    assert!(in_cycles(&graph(&[("a", &["b"]), ("b", &["c"]), ("c", &[])])).is_empty());
     let ring = graph(&[("a", &["b"]), ("b", &["a"]), ("c", &["a"])]);
-    assert_eq!(in_circles(&ring), ["a", "b"]);
+    assert_eq!(in_cycles(&ring), ["a", "b"]);
     let names = first_names("use crate::a::X;\nuse crate::{b::{C, D}, Error, d};");
     assert_eq!(
         names,

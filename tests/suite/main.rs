@@ -1,4 +1,4 @@
-//! The verification suite, one program.
+//! The verification suite.
 
 mod contact;
 mod fem;

@@ -1,8 +1,7 @@
-//! Programs from outside that tests compare with, and what happens where they are missing.
+//! External programs that tests compare with.
 //!
-//! A test that lacks its program passes and says on standard error what it did not check, also
-//! where the test runner keeps what passing tests print. With `KUFE_DEMAND=1`, as in `.ci/run`, it
-//! fails.
+//! A test whose program is missing passes and reports on standard error what it did not check, even
+//! if the test runner captures output. With `KUFE_DEMAND=1`, as in `.ci/run`, it fails.
 
 use std::{
     io::Write,
@@ -10,7 +9,7 @@ use std::{
     process::{Command, Stdio},
 };
 
-/// Says that a program or package to compare with is missing.
+/// Reports that a program or package to compare with is missing.
 ///
 /// # Panics
 /// With `KUFE_DEMAND=1`.
@@ -22,14 +21,14 @@ pub fn missing(what: &str) {
     not_here(what);
 }
 
-/// Says that this machine cannot do what a test needs (a mount, a second address, data that are not
-/// handed on). Nothing to install would change it, so it is never demanded.
+/// Reports that this machine does not meet a requirement of a test (a mount, a second address,
+/// confidential data). `KUFE_DEMAND` has no effect, because no installation would change it.
 pub fn not_here(why: &str) {
-    // Past the test runner's capture.
+    // Not captured by the test runner.
     let _ = writeln!(std::io::stderr().lock(), "not checked: {why}");
 }
 
-/// The program of this name, where it is on the `PATH`.
+/// The program of this name if it is on the `PATH`.
 ///
 /// # Panics
 /// As [`missing`].
@@ -42,7 +41,7 @@ pub fn program(name: &str) -> Option<Command> {
     found.map(|_| Command::new(name))
 }
 
-/// The interpreter that `KUFE_PYTHON` names, where it has these modules (separated by commas).
+/// The interpreter that `KUFE_PYTHON` names if it has these modules (separated by commas).
 ///
 /// # Panics
 /// As [`missing`].

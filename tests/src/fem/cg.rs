@@ -1,8 +1,8 @@
 //! Preconditioned conjugate gradients.
 //!
-//! Operator and preconditioner are closures that write their result into the slice given. Nothing
-//! is allocated inside the loop but the history's entries, which are reserved before it; sums are
-//! taken in fixed chunks, so that results have the same bits for any number of threads.
+//! Operator and preconditioner are closures that write their result into the given slice. The loop
+//! allocates no memory; the history is reserved before it. Sums are computed in fixed chunks, so
+//! that results have the same bits for any number of threads.
 
 use rayon::prelude::*;
 
@@ -31,9 +31,9 @@ pub enum Stop {
     /// Estimated energy norm of the error <= tolerance times the energy norm of the solution.
     ///
     /// The error of the state d = 4 iterations ago is the energy gained since, e (Hestenes and
-    /// Stiefel 1952; Z. Strakos and P. Tichy, ETNA 13 (2002), 56-80), plus what is still to come,
-    /// taken as a geometric series: e / (1 - q), where q is the ratio of e to the gain of the d
-    /// iterations before. The present state is better than that.
+    /// Stiefel 1952; Z. Strakos and P. Tichy, ETNA 13 (2002), 56-80), plus the remaining gain,
+    /// estimated as a geometric series: e / (1 - q), where q is the ratio of e to the gain of the d
+    /// iterations before. The error of the present state is smaller.
     Energy(f64),
 }
 
@@ -58,7 +58,7 @@ impl Default for Options {
     }
 }
 
-/// How a solve went.
+/// History of a solve.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct History {
     /// Iterations done.
@@ -69,7 +69,7 @@ pub struct History {
     pub energies: Vec<f64>,
 }
 
-/// Vectors that [`solve`] works in; reuse them between solves.
+/// Work vectors of [`solve`], for reuse between solves.
 #[derive(Clone, Debug, Default)]
 pub struct Workspace {
     residual: Vec<f64>,
@@ -82,9 +82,9 @@ pub struct Workspace {
 /// Solves A x = b from the start `x`, A symmetric positive definite, with a symmetric positive
 /// definite preconditioner.
 ///
-/// `apply(v, out)` writes A v, `precondition(r, out)` writes P^-1 r. Prescribed entries stay as
-/// they are where both write zeros there and `b - A x` is zero there. Fails where the tolerance is
-/// not reached, or a direction has no positive energy.
+/// `apply(v, out)` writes A v, `precondition(r, out)` writes P^-1 r. An entry of `x` does not change
+/// if both write zero there and `b - A x` is zero there. Returns an error if the tolerance is not
+/// reached or a direction has no positive energy.
 pub fn solve(
     mut apply: impl FnMut(&[f64], &mut [f64]),
     mut precondition: impl FnMut(&[f64], &mut [f64]),
@@ -113,7 +113,7 @@ pub fn solve(
     zip_apply(r, b, q, |r, b, q| *r = b - q);
     let b_norm = dot(b, b, partial).sqrt();
     let r_norm = dot(r, r, partial).sqrt();
-    // With b = 0 the start's own residual is the only scale there is.
+    // With b = 0 the residual of the start is the scale.
     let scale = if b_norm > 0.0 { b_norm } else { r_norm };
     let reserve = options.max_iterations.min(4096);
     let mut history = History {
@@ -197,7 +197,7 @@ fn dot(a: &[f64], b: &[f64], partial: &mut [f64]) -> f64 {
         .zip(b.par_chunks(CHUNK))
         .zip(partial.par_iter_mut())
         .for_each(|((a, b), sum)| {
-            // Eight running sums: a fixed order that vector registers can follow.
+            // Eight partial sums: a fixed order of summation that allows vector instructions.
             let mut lanes = [0.0; 8];
             let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
             let tail: f64 = a8
@@ -236,8 +236,8 @@ fn zip_apply(out: &mut [f64], a: &[f64], b: &[f64], f: impl Fn(&mut f64, f64, f6
         });
 }
 
-/// The plain preconditioner: division by the diagonal. Entries that are not positive count as fixed
-/// and give zero.
+/// Jacobi preconditioner: division by the diagonal. Degrees of freedom whose diagonal entry is not
+/// positive are fixed and give zero.
 #[derive(Clone, Debug)]
 pub struct Jacobi {
     inverse: Vec<f64>,

@@ -1,4 +1,4 @@
-//! Closed-form solutions that the elements are tested against.
+//! Closed-form solutions, the references of the element tests.
 
 use std::f64::consts::PI;
 

@@ -1,21 +1,21 @@
-//! A preconditioner of bent grids.
+//! Preconditioner for mapped grids.
 
 use kufe_fem::{
     BeamModes, FastDiagonal, FixedFaces, Material, TensorOperator, to_components, to_nodes,
 };
 use kufe_mesh::TensorGrid;
 
-/// [`FastDiagonal`] of a straight grid, used for a body with the same numbering of nodes, with
-/// [`BeamModes`] where it is slender.
+/// [`FastDiagonal`] of a straight grid, applied to a body with the same numbering of nodes, with
+/// optional [`BeamModes`] for slender bodies.
 ///
 /// The stiffness of the mapped body and that of the straight grid are spectrally equivalent with
-/// the constants of the map, so iteration counts depend on its flanks' slope, not on the
-/// refinement. Vectors hold three numbers a node, node by node, as those of [`kufe_fem::Body`].
+/// the constants of the map. Iteration counts therefore depend on the slope of its flanks and not on
+/// the refinement. Vectors hold three numbers a node, node by node, as those of [`kufe_fem::Body`].
 #[derive(Clone, Debug)]
 pub struct MappedPreconditioner {
     fast: FastDiagonal,
     operator: TensorOperator,
-    /// The coarse space, added to what fast diagonalisation gives.
+    /// Coarse space, added to the result of the fast diagonalisation.
     pub beam: Option<BeamModes>,
     r: Vec<f64>,
     z: Vec<f64>,
@@ -27,9 +27,9 @@ impl MappedPreconditioner {
     /// From the straight grid that represents the body: its columns, and levels at their mean
     /// heights [m].
     ///
-    /// `fixed` names the faces whose displacements are zero. Where no face holds a component, its
-    /// operator is singular and is shifted by `shift` times its mass [1/m^2]; about 1 / length^2 of
-    /// the body will do. Zero where every component is fixed.
+    /// `fixed` gives the faces whose displacements are zero. The operator of a component that no
+    /// face fixes is singular; `shift` [1/m^2] times its mass is added, about 1 / length^2 of the
+    /// body. Use zero if every component is fixed.
     pub fn new(grid: &TensorGrid, material: Material, fixed: FixedFaces, shift: f64) -> Self {
         let mut operator = TensorOperator::new(grid, material, fixed);
         let axis = &mut operator.axes[0];

@@ -1,4 +1,4 @@
-//! What the verification of the finite elements needs in addition to them.
+//! Loads, solvers and closed forms for the verification of the finite elements.
 
 pub mod cg;
 pub mod closed_form;

@@ -1,26 +1,26 @@
-//! Equilibrium of one body: loads and prescribed displacements in, displacements and reactions out.
+//! Static equilibrium of one body: displacements and reactions from loads and prescribed
+//! displacements.
 
 use kufe_fem::{BlockMatrix, Body, Constraints, Error, Factor, assemble};
 
 use crate::fem::cg::{self, Jacobi};
 
-/// How to solve.
+/// Linear solver.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Solver {
     /// Sparse Cholesky, [`Factor`].
     #[default]
     Cholesky,
-    /// Conjugate gradients with the diagonal as preconditioner.
+    /// Conjugate gradients with the Jacobi preconditioner.
     ConjugateGradients(cg::Options),
 }
 
-/// Displacements and the reactions that support them.
+/// Displacements and reactions.
 #[derive(Clone, Debug)]
 pub struct Equilibrium {
     /// Displacements, three a node [m].
     pub displacement: Vec<f64>,
-    /// Forces that the supports exert on the body, three a node [N]; zero where nothing is
-    /// prescribed.
+    /// Forces of the supports on the body, three a node [N]; zero at free degrees of freedom.
     pub reaction: Vec<f64>,
     /// History of conjugate gradients; empty for Cholesky.
     pub history: cg::History,
@@ -28,12 +28,12 @@ pub struct Equilibrium {
 
 /// Solves K u = f with prescribed displacements.
 ///
-/// The free rows hold: K_ff u_f = f_f - K_fp u_p; the reactions are the residual of the prescribed
-/// rows: r_p = K_pf u_f + K_pp u_p - f_p. `loads` are nodal forces, three a node [N]. Fails where
-/// the supports leave a mechanism.
+/// The free rows are K_ff u_f = f_f - K_fp u_p. The reactions are the residual of the prescribed
+/// rows, r_p = K_pf u_f + K_pp u_p - f_p. `loads` are nodal forces, three a node [N]. Returns an
+/// error if the supports allow a rigid motion.
 ///
 /// # Panics
-/// Where lengths differ or conjugate gradients do not converge.
+/// If lengths differ or conjugate gradients do not converge.
 pub fn equilibrium(
     body: &Body,
     constraints: &Constraints,

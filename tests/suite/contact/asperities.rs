@@ -1,4 +1,4 @@
-//! Contacts of many asperities, which are solved on the contact plane alone.
+//! Contacts of many asperities, solved on the contact plane.
 
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,12 +25,11 @@ fn between(s: &Solution, [from, to]: [f64; 2], of: impl Fn(usize) -> f64) -> f64
     (0..s.surface.pressure.len()).filter(inside).map(of).sum()
 }
 
-/// K. L. Johnson, Contact Mechanics, section 13.2, after Westergaard (1939): waves of amplitude D
-/// and length l touch over 2 a of each where the mean pressure is p* sin^2(pi a / l), p* = pi E* D /
-/// l, and have the peak 2 (p_mean p*)^(1/2). Under a ball they do so where its patch is many waves
-/// wide.
+/// Westergaard (1939), in K. L. Johnson, Contact Mechanics, section 13.2. For waves of amplitude D and
+/// length l, the contact length 2 a of each follows from p_mean = p* sin^2(pi a / l), p* = pi E* D /
+/// l, and the peak is 2 (p_mean p*)^(1/2). This applies under a ball whose patch is many waves wide.
 #[test]
-fn waves_touch_as_far_as_westergaard_says() {
+fn waves_under_a_ball_have_westergaards_contact_length_and_peak() {
     let (radius, length, amplitude) = (1.0, 5e-4, 1e-6);
     let full = PI * contact_modulus() * amplitude / length;
     for load in [300.0, 900.0] {
@@ -51,7 +50,10 @@ fn waves_touch_as_far_as_westergaard_says() {
         let peak = wave.iter().copied().fold(0.0, f64::max);
         let touches = wave.iter().filter(|p| **p > 0.0).count() as f64 * dx;
         let part = (mean / full).sqrt();
-        assert!((0.3..0.8).contains(&part), "{part}: no test of the formula");
+        assert!(
+            (0.3..0.8).contains(&part),
+            "{part}: outside the range of the test"
+        );
         let expected = 2.0 * length / PI * part.asin();
         assert!(
             (touches - expected).abs() < 2.0 * dx,
@@ -62,14 +64,14 @@ fn waves_touch_as_far_as_westergaard_says() {
     }
 }
 
-/// Even ice that is stated as a height map, so finely that the same cells are used.
+/// Flat ice as a height map, which selects the solver on the contact plane.
 #[test]
-fn a_ball_on_fine_cells_is_hertz_s() {
+fn ball_on_a_flat_height_map_within_0_1_percent_of_hertz() {
     let radius = 0.5;
     let expected = hertz(radius, radius, contact_modulus(), 100.0).unwrap();
     let flat = HeightMap::new([-0.1; 2], [0.1; 2], [3, 3], vec![0.0; 9]);
     let mut problem = on_half_space(Paraboloid::new(radius, radius).unwrap(), 100.0);
-    // Off the middle, so that no mirror plane leaves fewer nodes.
+    // The offset breaks the mirror symmetry.
     problem.load = Load::Force {
         fz: 100.0,
         offset_x: 1e-6,
@@ -93,7 +95,7 @@ fn a_ball_on_fine_cells_is_hertz_s() {
     }
 }
 
-/// A runner along waves of ice, as the benchmarks have it.
+/// A runner along waves of ice, as in the benchmarks.
 fn along_waves(count: usize) -> Problem {
     let length = 0.95 / count as f64;
     let hull = BobRunner::default();
@@ -113,9 +115,9 @@ fn along_waves(count: usize) -> Problem {
     }
 }
 
-/// Finite elements know nothing of the plane's response and its transforms.
+/// The finite elements are independent of the response of the plane and its transforms.
 #[test]
-fn loads_of_single_asperities_are_those_of_finite_elements() {
+fn loads_of_single_asperities_within_2_percent_of_finite_elements() {
     let count = 25;
     let problem = along_waves(count);
     let plane = solve(&problem, &of_cells(8)).unwrap();
@@ -158,7 +160,7 @@ fn loads_of_single_asperities_are_those_of_finite_elements() {
         }
         assert!((one / two - 1.0).abs() < 0.02, "{crest}: {one} {two}");
     }
-    // Every crest that touches is an asperity, with its force.
+    // Every crest in contact is listed as an asperity, with its force.
     let asperities = plane.surface.asperities();
     let touching = (-20..=20).filter(|crest| share(&plane, *crest) > 0.0);
     assert_eq!(asperities.len(), touching.count());
@@ -171,7 +173,7 @@ fn loads_of_single_asperities_are_those_of_finite_elements() {
     assert!(asperities.is_sorted_by(|a, b| a.force >= b.force));
 }
 
-/// Heights of random waves up to four points long, 48 of them over the map.
+/// Height map with the sum of 48 random waves.
 fn rough(count: usize, size: f64) -> HeightMap {
     let mut state = 20_261_128u64;
     let mut random = || {
@@ -211,9 +213,8 @@ pub fn on_rough_ice(tilt: Tilt) -> Problem {
     }
 }
 
-/// What finer cells say lies within the stated errors.
 #[test]
-fn stated_errors_of_rough_ice_contain_what_finer_cells_say() {
+fn stated_errors_on_rough_ice_cover_the_difference_from_finer_cells() {
     let problem = on_rough_ice(Tilt::LEVEL);
     let of_accuracy = |p_max_tolerance: f64| {
         let options = Options {
@@ -250,7 +251,7 @@ fn pitch_and_roll_balance_the_load_on_rough_ice_and_bits_do_not_depend_on_thread
     };
     let (one, two) = (on(1), on(2));
     assert!(one.volume.is_none());
-    assert!(one == two, "other bits with two threads");
+    assert!(one == two, "different bits with two threads");
     // The load acts at the origin; the contact is some 2 mm wide.
     let [x, y] = one.centre_of_pressure;
     assert!(x.abs() < 1e-8 && y.abs() < 1e-8, "{x:e} {y:e}");
@@ -259,7 +260,7 @@ fn pitch_and_roll_balance_the_load_on_rough_ice_and_bits_do_not_depend_on_thread
 }
 
 #[test]
-fn a_stop_ends_the_iterations_of_a_grid_too() {
+fn stop_ends_the_iterations_on_the_contact_plane() {
     let problem = on_rough_ice(Tilt::LEVEL);
     let stop = Arc::new(AtomicBool::new(true));
     let options = Options {
@@ -267,8 +268,7 @@ fn a_stop_ends_the_iterations_of_a_grid_too() {
         ..Options::default()
     };
     assert_eq!(solve(&problem, &options).err(), Some(Error::Stopped));
-    // Raised before the iterations of the second grid begin: no third follows and the second is not
-    // solved.
+    // Set before the iterations of the second grid, which is then not solved.
     stop.store(false, Ordering::Relaxed);
     let levels = Arc::new(Mutex::new(Vec::new()));
     let (raised, solved) = (stop.clone(), levels.clone());
@@ -286,7 +286,7 @@ fn a_stop_ends_the_iterations_of_a_grid_too() {
 }
 
 #[test]
-fn grids_are_announced_once_each_after_those_of_the_search_and_the_finest_allowed_has_its_error() {
+fn next_mesh_reports_each_grid_once_after_those_of_the_search_and_the_finest_has_its_error() {
     let problem = on_rough_ice(Tilt::LEVEL);
     let begun = Arc::new(Mutex::new(Vec::new()));
     let announced = begun.clone();
@@ -305,29 +305,27 @@ fn grids_are_announced_once_each_after_those_of_the_search_and_the_finest_allowe
         ..
     }) = solve(&problem, &options)
     else {
-        panic!("more was reached than requested");
+        panic!("the requested accuracy was reached");
     };
     assert!(best.volume.is_none());
-    // Transforms work on four times the cells.
+    // The transforms have four times the number of cells.
     assert!(4 * dofs <= options.max_dofs && dofs == best.dofs, "{dofs}");
     assert!((best.p_max_error / best.p_max - estimate).abs() < 1e-12);
     assert!(1e-4 < estimate && estimate < 0.5, "{estimate}");
     assert!((best.fz / 40.0 - 1.0).abs() < 1e-6, "{}", best.fz);
-    // The limit left room for three grids, from which the error is.
+    // The limit allows at least three grids, from which the error is estimated.
     assert!(best.history.len() >= 3, "{}", best.history.len());
     let solved: Vec<(usize, usize)> = best.history.iter().map(|i| (i.level, i.dofs)).collect();
     let begun = begun.lock().unwrap();
-    // What touches is searched on coarse grids before, which may take as long.
+    // The search on coarse grids is reported first.
     let (searched, begun) = begun.split_at(begun.len() - solved.len());
     assert_eq!(begun, solved);
     assert!(!searched.is_empty() && searched.iter().all(|(level, _)| *level == 0));
     assert!(solved.iter().enumerate().all(|(k, (level, _))| k == *level));
 }
 
-/// Where ice yields under asperities, their cells are much smaller than the contact, whose length
-/// they give.
 #[test]
-fn the_length_of_many_asperities_on_yielding_ice_is_known_to_their_cells() {
+fn error_of_the_length_of_many_asperities_on_yielding_ice_is_below_1_4_cells() {
     let mut problem = on_rough_ice(Tilt::LEVEL);
     problem.ice.hardness = Some(150e6);
     let options = Options {

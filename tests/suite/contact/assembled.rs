@@ -1,5 +1,4 @@
-//! The assembled stiffness: the same answers as without it, the same products, and what it may
-//! take.
+//! The assembled stiffness: agreement with the matrix-free operator, and its memory limit.
 
 use std::sync::Arc;
 
@@ -54,7 +53,7 @@ fn rigid() -> Problem {
     on_half_space(Paraboloid::new(30.0, 0.005).unwrap(), 1000.0)
 }
 
-/// A block of steel on hexahedra of its own.
+/// A block of steel with its own mesh of hexahedra.
 fn on_own_hexahedra() -> Problem {
     let (a, b, height) = (0.02, 0.005, 0.02);
     let underneath = |x: f64, y: f64| x * x / (2.0 * 0.5) + y * y / (2.0 * 0.05);
@@ -83,8 +82,8 @@ fn on_own_hexahedra() -> Problem {
     on_layer(Arc::new(hull), elastic)
 }
 
-/// The solutions with both forms of the stiffness, whose displacements and peak pressures differ by
-/// less than 1e-8.
+/// The solutions with both forms of the stiffness. Asserts a relative difference of displacements
+/// and peak pressures below 1e-8.
 fn compared(problem: &Problem) -> (Solution, Solution) {
     let free = solve(problem, &options(StiffnessForm::MatrixFree)).unwrap();
     let stored = solve(problem, &options(StiffnessForm::Assembled)).unwrap();
@@ -112,7 +111,7 @@ fn compared(problem: &Problem) -> (Solution, Solution) {
 }
 
 #[test]
-fn a_rigid_runner_on_ice_gives_the_same_answer() {
+fn stiffness_forms_agree_for_a_rigid_runner() {
     let (_, stored) = compared(&rigid());
     let [ice] = &stored.assembled[..] else {
         panic!("{} bodies", stored.assembled.len());
@@ -126,7 +125,7 @@ fn a_rigid_runner_on_ice_gives_the_same_answer() {
 }
 
 #[test]
-fn a_runner_fixed_at_its_top_gives_the_same_answer() {
+fn stiffness_forms_agree_for_a_runner_fixed_at_its_top() {
     let (_, stored) = compared(&bending(Mount::Top));
     let free: usize = stored
         .assembled
@@ -137,13 +136,13 @@ fn a_runner_fixed_at_its_top_gives_the_same_answer() {
 }
 
 #[test]
-fn a_runner_on_its_mount_gives_the_same_answer() {
+fn stiffness_forms_agree_for_a_runner_fixed_at_two_places() {
     let places = [(-0.08, 0.02), (0.08, 0.02)].map(|(x, length)| Place { x, length });
     compared(&bending(Mount::Places(places.to_vec())));
 }
 
 #[test]
-fn ice_on_an_elastic_bed_gives_the_same_answer() {
+fn stiffness_forms_agree_for_ice_on_an_elastic_bed() {
     let mut problem = rigid();
     problem.ice.foundation = Foundation::ElasticBed {
         thickness: 0.005,
@@ -157,13 +156,13 @@ fn ice_on_an_elastic_bed_gives_the_same_answer() {
 }
 
 #[test]
-fn a_runner_on_hexahedra_of_its_own_gives_the_same_answer() {
+fn stiffness_forms_agree_for_a_meshed_runner() {
     let (_, stored) = compared(&on_own_hexahedra());
     assert_eq!(stored.assembled[1].name, "runner");
 }
 
 #[test]
-fn products_of_the_assembled_ice_are_those_of_its_tensor_operator() {
+fn products_of_the_assembled_ice_agree_with_its_tensor_operator_to_1e_12() {
     let stored = solve(&rigid(), &options(StiffnessForm::Assembled)).unwrap();
     let ice = Material::new(ICE_E, ICE_NU).unwrap();
     let free = [[[false; 2]; 3]; 3];
@@ -181,7 +180,7 @@ fn products_of_the_assembled_ice_are_those_of_its_tensor_operator() {
 }
 
 #[test]
-fn more_memory_than_it_may_take_is_refused_with_both_figures() {
+fn stiffness_above_the_memory_limit_returns_needed_bytes_and_limit() {
     let few = Options {
         max_stiffness_bytes: 100_000,
         ..options(StiffnessForm::Assembled)
@@ -196,7 +195,7 @@ fn more_memory_than_it_may_take_is_refused_with_both_figures() {
         panic!("{error}");
     };
     assert_eq!(limit, 100_000);
-    // Some 27 neighbours a node, fewer at the faces.
-    let a_displacement = needed as f64 / dofs as f64;
-    assert!((400.0..710.0).contains(&a_displacement), "{needed}");
+    // About 27 neighbours a node, fewer at the faces.
+    let bytes_per_dof = needed as f64 / dofs as f64;
+    assert!((400.0..710.0).contains(&bytes_per_dof), "{needed}");
 }

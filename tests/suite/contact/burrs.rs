@@ -1,5 +1,4 @@
-//! Places of contact that are far smaller than the hull: on measured surfaces they are found
-//! wherever they lie.
+//! Contacts much smaller than the hull, on measured surfaces.
 
 use std::sync::Arc;
 
@@ -12,10 +11,11 @@ use kufe_tests::contact::{contact_modulus, on_half_space};
 
 const ROCKER: f64 = 30.0;
 const SECTION: f64 = 0.005;
-/// How wide a wart or a burr is: a bell falls to 1 / e within it [m].
+/// Radius at which the bell of a wart or grain falls to 1 / e [m].
 const WIDTH: f64 = 0.3e-3;
 
-/// From `low` to `high`, a tenth of [`WIDTH`] apart about `at` and growing away from it.
+/// Points from `low` to `high` with a spacing of a tenth of [`WIDTH`] at `at`, increasing with the
+/// distance from it.
 fn line(low: f64, high: f64, at: f64) -> Vec<f64> {
     let away = |end: f64| {
         let mut places = vec![0.0];
@@ -32,8 +32,8 @@ fn line(low: f64, high: f64, at: f64) -> Vec<f64> {
         .collect()
 }
 
-/// A paraboloid with a bell at (x, y) that reaches `deeper` [m] below its lowest point, as
-/// triangles.
+/// A triangulated paraboloid with a bell at (x, y), whose tip is `deeper` [m] below the lowest point
+/// of the paraboloid.
 fn with_wart([x, y]: [f64; 2], deeper: f64) -> Hull {
     let smooth = |x: f64, y: f64| x * x / (2.0 * ROCKER) + y * y / (2.0 * SECTION);
     let height = smooth(x, y) + deeper;
@@ -74,16 +74,16 @@ fn solved(problem: &Problem) -> (Solution, Result<BoundaryElements, CheckUnavail
     )
 }
 
-/// Peaks of two contacts of these radii, the second `deeper` [m] than the first, under one
-/// approach.
-fn shared(radii: [[f64; 2]; 2], deeper: f64) -> (f64, [f64; 2]) {
-    let stiff = radii.map(|[a, b]| {
+/// Approach of the second of two Hertz contacts with these radii, and both peaks. The second is
+/// `deeper` [m] than the first; together they carry 1000 N.
+fn two_contacts(radii: [[f64; 2]; 2], deeper: f64) -> (f64, [f64; 2]) {
+    let stiffness = radii.map(|[a, b]| {
         let one = hertz(a.max(b), a.min(b), contact_modulus(), 1.0).unwrap();
         one.approach.powf(-1.5)
     });
     let forces = |depth: f64| {
         let depths = [(depth - deeper).max(0.0), depth];
-        [0, 1].map(|k| stiff[k] * depths[k].powf(1.5))
+        [0, 1].map(|k| stiffness[k] * depths[k].powf(1.5))
     };
     let (mut low, mut high) = (0.0, 1e-3);
     for _ in 0..100 {
@@ -104,18 +104,18 @@ fn shared(radii: [[f64; 2]; 2], deeper: f64) -> (f64, [f64; 2]) {
     (high, peaks)
 }
 
-/// A wart of 0.6 mm beside the keel of a hull of a metre, which no even line meets. Its bell is a
-/// sphere of its top's curvature to the fourth order: 2 % of the peak.
+/// A wart of 0.6 mm next to the keel of a hull 1 m long, missed by equidistant lines. Reference: two
+/// Hertz contacts; the bell differs from a sphere of its curvature by 2 % of the peak.
 #[test]
-fn a_wart_beside_the_keel_bears_its_share() {
+fn wart_next_to_the_keel_within_2_percent_of_two_hertz_contacts() {
     let at = [0.1013, 0.0008];
     let hull = FittedUnderside::new(&with_wart(at, 3e-6), 0.0).unwrap();
     let (s, second) = solved(&level(hull));
     let height = at[0] * at[0] / (2.0 * ROCKER) + at[1] * at[1] / (2.0 * SECTION) + 3e-6;
     let round = 0.5 * WIDTH * WIDTH / height;
-    // The slope beside it moves its lowest point, and lowers it.
+    // The slope of the paraboloid shifts the lowest point of the wart and lowers it.
     let slopes = (at[0] / ROCKER).powi(2) + (at[1] / SECTION).powi(2);
-    let (approach, [_, peak]) = shared(
+    let (approach, [_, peak]) = two_contacts(
         [[ROCKER, SECTION], [round, round]],
         3e-6 + 0.5 * round * slopes,
     );
@@ -129,13 +129,13 @@ fn a_wart_beside_the_keel_bears_its_share() {
         "{:e} {approach:e}",
         s.approach
     );
-    // Beyond its own cells the second method sees it, too.
+    // The wart is outside the grid of the boundary elements.
     assert_eq!(second, Err(CheckUnavailable::Elsewhere));
 }
 
-/// The same on ice: a grain of 0.6 mm of a height map.
+/// A grain of 0.6 mm in a height map of the ice.
 #[test]
-fn a_grain_on_measured_ice_bears_its_share() {
+fn grain_on_measured_ice_within_2_percent_of_two_hertz_contacts() {
     let (at, step) = ([0.1013, 0.0], [0.1 * WIDTH, 0.1 * WIDTH]);
     let height = at[0] * at[0] / (2.0 * ROCKER) + 3e-6;
     let shape = [81, 81];
@@ -160,24 +160,23 @@ fn a_grain_on_measured_ice_bears_its_share() {
     let top = 2.0 * height / (WIDTH * WIDTH);
     let grain = [1.0 / (top + 1.0 / ROCKER), 1.0 / (top + 1.0 / SECTION)];
     let slopes = (at[0] / ROCKER).powi(2);
-    let (_, [_, peak]) = shared([[ROCKER, SECTION], grain], 3e-6 + 0.5 * grain[0] * slopes);
+    let (_, [_, peak]) = two_contacts([[ROCKER, SECTION], grain], 3e-6 + 0.5 * grain[0] * slopes);
     assert!(
         (s.p_max / peak - 1.0).abs() < 0.02,
         "{:e} {peak:e}",
         s.p_max
     );
     assert_eq!(second, Err(CheckUnavailable::Elsewhere));
-    // Under a hull without ends there are no lines to look at, and it is found all the same.
+    // Also under an unbounded hull, which has no lines to search.
     problem.runner = level(Paraboloid::new(ROCKER, SECTION).unwrap()).runner;
     let (unbounded, _) = solved(&problem);
     let off = (unbounded.p_max / s.p_max - 1.0).abs();
     assert!(off < 0.02, "{:e} {:e}", unbounded.p_max, s.p_max);
 }
 
-/// A burr of 0.06 mm along the whole runner, 2.5 mm beside the middle and 3 µm deeper: it bears a
-/// line contact as sharp as itself.
+/// A burr of 0.06 mm along the whole runner, 2.5 mm from the middle and 3 µm deeper.
 #[test]
-fn a_burr_along_a_measured_section_is_touched() {
+fn burr_along_a_measured_section_carries_load() {
     let (at, width) = (2.525e-3, 0.03e-3);
     let height = at * at / (2.0 * SECTION) + 3e-6;
     let bell = |y: f64| height * (-((y - at) / width).powi(2)).exp();
@@ -197,7 +196,7 @@ fn a_burr_along_a_measured_section_is_touched() {
         0.03,
     );
     let (s, second) = solved(&level(runner.unwrap()));
-    // Along the burr alone Hertz has this peak; the keel bears the rest.
+    // Hertz peak if the burr carried the whole load; the keel carries a part of it.
     let round = 0.5 * width * width / height;
     let alone = hertz(ROCKER, round, contact_modulus(), 1000.0)
         .unwrap()

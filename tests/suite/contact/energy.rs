@@ -1,5 +1,5 @@
-//! What the history says of the energy of the contact forces: it falls from contact set to contact
-//! set, to minus the total potential energy.
+//! Energy of the contact forces in the history: it decreases with every contact set, to minus the
+//! total potential energy.
 
 use kufe_contact::{Foundation, Iterate, Load, Options, Problem, Solution, Tilt, hertz, solve};
 use kufe_mesh::{BobRunner, Paraboloid};
@@ -24,8 +24,9 @@ fn solved(problem: &Problem, cells: usize) -> Solution {
     solve(problem, &options).unwrap()
 }
 
-/// Energies fall, sets have sweeps and accelerations, and the last one is near its bound.
-fn falls(name: &str, problem: &Problem, cells: usize) -> Solution {
+/// Asserts that energies decrease, that every iterate has accelerations, and that the residual is
+/// small.
+fn assert_energy_decreases(name: &str, problem: &Problem, cells: usize) -> Solution {
     let s = solved(problem, cells);
     let line = |i: &Iterate| {
         let (sweeps, accelerations) = (i.sweeps, i.accelerations);
@@ -61,10 +62,10 @@ fn falls(name: &str, problem: &Problem, cells: usize) -> Solution {
 }
 
 #[test]
-fn energy_falls_in_smooth_conformal_two_ended_and_offset_contacts() {
-    falls("hertz", &paraboloid(), 8);
-    falls("conformal", &bob(30.0), 5);
-    falls("two-ended", &bob(15.0), 5);
+fn energy_decreases_in_smooth_conformal_two_ended_and_offset_contacts() {
+    assert_energy_decreases("hertz", &paraboloid(), 8);
+    assert_energy_decreases("conformal", &bob(30.0), 5);
+    assert_energy_decreases("two-ended", &bob(15.0), 5);
     let mut offset = paraboloid();
     offset.ice.foundation = Foundation::RigidBed { thickness: 0.03 };
     offset.load = Load::Force {
@@ -73,7 +74,7 @@ fn energy_falls_in_smooth_conformal_two_ended_and_offset_contacts() {
         offset_y: 1e-5,
         tilt: Tilt::Free,
     };
-    falls("offset", &offset, 6);
+    assert_energy_decreases("offset", &offset, 6);
     let mut offset = bob(30.0);
     offset.load = Load::Force {
         fz: 1000.0,
@@ -81,11 +82,11 @@ fn energy_falls_in_smooth_conformal_two_ended_and_offset_contacts() {
         offset_y: 0.0,
         tilt: Tilt::Free,
     };
-    falls("conformal under an offset load", &offset, 5);
+    assert_energy_decreases("conformal under an offset load", &offset, 5);
 }
 
 #[test]
-fn energy_falls_on_ice_that_yields_in_part_and_nearly_all_over() {
+fn energy_decreases_on_partly_and_fully_yielding_ice() {
     for (name, hardness) in [
         ("partly plastic", 100e6),
         ("mostly plastic", 40e6),
@@ -93,7 +94,7 @@ fn energy_falls_on_ice_that_yields_in_part_and_nearly_all_over() {
     ] {
         let mut problem = paraboloid();
         problem.ice.hardness = Some(hardness);
-        let s = falls(name, &problem, 8);
+        let s = assert_energy_decreases(name, &problem, 8);
         assert!(
             (s.p_max / hardness - 1.0).abs() < 1e-9,
             "{name}: {}",
@@ -102,7 +103,7 @@ fn energy_falls_on_ice_that_yields_in_part_and_nearly_all_over() {
     }
 }
 
-/// With F ~ approach^(3/2) the potential energy is 2/5 F d - F d.
+/// With F ~ d^(3/2), d the approach, the potential energy is 2/5 F d - F d.
 #[test]
 fn energy_of_a_point_contact_is_three_fifths_of_force_times_approach() {
     let exact = hertz(30.0, 0.005, contact_modulus(), 1000.0).unwrap();

@@ -1,4 +1,4 @@
-//! Ice as it is: on concrete, wavy, or measured.
+//! Ice on a bed of concrete, with waves, with a measured surface, and yielding ice.
 
 use std::f64::consts::PI;
 use std::process::Command;
@@ -31,8 +31,8 @@ fn solved(problem: &Problem, p_max_tolerance: f64) -> Solution {
     solve(problem, &options).unwrap()
 }
 
-/// Contact radius [m], approach [m] and peak pressure [Pa] by Hankel transforms, where SciPy is at
-/// hand.
+/// Contact radius [m], approach [m] and peak pressure [Pa] by Hankel transforms; `None` without
+/// SciPy.
 fn by_transforms(thickness: f64, bed: Bed) -> Option<[f64; 3]> {
     let interpreter = kufe_outside::python("scipy")?;
     let numbers = [
@@ -50,19 +50,19 @@ fn by_transforms(thickness: f64, bed: Bed) -> Option<[f64; 3]> {
         .args(numbers.map(|n| n.to_string()))
         .output()
         .unwrap();
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{errors}");
-    let words: Vec<f64> = said
+    let words: Vec<f64> = text
         .split_whitespace()
         .map(|w| w.parse().unwrap())
         .collect();
     Some([words[0], words[1], words[2]])
 }
 
-/// The truth is a sum of Bessel functions over wave numbers, no mesh: tests/data/layered.py.
+/// Reference: tests/data/layered.py.
 #[test]
-fn ice_on_concrete_agrees_with_hankel_transforms_within_three_tenths_of_a_percent() {
+fn ice_on_concrete_agrees_with_hankel_transforms_within_0_3_percent() {
     let soft = Bed {
         youngs_modulus: 3e9,
         poissons_ratio: 0.45,
@@ -73,8 +73,8 @@ fn ice_on_concrete_agrees_with_hankel_transforms_within_three_tenths_of_a_percen
             return;
         };
         let s = solved(&on_bed(1.0, thickness, bed), 0.003);
-        // The rim is found on the parabola of p^2, which a contact wider than the layer leaves by a
-        // third of a cell.
+        // The rim is extrapolated as if p^2 were a parabola. In a contact wider than the layer this
+        // has an error of a third of a cell.
         for (found, expected, tolerance) in [
             (s.p_max, p_max, 0.003),
             (s.approach, approach, 0.003),
@@ -90,7 +90,7 @@ fn ice_on_concrete_agrees_with_hankel_transforms_within_three_tenths_of_a_percen
 }
 
 #[test]
-fn ice_on_a_bed_of_ice_is_one_layer() {
+fn ice_on_a_bed_of_ice_agrees_with_one_layer() {
     let own = Bed {
         youngs_modulus: ICE_E,
         poissons_ratio: ICE_NU,
@@ -105,17 +105,17 @@ fn ice_on_a_bed_of_ice_is_one_layer() {
 }
 
 #[test]
-fn layers_have_the_forces_of_exact_responses_by_cholesky() {
+fn forces_on_layers_agree_with_exact_responses_to_1e_6() {
     let found = by_exact_responses(&on_bed(1.0, 0.004, CONCRETE), 4);
     assert!(found.force < 1e-6 && found.motion < 1e-6);
 }
 
-/// Waves that press with their crests alone (H. M. Westergaard, J. Appl. Mech. 6 (1939) 49-53; K.
+/// Partial contact of a wavy surface (H. M. Westergaard, J. Appl. Mech. 6 (1939) 49-53; K.
 /// L. Johnson, Contact Mechanics, section 13.2): with the mean pressure p over a wave and p* = pi
 /// E* amplitude / wavelength, sin^2(pi c / wavelength) = p / p* for the half-length c of each
 /// contact, and p_max = 2 sqrt(p p*).
 #[test]
-fn wavy_ice_meets_westergaards_partial_contact() {
+fn crest_on_wavy_ice_has_westergaards_peak_within_1_percent_and_length_to_a_node() {
     let (wavelength, amplitude, radius, force) = (1e-3, 2.5e-6, 1.0, 1000.0);
     let mut problem = on_half_space(Paraboloid::new(radius, radius).unwrap(), force);
     problem.ice_surface = Some(Arc::new(Waviness::new(amplitude, wavelength).unwrap()));
@@ -140,13 +140,12 @@ fn wavy_ice_meets_westergaards_partial_contact() {
     let half_length = wavelength / PI * (mean / full).sqrt().asin();
     let found = touching[touching.len() - 1];
     assert!((s.p_max / (2.0 * (mean * full).sqrt()) - 1.0).abs() < 0.01);
-    // Told by the outermost node, so to the spacing of nodes.
+    // The length is that of the outermost contact node, known to the node spacing.
     assert!((found / half_length - 1.0).abs() < 0.08);
 }
 
-/// A measured surface that holds the same waves gives the same contact.
 #[test]
-fn waves_as_a_height_map_press_like_waves_as_a_formula() {
+fn waves_as_a_height_map_and_as_a_formula_give_the_same_peak() {
     let waves = Waviness::new(2e-6, 0.04).unwrap();
     let shape = [401, 3];
     let (origin, spacing) = ([-0.2, -0.01], [1e-3, 0.01]);
@@ -166,12 +165,12 @@ fn waves_as_a_height_map_press_like_waves_as_a_formula() {
         measured.p_max,
         formula.p_max
     );
-    // A crest under the load: more curvature, more pressure than on even ice.
-    let even = hertz(30.0, 0.005, contact_modulus(), 1000.0).unwrap().p_max;
-    assert!(formula.p_max > 1.02 * even, "{} {even}", formula.p_max);
+    // The curvature of the crest under the load increases the pressure.
+    let flat = hertz(30.0, 0.005, contact_modulus(), 1000.0).unwrap().p_max;
+    assert!(formula.p_max > 1.02 * flat, "{} {flat}", formula.p_max);
 }
 
-/// Height of a hull's ends of 1 m radius beyond 80 mm [m].
+/// Height of the ends of a hull, which start 80 mm from its centre and have a radius of 1 m [m].
 fn ends(x: f64) -> f64 {
     0.5 * (x.abs() - 0.08).max(0.0).powi(2)
 }
@@ -191,7 +190,7 @@ impl Underside for Straight {
     }
 }
 
-/// Ice that falls off where that hull's ends rise.
+/// Ice that falls by the height of the ends of that hull.
 struct Falling;
 
 impl IceSurface for Falling {
@@ -204,7 +203,7 @@ impl IceSurface for Falling {
 }
 
 #[test]
-fn a_corner_of_the_ice_is_heeded_like_one_of_the_hull() {
+fn curvature_step_of_the_ice_gives_the_peak_of_the_same_step_of_the_hull() {
     let hull = solved(&on_half_space(Straight, 1000.0), 0.003);
     let mut problem = on_half_space(Paraboloid::new(f64::INFINITY, 0.005).unwrap(), 1000.0);
     problem.ice_surface = Some(Arc::new(Falling));
@@ -218,11 +217,11 @@ fn a_corner_of_the_ice_is_heeded_like_one_of_the_hull() {
     );
 }
 
-/// The root of a rising function between two places.
-fn root(rising: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
+/// Root of an increasing function by bisection.
+fn root(function: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
     for _ in 0..80 {
         let middle = 0.5 * (low + high);
-        if rising(middle) < 0.0 {
+        if function(middle) < 0.0 {
             low = middle;
         } else {
             high = middle;
@@ -231,11 +230,11 @@ fn root(rising: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
     0.5 * (low + high)
 }
 
-/// A runner as bent as its track on 17 crests of ice, loaded off its middle: each crest is Hertz's
-/// contact under its part of approach and pitch, and those balance force and moment. Scouting sees
-/// some of the crests, and those late are more than can be taken up one a solve.
+/// A runner with the curvature of its track on 17 crests of ice under an offset load. Reference: a
+/// Hertz contact on each crest, with approach and pitch from the balance of force and moment. The
+/// initial search finds only some of the crests.
 #[test]
-fn a_runner_on_many_crests_presses_each_by_its_part_of_approach_and_pitch() {
+fn contact_on_17_crests_agrees_with_hertz_contacts_under_common_approach_and_pitch() {
     let (fz, offset_x, amplitude, wavelength) = (500.0, 0.02, 5e-5, 0.03);
     let bob = BobRunner {
         length: 0.6,
@@ -270,11 +269,11 @@ fn a_runner_on_many_crests_presses_each_by_its_part_of_approach_and_pitch() {
         "{:e} +- {:e}, Hertz {peak:e}; pitch {} {pitch}",
         s.p_max, s.p_max_error, s.pitch
     );
-    // What crests sink by one another's loads is left out: 30 mm beside each other under contacts
-    // of 2 mm, half a per cent.
+    // The reference neglects the displacement of a crest by the loads of the others, which is 0.5 %
+    // at a distance of 30 mm between contacts of 2 mm.
     assert!((s.p_max - peak).abs() < s.p_max_error + 0.005 * peak);
     assert!((s.pitch / pitch - 1.0).abs() < 0.03, "{} {pitch}", s.pitch);
-    // Every crest is pressed, and nothing between them.
+    // Every crest is in contact, and no point between them.
     let touched = |x: f64| {
         let near = s
             .surface
@@ -287,7 +286,7 @@ fn a_runner_on_many_crests_presses_each_by_its_part_of_approach_and_pitch() {
             .any(|p| *p > 0.0)
     };
     for x in &crests {
-        assert!(touched(*x), "nothing at {x}");
+        assert!(touched(*x), "no contact at {x}");
         assert!(
             !touched(x + 0.5 * wavelength),
             "contact at {}",
@@ -296,9 +295,10 @@ fn a_runner_on_many_crests_presses_each_by_its_part_of_approach_and_pitch() {
     }
 }
 
-/// Width where ice yields all across, by its force: a strip of the plane bears H times its width,
-/// whatever nodes lie beside the rim. Over an ellipse of this length all strips give that of the
-/// middle one; a single strip has it to a cell.
+/// Width of a fully yielding contact from its force: a strip across carries H times its width.
+///
+/// Each strip is scaled to the middle one with the ellipse of the contact's length. The mean has a
+/// smaller error than one strip, which is known to a cell.
 fn width_by_strips(s: &Solution) -> f64 {
     let f = &s.surface;
     let nx = f.x.len();
@@ -314,10 +314,9 @@ fn width_by_strips(s: &Solution) -> f64 {
     strips.iter().sum::<f64>() / strips.len() as f64
 }
 
-/// A rim half-way between nodes is off by up to half a cell at either side, one in nine to one in
-/// fifteen of these widths.
+/// The width of a cell is 1/9 to 1/15 of these contact widths.
 #[test]
-fn the_width_of_ice_that_yields_is_that_of_its_force_and_of_the_map() {
+fn width_on_yielding_ice_agrees_with_the_widths_from_force_and_pressure_map() {
     for (section, hardness) in [(0.005, 20e6), (0.005, 40e6), (0.004, 30e6), (0.01, 15e6)] {
         let mut problem = on_half_space(Paraboloid::new(30.0, section).unwrap(), 1000.0);
         problem.ice.hardness = Some(hardness);
@@ -334,14 +333,14 @@ fn the_width_of_ice_that_yields_is_that_of_its_force_and_of_the_map() {
                 row.iter().any(|p| *p > 0.0)
             };
             let by_map = (0..map.ny).filter(touches).count() as f64 * map.dy;
-            let said = format!(
-                "{section} {hardness:e} {tolerance}: {:.4e} +- {:.1e}, {width:.4e} by its force, {by_map:.4e} by the map",
+            let report = format!(
+                "{section} {hardness:e} {tolerance}: {:.4e} +- {:.1e}, {width:.4e} from the force, {by_map:.4e} from the map",
                 s.width, s.width_error
             );
             let off = (s.width - width).abs();
-            assert!(off < 0.03 * width && off < s.width_error, "{said}");
-            assert!(s.width_error < 0.07 * width, "{said}");
-            assert!((by_map - s.width).abs() < s.width_error, "{said}");
+            assert!(off < 0.03 * width && off < s.width_error, "{report}");
+            assert!(s.width_error < 0.07 * width, "{report}");
+            assert!((by_map - s.width).abs() < s.width_error, "{report}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! One problem, two ways to solve it; and the same bits whatever the number of threads.
+//! Agreement with exact responses, and determinism.
 
 use kufe_contact::{ElasticRunner, Foundation, Load, Mount, Options, Place, Solution, Tilt, solve};
 use kufe_mesh::{BobRunner, Paraboloid};
@@ -6,14 +6,14 @@ use kufe_tests::contact::on_half_space;
 use kufe_tests::exact_response::by_exact_responses;
 
 #[test]
-fn exact_responses_give_the_same_forces_to_1e_6() {
+fn forces_agree_with_exact_responses_to_1e_6() {
     let hull = Paraboloid::new(0.02, 0.01).unwrap();
     let found = by_exact_responses(&on_half_space(hull, 500.0), 5);
     assert!(found.force < 1e-6 && found.motion < 1e-6);
     assert!(found.nodes[0] > 15 && found.nodes[1] == 0);
 }
 
-/// On meshes of two sizes, of 840,000 unknowns the larger one, and under a runner that places hold.
+/// On a small mesh, on one of 840,000 unknowns, and with an elastic runner fixed at two places.
 #[test]
 fn one_and_two_threads_give_the_same_bits() {
     let small = on_half_space(Paraboloid::new(0.02, 0.01).unwrap(), 500.0);
@@ -50,10 +50,10 @@ fn one_and_two_threads_give_the_same_bits() {
     }
 }
 
-/// Off its middle, so that the runner tilts, on ice that yields: a motion of two numbers and three
-/// kinds of nodes.
+/// An offset load on yielding ice: approach and pitch are unknown, and nodes are open, closed or
+/// yielding.
 #[test]
-fn exact_responses_find_tilt_and_yielding_nodes_by_themselves() {
+fn tilt_and_yielding_nodes_agree_with_exact_responses_to_1e_6() {
     let hull = Paraboloid::new(0.02, 0.01).unwrap();
     let mut problem = on_half_space(hull, 500.0);
     problem.load = Load::Force {

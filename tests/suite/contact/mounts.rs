@@ -1,4 +1,4 @@
-//! Elastic runners on their mounts: the same answer by a slow way, beams on a soft foundation,
+//! Elastic runners on their mounts, against exact responses, beams on an elastic foundation and the
 //! balance of forces.
 
 use std::f64::consts::PI;
@@ -75,7 +75,7 @@ fn at(cells: usize) -> Options {
     }
 }
 
-/// A short runner, so that the slow way stays quick.
+/// A short runner, which limits the time of the exact responses.
 fn short_bob() -> (Arc<dyn Underside>, f64) {
     let bob = BobRunner {
         length: 0.3,
@@ -87,7 +87,7 @@ fn short_bob() -> (Arc<dyn Underside>, f64) {
 }
 
 #[test]
-fn every_mount_gives_the_forces_of_exact_responses_by_cholesky() {
+fn forces_of_every_mount_agree_with_exact_responses_to_1e_6() {
     let (hull, top) = short_bob();
     let mounts = [
         (Mount::Top, 0.0, Tilt::LEVEL),
@@ -119,19 +119,19 @@ fn every_mount_gives_the_forces_of_exact_responses_by_cholesky() {
     }
 }
 
-/// A flat steel 20 mm x 8 mm on a soft layer 0.5 mm thick, bonded to a rigid bed: each column of
-/// the layer is pressed by itself, k = M w / t per length with M = lambda + 2 mu, and the steel is
-/// a beam. Loaded in its middle it lifts off at x = pi / (2 l), l = (k / 4 E I)^(1/4), and presses
-/// in the middle with
+/// A flat steel 20 mm x 8 mm on a soft layer 0.5 mm thick, bonded to a rigid bed.
+///
+/// The columns of the layer are independent, with the foundation modulus k = M w / t per length and
+/// M = lambda + 2 mu, and the steel is a beam. Under a load in its middle it lifts off at
+/// x = pi / (2 l), l = (k / 4 E I)^(1/4), and the pressure in the middle is
 ///
 /// p = F l / (2 w) (cosh pi + cos pi + 2) / sinh pi
 ///
 /// (M. Hetenyi, Beams on Elastic Foundation, 1946, section 22: the free beam of length pi / l,
-/// whose ends neither press nor lift). The beam's shear, the load's 4 mm and the layer beside the
-/// steel, which cells of a millimetre draw down with it, are worth a per cent or two each.
+/// whose ends have zero pressure). The shear of the beam, the load's length of 4 mm and the
+/// deformation of the layer next to the steel change the result by one or two percent each.
 #[test]
-fn a_steel_loaded_in_its_middle_presses_as_a_beam_on_winklers_foundation_and_lifts_off_where_that_does()
- {
+fn loaded_steel_has_pressure_and_length_of_a_beam_on_a_winkler_foundation() {
     let (width, height, thickness, load) = (0.02, 0.008, 0.0005, 200.0);
     let (soft, ratio) = (2.5e6, 0.0);
     let flat = Formula {
@@ -165,7 +165,7 @@ fn a_steel_loaded_in_its_middle_presses_as_a_beam_on_winklers_foundation_and_lif
     let line = &s.surface.pressure[middle * nx..(middle + 1) * nx];
     let found = line.iter().copied().fold(0.0, f64::max);
     println!(
-        "middle {:.4} of beam theory, length {:.4} of it, {} iterations",
+        "over beam theory: pressure {:.4}, length {:.4}; {} iterations",
         found / expected,
         s.length * l / PI,
         s.iterations
@@ -175,8 +175,8 @@ fn a_steel_loaded_in_its_middle_presses_as_a_beam_on_winklers_foundation_and_lif
     assert!((s.fz / load - 1.0).abs() < 1e-8);
 }
 
-/// Sum of the vertical forces that the steel's top, fixed or loaded, passes on: K u there.
-fn passed_on_by_the_top(s: &Solution, kind: ElementKind) -> f64 {
+/// Vertical force of the mount on the top of the steel, from K u [N].
+fn force_on_top(s: &Solution, kind: ElementKind) -> f64 {
     let field = s.runner_volume.as_ref().unwrap();
     let material = Material::new(STEEL.0, STEEL.1).unwrap();
     let body = Body::uniform(field.mesh.clone(), material, kind).unwrap();
@@ -188,8 +188,8 @@ fn passed_on_by_the_top(s: &Solution, kind: ElementKind) -> f64 {
     -on_top.map(|n| forces[3 * n + 2]).sum::<f64>()
 }
 
-/// What the ice's lower side bears.
-fn borne_by_the_bed(s: &Solution) -> f64 {
+/// Vertical force of the ice on its bed, from K u [N].
+fn force_on_bed(s: &Solution) -> f64 {
     let material = Material::new(ICE_E, ICE_NU).unwrap();
     let ice = s.volume.as_ref().unwrap();
     let mesh = ice.grid.hex_mesh();
@@ -198,7 +198,7 @@ fn borne_by_the_bed(s: &Solution) -> f64 {
     let u: Vec<f64> = ice.displacement.iter().flatten().copied().collect();
     let mut forces = vec![0.0; u.len()];
     assemble(&body).apply(&u, &mut forces);
-    // The far sides are fixed too.
+    // The outer sides are fixed as well.
     let fixed = (0..body.node_count()).filter(|&n| {
         let (i, j, k) = (n % nx, n / nx % ny, n / nx / ny);
         k == 0
@@ -240,10 +240,7 @@ fn action_equals_reaction_through_both_bodies() {
             .iter()
             .map(|&m| if m { 2.0 } else { 1.0 })
             .product();
-        let (from_top, on_bed) = (
-            copies * passed_on_by_the_top(&s, kind),
-            copies * borne_by_the_bed(&s),
-        );
+        let (from_top, on_bed) = (copies * force_on_top(&s, kind), copies * force_on_bed(&s));
         println!("{mount:?}: {from_top:.9} N from the top, {on_bed:.9} N on the bed");
         assert!(
             (from_top / 800.0 - 1.0).abs() < 1e-8,
@@ -253,10 +250,9 @@ fn action_equals_reaction_through_both_bodies() {
     }
 }
 
-/// The gap knows no sides: steel with this hull on flat ice presses as ice with this hull on flat
-/// steel.
+/// A curved steel on flat ice has the peak of a curved ice on flat steel.
 #[test]
-fn swapping_the_bodies_roles_changes_the_peak_by_less_than_half_a_per_cent() {
+fn exchanging_the_materials_changes_the_peak_by_less_than_0_5_percent() {
     let hull = Arc::new(kufe_mesh::Paraboloid::new(30.0, 0.005).unwrap());
     let options = Options {
         p_max_tolerance: 0.003,
@@ -274,10 +270,10 @@ fn swapping_the_bodies_roles_changes_the_peak_by_less_than_half_a_per_cent() {
     assert!((one / other - 1.0).abs() < 0.005, "{one} {other}");
 }
 
-/// Where the hull is steep the meshed solid is not: the gap is the hull's, and what steel is added
-/// stands beside the contact.
+/// The mesh of the solid has a limited slope on steep flanks, outside the contact. The gap is that of
+/// the hull.
 #[test]
-fn the_limit_of_the_flanks_slope_leaves_the_pressure_alone() {
+fn limit_of_the_flank_slope_changes_the_peak_by_less_than_1e_4() {
     let bob = BobRunner::default();
     let luge = LugeSteel::default();
     let hulls: [(Arc<dyn Underside>, f64); 2] = [
@@ -305,11 +301,10 @@ fn the_limit_of_the_flanks_slope_leaves_the_pressure_alone() {
     }
 }
 
-/// A thin steel carried at two places bends off the ice by more than it presses in: the undeformed
-/// shapes, where the runner's middle puts them, do not even touch. The answer is that of exact
-/// responses all the same.
+/// The deflection of a thin steel under loads at two places exceeds its approach, so that the
+/// undeformed bodies do not touch.
 #[test]
-fn a_carried_steel_that_bends_away_further_than_it_presses_in_is_solved() {
+fn steel_with_a_deflection_above_its_approach_agrees_with_exact_responses() {
     let luge = LugeSteel::default();
     let problem = pressed(
         Arc::new(luge.swept().unwrap()),

@@ -1,5 +1,5 @@
-//! The version of the numerics says what it should: figures that change without it would stand
-//! beside older ones kept on disk.
+//! Regression values of the present version of the numerics. Results on disk carry this version, so
+//! it must change with the results.
 
 use kufe_contact::{Foundation, Ice, NUMERICS, Options, Problem, Tilt, slide, solve};
 use kufe_mesh::{BobRunner, Paraboloid};
@@ -7,8 +7,7 @@ use kufe_tests::contact::{ICE_E, ICE_NU, on_half_space};
 
 use super::asperities::on_rough_ice;
 
-/// The version, and peak pressure [Pa], its error [Pa] and approach [m] of each problem, as that
-/// version gives them.
+/// The version, and its peak pressure [Pa], error of the peak [Pa] and approach [m] of each problem.
 const RECORDED: (u32, [[f64; 3]; 5]) = (
     22,
     [
@@ -20,11 +19,10 @@ const RECORDED: (u32, [[f64; 3]; 5]) = (
     ],
 );
 
-/// Depth [m], ploughing force [N] and front [m] of the groove in the third problem's ice, as that
-/// version gives them.
+/// Depth [m], ploughing force [N] and front [m] of the groove in the third problem.
 const GROOVE: [f64; 3] = [4.233_356_116e-6, 7.673_649_465e-2, 2.777_781_654e-2];
 
-/// What another processor's vectors or another order of sums may change, relative.
+/// Relative tolerance for differences of processors and orders of summation.
 const ROUNDING: f64 = 1e-4;
 
 fn problems() -> [Problem; 5] {
@@ -48,13 +46,13 @@ fn problems() -> [Problem; 5] {
             foundation: Foundation::RigidBed { thickness: 2e-3 },
             ..Ice::half_space(ICE_E, ICE_NU)
         }),
-        // Many asperities, on the contact plane alone.
+        // Many asperities, solved on the contact plane.
         on_rough_ice(Tilt::LEVEL),
     ]
 }
 
 #[test]
-fn figures_change_with_the_version_of_the_numerics_alone() {
+fn results_are_those_recorded_for_the_version_of_the_numerics() {
     let options = Options {
         p_max_tolerance: 0.02,
         ..Options::default()
@@ -77,8 +75,8 @@ fn figures_change_with_the_version_of_the_numerics_alone() {
             .all(|(a, b)| (a - b).abs() <= ROUNDING * b.abs());
     assert!(
         same && RECORDED.0 == NUMERICS,
-        "the figures are not those recorded for version {} of the numerics: raise NUMERICS in contact/src/options.rs, and record \
-         ({}, {found:?}), {groove:?} here",
+        "the results differ from those recorded for version {} of the numerics: increase NUMERICS in contact/src/options.rs, and \
+         record ({}, {found:?}), {groove:?} here",
         RECORDED.0,
         NUMERICS + 1
     );

@@ -1,5 +1,5 @@
-//! Contacts that are no paraboloid on a half-space: punch, cylinder, layer, offset load, two ends,
-//! hardness.
+//! Contacts other than a centrally loaded paraboloid on a half-space: punch, cylinder, layer, offset
+//! load, two ends, hardness.
 
 use std::f64::consts::PI;
 
@@ -13,7 +13,7 @@ fn paraboloid() -> Paraboloid {
 
 /// F = 2 E* a d (K. L. Johnson, Contact Mechanics, eq. 3.36).
 #[test]
-fn flat_ended_rigid_punch_carries_two_contact_moduli_times_radius_times_approach() {
+fn load_of_a_flat_ended_rigid_punch_within_2_percent_of_closed_form() {
     let (radius, approach) = (0.01, 1e-5);
     let punch = Formula {
         height: move |x: f64, y: f64| {
@@ -48,9 +48,8 @@ fn flat_ended_rigid_punch_carries_two_contact_moduli_times_radius_times_approach
     );
 }
 
-/// A ball is the same however it is turned.
 #[test]
-fn a_fixed_tilt_leaves_the_contact_of_a_ball_as_it_is() {
+fn fixed_tilt_does_not_change_the_peak_of_a_ball() {
     let radius: f64 = 0.05;
     let half = 0.04;
     let solved = |pitch: f64, roll: f64| {
@@ -78,7 +77,7 @@ fn a_fixed_tilt_leaves_the_contact_of_a_ball_as_it_is() {
     for [pitch, roll] in [[0.1, 0.0], [0.0, -0.1], [0.08, 0.08]] {
         let turned = solved(pitch, roll);
         let off = turned.p_max / level.p_max - 1.0;
-        // Of first order, the tilt would make it 0.67 % too large.
+        // With the tilt to first order only, the peak would be 0.67 % too large.
         assert!(off.abs() < 2e-3, "{off:e} at {pitch}, {roll}");
         assert_eq!([turned.pitch, turned.roll], [pitch, roll]);
     }
@@ -87,7 +86,7 @@ fn a_fixed_tilt_leaves_the_contact_of_a_ball_as_it_is() {
 /// p0 = sqrt(q E* / (pi R)), b = sqrt(4 q R / (pi E*)) with q the load per length (Johnson, eqs.
 /// 4.43, 4.45).
 #[test]
-fn long_cylinder_is_a_line_contact_in_its_middle() {
+fn middle_of_a_long_cylinder_agrees_with_line_contact() {
     let radius = 0.005;
     let cylinder = Formula {
         height: move |x: f64, y: f64| {
@@ -135,7 +134,7 @@ fn long_cylinder_is_a_line_contact_in_its_middle() {
     );
 }
 
-/// A rigid paraboloid on a thin bonded compressible layer: each column of ice is pressed by itself,
+/// A rigid paraboloid on a thin bonded compressible layer: the columns of ice are independent,
 /// p = M (d - r^2 / 2R) / t with M = lambda + 2 mu, so F = pi M R d^2 / t and p_max = M d / t
 /// (Johnson, section 5.8).
 #[test]
@@ -153,7 +152,7 @@ fn thin_layer_on_a_rigid_bed_tends_to_independent_columns() {
         },
     )
     .unwrap();
-    // The contact is 30 thicknesses wide: the rim's share is a few per cent.
+    // The contact is 30 thicknesses wide; the effect of the rim is a few percent.
     assert!(0.5 * s.length > 10.0 * thickness);
     assert!(
         (s.p_max / (modulus * depth / thickness) - 1.0).abs() < 0.03,
@@ -203,7 +202,7 @@ fn offset_load_tilts_the_runner_until_the_moments_balance() {
         .unwrap();
         let h = hertz(30.0, 0.005, contact_modulus(), 1000.0).unwrap();
         assert!((s.p_max / h.p_max - 1.0).abs() < 0.01, "{:.4e}", s.p_max);
-        // A paraboloid rolls on its arc: pitch = x / R, roll = - y / r.
+        // The contact point moves along the arc of the paraboloid: pitch = x / R, roll = - y / r.
         assert!(
             (s.pitch - offset[0] / 30.0).abs() < 2e-5,
             "pitch {}",
@@ -221,7 +220,7 @@ fn offset_load_tilts_the_runner_until_the_moments_balance() {
 }
 
 #[test]
-fn a_fixed_tilt_moves_the_patch_to_where_the_hull_is_level() {
+fn fixed_tilt_moves_the_patch_to_the_point_of_zero_slope() {
     let mut problem = on_half_space(paraboloid(), 1000.0);
     let tilt = Tilt::Fixed {
         pitch: 0.001,
@@ -248,8 +247,8 @@ fn a_fixed_tilt_moves_the_patch_to_where_the_hull_is_level() {
     );
 }
 
-/// A track of smaller radius than the rocker: only the ends touch. Solved without the mirror plane
-/// across the runner, so that the symmetry is a result.
+/// On a track of smaller radius than the rocker only the ends touch. Solved without the mirror plane
+/// across the runner.
 #[test]
 fn two_ended_contact_is_symmetric_and_each_end_carries_half() {
     let bob = BobRunner::default().swept().unwrap();
@@ -305,7 +304,7 @@ fn two_ended_contact_is_symmetric_and_each_end_carries_half() {
 }
 
 #[test]
-fn hardness_bounds_the_pressure_keeps_the_balance_and_tends_to_elasticity() {
+fn hardness_limits_the_pressure_with_load_balance_and_elastic_limit() {
     let elastic = hertz(30.0, 0.005, contact_modulus(), 1000.0).unwrap().p_max;
     let mut last_area = f64::INFINITY;
     for share in [0.03, 0.128, 0.2, 0.5, 0.9, 1.5] {
@@ -335,10 +334,10 @@ fn hardness_bounds_the_pressure_keeps_the_balance_and_tends_to_elasticity() {
     }
 }
 
-/// A rocker's bump, and far from it one so short that neither the first guess nor the first mesh
-/// meets it. Each is a Hertz contact under the one approach: F_i = K_i d^(3/2).
+/// Two bumps; the second is so short that the initial search and the first mesh miss it. Reference:
+/// two Hertz contacts with a common approach, F_i = K_i d^(3/2).
 #[test]
-fn a_second_bump_far_from_where_contact_was_looked_for_bears_its_share() {
+fn second_bump_outside_the_initial_patch_agrees_with_two_hertz_contacts() {
     let bumps = [[-0.3, 0.0, 5.0, 0.005], [0.3004, 0.0, 0.01, 0.005]];
     let hull = Formula {
         height: move |x: f64, y: f64| {
@@ -400,10 +399,10 @@ fn a_second_bump_far_from_where_contact_was_looked_for_bears_its_share() {
     );
 }
 
-/// Two meshes that both miss the peaks at the ends would agree on a pressure that is too low by a
-/// tenth, and which track has such meshes would be an accident of rounding.
+/// Two meshes that both miss the peaks at the ends would agree on a pressure 10 % too low, for some
+/// values of the curvature only.
 #[test]
-fn a_hair_of_track_curvature_moves_the_peaks_at_the_ends_by_a_hair() {
+fn peak_is_continuous_in_the_track_curvature() {
     let p_max = |curvature: f64| {
         let mut problem = on_half_space(BobRunner::default().swept().unwrap(), 8000.0);
         problem.track_curvature = curvature;

@@ -1,5 +1,5 @@
-//! Steady sliding on ice that yields: the rigid-plastic and the elastic limit, boundary elements,
-//! and what has to balance.
+//! Steady sliding on yielding ice: the rigid-plastic and elastic limits, boundary elements, and the
+//! balance of forces.
 
 use std::sync::Arc;
 
@@ -35,7 +35,7 @@ fn near(found: f64, expected: f64, share: f64) -> bool {
 }
 
 #[test]
-fn a_groove_short_of_its_accuracy_holds_the_best_solution_with_its_error() {
+fn sliding_accuracy_not_reached_returns_the_best_solution_with_its_error() {
     let options = Options {
         max_dofs: 200_000,
         p_max_tolerance: 1e-3,
@@ -46,18 +46,18 @@ fn a_groove_short_of_its_accuracy_holds_the_best_solution_with_its_error() {
         best, tolerance, ..
     }) = slide(&problem, None, &options)
     else {
-        panic!("more was reached than requested");
+        panic!("the requested accuracy was reached");
     };
     let found = best.relative_error;
     assert!(found > tolerance && found < 0.2, "{found}");
-    // Boundary elements' depth: tests/data/groove.csv.
+    // Depth by boundary elements [m], tests/data/groove.csv.
     let depth = best.groove.deepest;
     assert!((depth.value - 3.554e-5).abs() <= depth.error, "{depth:?}");
 }
 
-/// Ice a thousand times as stiff hardly springs back: 1 % in length, depth and ploughing.
+/// Young's modulus is 9000 GPa, so that the elastic recovery is negligible.
 #[test]
-fn stiff_ice_has_the_rigid_plastic_groove() {
+fn groove_in_stiff_ice_within_1_percent_of_the_rigid_plastic_solution() {
     for (radii, fz, hardness) in [
         ([30.0, 0.004], 950.0, 17.7e6),
         ([24.0, 0.0045], 800.0, 16e6),
@@ -91,9 +91,8 @@ fn stiff_ice_has_the_rigid_plastic_groove() {
     }
 }
 
-/// Ice that never yields keeps nothing: Hertz's contact, the same to the front and to the back.
 #[test]
-fn hard_ice_has_hertzs_contact_and_no_groove() {
+fn ice_of_infinite_hardness_has_hertz_contact_and_no_groove() {
     let s = slide(
         &problem([30.0, 0.005], 1000.0, 1e12, 9e9),
         None,
@@ -114,8 +113,8 @@ fn hard_ice_has_hertzs_contact_and_no_groove() {
     assert!(s.groove.load_ahead.value.abs() < 1e-3 * s.groove.front.value);
 }
 
-/// The references are boundary elements' (`python tests/data/groove.py > tests/data/groove.csv`),
-/// whose grid leaves 1 % open.
+/// References by boundary elements (`python tests/data/groove.py > tests/data/groove.csv`), with an
+/// error of 1 % due to their grid.
 #[test]
 fn grooves_agree_with_boundary_elements() {
     let mut rows = include_str!("../../data/groove.csv").lines();
@@ -170,9 +169,9 @@ fn grooves_agree_with_boundary_elements() {
     assert!(compared >= 2, "{compared} rows");
 }
 
-/// Whether what was solved is the problem: load, pressures within bounds, no node within the ice,
-/// and a groove that only deepens.
-fn holds(s: &SlidingSolution, fz: f64, hardness: f64) {
+/// Asserts the load balance, the bounds of the pressure, no penetration, and a groove that deepens
+/// only where the pressure is the hardness.
+fn assert_consistent(s: &SlidingSolution, fz: f64, hardness: f64) {
     assert!(near(s.contact.fz, fz, 1e-6), "{}", s.contact.fz);
     assert!(s.contact.kkt_residual < 1e-5, "{}", s.contact.kkt_residual);
     let field = &s.contact.surface;
@@ -192,8 +191,8 @@ fn holds(s: &SlidingSolution, fz: f64, hardness: f64) {
             k % nx + 1 < nx && s.groove.depth[k] > s.groove.depth[k + 1] * (1.0 + 1e-9) + 1e-12;
         assert!(!deepens || p == hardness, "{} {p}", s.groove.depth[k]);
     }
-    // Two ways to the same force: the plastic work over the way, and pressures on the runner's
-    // slope.
+    // The ploughing force from the plastic work per distance, and from the pressures on the slope of
+    // the runner.
     for mesh in &s.groove.meshes {
         assert!(
             near(mesh.plastic_work, mesh.ploughing_by_slope, 0.03),
@@ -203,9 +202,9 @@ fn holds(s: &SlidingSolution, fz: f64, hardness: f64) {
 }
 
 #[test]
-fn forces_pressures_gaps_and_groove_hold_what_is_asked_of_them() {
+fn sliding_solution_is_consistent_and_groove_sections_carry_the_load() {
     let s = slide(&problem([30.0, 0.004], 950.0, 17.7e6, 9e9), None, &on(10)).unwrap();
-    holds(&s, 950.0, 17.7e6);
+    assert_consistent(&s, 950.0, 17.7e6);
     let strip: f64 = s
         .groove
         .sections
@@ -217,11 +216,11 @@ fn forces_pressures_gaps_and_groove_hold_what_is_asked_of_them() {
     assert!(near(strip, 950.0, 0.02), "{strip}");
 }
 
-/// Stations read their widths from chords through nodes' forces and growths, the map its rim from
-/// the nodes' pressures, gaps and growths. A rim on nodes would be off by up to half a cell at
-/// either side: 5 % where these 12 lie over half the width.
+/// The widths of the groove sections and the rim of the map are interpolated between nodes. A rim
+/// at nodes would have an error of up to half a cell at either side, 5 % with 12 cells over half the
+/// width.
 #[test]
-fn the_map_of_a_groove_has_the_width_of_its_stations_and_the_force() {
+fn pressure_map_has_the_widths_of_the_groove_sections_and_the_load() {
     for (radii, fz) in [([30.0, 0.004], 950.0), ([20.0, 0.006], 600.0)] {
         let s = slide(&problem(radii, fz, 17.7e6, 9e9), None, &Options::default()).unwrap();
         let map = PressureMap::of(&s.contact);
@@ -229,7 +228,7 @@ fn the_map_of_a_groove_has_the_width_of_its_stations_and_the_force() {
         let widest = widest.fold(0.0, f64::max);
         let mut off = Vec::new();
         for station in &s.groove.sections {
-            // Where the ice yields: behind it the rim is that of elastic ice.
+            // Only where the ice yields; behind, the rim is that of elastic recovery.
             if station.pressure < 17.69e6 || station.width < 0.3 * widest {
                 continue;
             }
@@ -253,10 +252,9 @@ fn the_map_of_a_groove_has_the_width_of_its_stations_and_the_force() {
     }
 }
 
-/// On a rocker a turn is a shift: a free runner turns until its centre of pressure stands under the
-/// load.
+/// The pitch of a circular rocker shifts its contact by the rocker radius times the pitch.
 #[test]
-fn a_free_runner_pitches_until_the_pressure_stands_under_the_load() {
+fn free_pitch_moves_the_centre_of_pressure_under_the_load() {
     let fixed = slide(&problem([30.0, 0.004], 950.0, 17.7e6, 9e9), None, &on(8)).unwrap();
     let mut free = problem([30.0, 0.004], 950.0, 17.7e6, 9e9);
     free.load = Load::central(950.0, Tilt::Free);
@@ -280,11 +278,11 @@ fn a_free_runner_pitches_until_the_pressure_stands_under_the_load() {
 }
 
 #[test]
-fn a_second_runner_in_the_groove_ploughs_less_and_leaves_it_no_shallower() {
+fn second_runner_has_less_ploughing_and_the_groove_does_not_become_shallower() {
     let problem = problem([30.0, 0.004], 950.0, 17.7e6, 9e9);
     let first = slide(&problem, None, &on(8)).unwrap();
     let second = slide(&problem, Some(&first.groove.profile), &on(8)).unwrap();
-    holds(&second, 950.0, 17.7e6);
+    assert_consistent(&second, 950.0, 17.7e6);
     assert!(
         second.groove.ploughing.value < 0.8 * first.groove.ploughing.value,
         "{:?}",
@@ -292,9 +290,9 @@ fn a_second_runner_in_the_groove_ploughs_less_and_leaves_it_no_shallower() {
     );
     assert!(second.groove.deepest.value >= first.groove.deepest.value);
     assert!(second.groove.front.value < first.groove.front.value);
-    // A groove to one side takes the mirror plane away.
-    let aside = GrooveProfile::new(vec![0.0, 2e-4, 4e-4], vec![0.0, 2e-5, 0.0]).unwrap();
-    let third = slide(&problem, Some(&aside), &on(6)).unwrap();
+    // A groove with an offset breaks the mirror symmetry.
+    let offset = GrooveProfile::new(vec![0.0, 2e-4, 4e-4], vec![0.0, 2e-5, 0.0]).unwrap();
+    let third = slide(&problem, Some(&offset), &on(6)).unwrap();
     assert!(near(third.contact.fz, 950.0, 1e-6));
     assert!(third.contact.centre_of_pressure[1] < -1e-6);
 }
@@ -317,10 +315,10 @@ fn sliding_has_the_same_bits_on_one_and_on_two_threads() {
     );
 }
 
-/// A block 8 mm wide and 0.5 m long ahead of its lowest point bears H times that, and what springs
-/// back behind it a little more.
+/// The capacity is the hardness times the area ahead of the lowest point, 0.5 m x 8 mm, plus a small
+/// load on the elastically recovered ice behind it.
 #[test]
-fn a_load_beyond_what_the_sliding_hull_bears_is_refused_with_the_most() {
+fn load_above_the_capacity_of_the_sliding_hull_returns_the_capacity() {
     let hull = BobRunner {
         section_radius: 0.004,
         width: 0.008,
@@ -344,7 +342,7 @@ fn a_load_beyond_what_the_sliding_hull_bears_is_refused_with_the_most() {
 }
 
 #[test]
-fn what_does_not_slide_steadily_is_refused_by_name() {
+fn sliding_on_waves_or_without_hardness_is_an_error() {
     let mut soft = problem([30.0, 0.004], 950.0, 17.7e6, 9e9);
     soft.ice_surface = Some(Arc::new(Waviness::new(1e-6, 0.1).unwrap()));
     let refused = slide(&soft, None, &Options::default()).unwrap_err();

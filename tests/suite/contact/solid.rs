@@ -1,4 +1,4 @@
-//! Runners on hexahedra of their own, matched to the ice by a mortar.
+//! Meshed runners, coupled to the ice by a mortar method.
 
 use std::sync::Arc;
 
@@ -63,11 +63,10 @@ fn inside(s: &Solution, a: f64, b: f64) -> Vec<f64> {
         .collect()
 }
 
-/// A block of skewed cells, both materials with nu = 0: columns that do not feel each other carry
-/// one pressure, F / A, and the block's own compression is F H / (E A), whatever lines cut its
-/// faces.
+/// A block of skewed cells; both materials have nu = 0, so that columns are independent. The pressure
+/// is F / A and the compression of the block F H / (E A), independent of the mesh.
 #[test]
-fn a_constant_pressure_passes_between_meshes_that_do_not_match() {
+fn constant_pressure_is_transferred_between_non_matching_meshes() {
     let (a, b, height, thickness, fz) = (0.03, 0.02, 0.01, 0.001, 1200.0);
     let mut mesh = block([7, 5, 3], [2.0 * a, 2.0 * b, height]);
     for p in &mut mesh.points {
@@ -97,19 +96,19 @@ fn a_constant_pressure_passes_between_meshes_that_do_not_match() {
     );
     let s = solve(&problem, &at(6)).unwrap();
     let expected = fz / (4.0 * a * b);
-    // Beside the block the layer is drawn down over a cell of 5 mm: stay away from the rim.
+    // Next to the block the layer deforms over a cell of 5 mm: exclude the rim.
     let found = inside(&s, a - 12.0 * thickness, b - 12.0 * thickness);
     let (least, most) = found
         .iter()
         .fold((f64::INFINITY, 0.0f64), |m, p| (m.0.min(*p), m.1.max(*p)));
     println!(
-        "{} nodes: {:.6} to {:.6} of F / A",
+        "{} nodes: pressures {:.6} to {:.6} F / A",
         found.len(),
         least / expected,
         most / expected
     );
     assert!(found.len() > 20);
-    // The layer beside the block is drawn down over a cell, and bears its share.
+    // The deformed layer next to the block carries a part of the load.
     let middle = inside(&s, 0.3 * a, 0.3 * b);
     let mean = middle.iter().sum::<f64>() / middle.len() as f64;
     assert!(
@@ -117,7 +116,7 @@ fn a_constant_pressure_passes_between_meshes_that_do_not_match() {
         "{least} {most} {mean}"
     );
     assert!((mean / expected - 1.0).abs() < 0.12, "{mean} {expected}");
-    // Approach: the layer's and the block's compression under that pressure.
+    // Approach: compression of layer and block under that pressure.
     let approach = mean * (thickness / soft + height / STEEL.0);
     assert!(
         (s.approach / approach - 1.0).abs() < 2e-3,
@@ -127,10 +126,10 @@ fn a_constant_pressure_passes_between_meshes_that_do_not_match() {
     assert!((s.fz / fz - 1.0).abs() < 1e-8);
 }
 
-/// A short runner as hexahedra with a smooth surface through their nodes, and the same runner
-/// meshed on the ice's columns.
+/// A short runner with its own mesh and a fitted smooth surface, and the same runner meshed on the
+/// columns of the ice.
 #[test]
-fn a_runner_from_a_mesh_of_its_own_presses_as_the_one_on_the_ices_columns() {
+fn meshed_runner_agrees_with_the_runner_on_the_columns_of_the_ice() {
     let bob = BobRunner {
         length: 0.2,
         rocker_radius: 8.0,
@@ -181,14 +180,14 @@ fn a_runner_from_a_mesh_of_its_own_presses_as_the_one_on_the_ices_columns() {
         on_columns.iterations
     );
     assert!((own.p_max / on_columns.p_max - 1.0).abs() < 0.01);
-    // The mesh has no flanks beyond 3.5 mm.
+    // The mesh ends 3.5 mm from the middle and has no flanks.
     assert!((own.approach / on_columns.approach - 1.0).abs() < 0.02);
     assert!(own.iterations <= 45, "{}", own.iterations);
     assert!((own.fz / 600.0 - 1.0).abs() < 1e-8);
 }
 
-/// Nodes from -`end` to `end`: even ones of `size` up to `even` from the middle, an edge or a
-/// cell's middle at 0, and growing by a third from there.
+/// Nodes from -`end` to `end`, with cells of equal `size` up to a distance `even` from 0 and then
+/// growing by a third. A node (`edge`) or the middle of a cell is at 0.
 fn line(size: f64, even: f64, end: f64, edge: bool) -> Vec<f64> {
     let mut half = vec![if edge { 0.0 } else { 0.5 * size }];
     let mut step = size;
@@ -204,16 +203,16 @@ fn line(size: f64, even: f64, end: f64, edge: bool) -> Vec<f64> {
     [below, half].concat()
 }
 
-/// What no mesh of the ice sees: faces of a third to half of the contact's radius on runners softer
-/// and stiffer than the ice. Peaks by Hankel transforms, `python tests/data/layered.py`, of a
-/// paraboloid of 2 m, 20 mm high and fixed at its top, under 1000 N.
+/// Faces of a third to half of the contact radius on runners softer and stiffer than the ice. The
+/// error they cause does not depend on the mesh of the ice. Reference peaks by Hankel transforms
+/// (`tests/data/layered.py`): a paraboloid of radius 2 m, 20 mm high, fixed at its top, 1000 N.
 #[test]
-fn stated_errors_hold_what_a_runners_own_hexahedra_leave() {
+fn stated_errors_cover_the_discretisation_error_of_meshed_runners() {
     const RADIUS: f64 = 2.0;
     const HEIGHT: f64 = 0.02;
     let mut stated = Vec::new();
-    // Young's modulus, contact radius, peak; cells over the radius; whether an edge is at the
-    // lowest place.
+    // Young's modulus [Pa], contact radius [m], peak [Pa], cells over the radius, whether a node is
+    // at the lowest point.
     for (young, a, peak, cells, edge) in [
         (6e9, 7.187e-3, 9.247_650e6, 2.0, true),
         (6e9, 7.187e-3, 9.247_650e6, 3.0, true),
@@ -258,19 +257,19 @@ fn stated_errors_hold_what_a_runners_own_hexahedra_leave() {
         };
         let (off, error) = (s.p_max / peak - 1.0, s.p_max_error / peak);
         println!(
-            "{young:e} {cells} {edge}: {:.2} % off, {:.2} % stated",
+            "{young:e} {cells} {edge}: error {:.2} %, {:.2} % stated",
             100.0 * off,
             100.0 * error
         );
-        // By the height's change over the contact the truth is off by a^2 / (2 R H).
+        // The height changes over the contact, which the reference neglects: relative error
+        // a^2 / (2 R H).
         assert!(
             off.abs() < error + a * a / (2.0 * RADIUS * HEIGHT),
             "{off} {error}"
         );
         stated.push(error);
     }
-    // Coarse faces have larger stated errors than fine ones, and those of stiff runners smaller ones
-    // than those of soft runners.
+    // Stated errors decrease with the size of the faces and with the stiffness of the runner.
     assert!(
         stated[0] > stated[1] && stated[4] < 0.5 * stated[0],
         "{stated:?}"
@@ -278,7 +277,7 @@ fn stated_errors_hold_what_a_runners_own_hexahedra_leave() {
 }
 
 #[test]
-fn meshes_that_make_no_runner_are_refused_with_the_reason() {
+fn invalid_runner_meshes_are_rejected_with_the_reason() {
     let mesh = || block([2, 2, 2], [0.1; 3]);
     let refused = |mesh: HexMesh, top: f64| {
         let fixed = |p: [f64; 3]| p[2] > top;

@@ -1,4 +1,4 @@
-//! Thin steel that bends: the trilinear element locks, the one with incompatible modes does not.
+//! Bending of a slender steel: locking of the trilinear element, accuracy of incompatible modes.
 
 use kufe_fem::{Body, Constraints, ElementKind, Material, nodal_stresses};
 use kufe_tests::fem::closed_form::Beam;
@@ -6,7 +6,7 @@ use kufe_tests::fem::loads::add_traction;
 use kufe_tests::fem::statics::{Solver, equilibrium};
 use kufe_tests::meshes::{block, faces_where, nodes_where, shake};
 
-/// A luge steel's worth of cantilever: 0.6 m x 20 mm x 8 mm.
+/// A cantilever of the size of a luge steel: 0.6 m x 20 mm x 8 mm.
 fn steel() -> Beam {
     Beam {
         length: 0.6,
@@ -16,8 +16,8 @@ fn steel() -> Beam {
     }
 }
 
-/// Tip deflection over beam theory's, end load in z, clamped at x = 0, and the bending stress
-/// halfway over beam theory's.
+/// Tip deflection and mid-span bending stress over those of beam theory, for an end load in z and a
+/// clamp at x = 0.
 fn cantilever(cells: [usize; 3], kind: ElementKind, distortion: [f64; 3]) -> [f64; 2] {
     let (beam, load) = (steel(), 50.0);
     let size = [beam.length, beam.width, beam.height];
@@ -51,8 +51,8 @@ fn cantilever(cells: [usize; 3], kind: ElementKind, distortion: [f64; 3]) -> [f6
     [mean / beam.cantilever_tip_deflection(load), ratio]
 }
 
-/// Beam theory itself is good to about (h/L) nu^2 here: the clamp also holds the section's width
-/// and height.
+/// The error of beam theory is about (h/L) nu^2, because the clamp also fixes the width and height of
+/// the section.
 #[test]
 fn incompatible_modes_give_the_cantilever_of_beam_theory_within_one_percent() {
     let [tip, stress] = cantilever([40, 2, 1], ElementKind::Hex8Incompatible, [0.0; 3]);
@@ -66,10 +66,9 @@ fn incompatible_modes_give_the_cantilever_of_beam_theory_within_one_percent() {
 }
 
 /// Trapezoidal cells stiffen every element with eight nodes (R. H. MacNeal, Finite Elem. Anal. Des.
-/// 3 (1987), 175-181): the columns of a runner's mesh are upright, so its cells are not of that
-/// kind.
+/// 3 (1987), 175-181). A runner's mesh has upright columns and therefore no such cells.
 #[test]
-fn cells_with_tilted_columns_cost_stiffness_that_refinement_wins_back() {
+fn refinement_halves_the_excess_stiffness_of_tilted_columns() {
     let tilted = [0.1, 0.1, 0.1];
     let [coarse, _] = cantilever([60, 2, 2], ElementKind::Hex8Incompatible, tilted);
     let [fine, _] = cantilever([160, 4, 4], ElementKind::Hex8Incompatible, tilted);
@@ -79,9 +78,9 @@ fn cells_with_tilted_columns_cost_stiffness_that_refinement_wins_back() {
     assert!(1.0 - fine < 0.5 * (1.0 - coarse), "{coarse} {fine}");
 }
 
-/// Its cells know only their constant shear along the beam; what is left are the strains across,
-/// those of plain hexahedra, which die out like the square of the number of cells over the height
-/// and the width.
+/// The axial element has a constant shear strain along the beam. The remaining error is that of the
+/// strains across the beam. It is inversely proportional to the square of the number of cells over
+/// the height and the width.
 #[test]
 fn the_axial_element_gives_the_cantilever_of_beam_theory_within_two_percent() {
     let [coarse, _] = cantilever([40, 2, 1], ElementKind::Hex8Axial, [0.0; 3]);
@@ -92,7 +91,7 @@ fn the_axial_element_gives_the_cantilever_of_beam_theory_within_two_percent() {
     assert!((tip - 1.0).abs() < 0.02, "{tip}");
     assert!((stress - 1.0).abs() < 0.03, "{stress}");
     assert!((0.7..1.0).contains(&coarse), "{coarse}");
-    // Columns of any height, as over a rounded underside.
+    // Columns of different height, as over a rounded underside.
     let [shaken, _] = cantilever([60, 8, 6], ElementKind::Hex8Axial, [0.0, 0.1, 0.1]);
     println!("axial: tip {shaken:.4} with heights and widths shaken by 0.1 cells");
     assert!((shaken - 1.0).abs() < 0.03, "{shaken}");

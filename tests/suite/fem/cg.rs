@@ -1,8 +1,8 @@
-//! Conjugate gradients, with which the operators and preconditioners are verified.
+//! Conjugate gradients, used for the verification of operators and preconditioners.
 
 use kufe_tests::fem::cg::{Error, Jacobi, Options, Stop, Workspace, solve};
 
-/// -(c u')' + u/10 on n points with a coefficient that jumps.
+/// -(c u')' + u/10 on n points with a discontinuous coefficient.
 fn laplacian(v: &[f64], out: &mut [f64]) {
     let n = v.len();
     let c = |i: usize| if i < n / 2 { 1.0 } else { 50.0 };
@@ -18,7 +18,7 @@ fn right_hand_side(n: usize) -> Vec<f64> {
 }
 
 #[test]
-fn residual_reported_is_the_true_residual() {
+fn reported_residual_is_the_true_residual() {
     let n = 60;
     let b = right_hand_side(n);
     let mut x = vec![0.0; n];
@@ -46,7 +46,7 @@ fn residual_reported_is_the_true_residual() {
     let residual: Vec<f64> = b.iter().zip(&y).map(|(b, y)| b - y).collect();
     assert!(norm(&residual) / norm(&b) < 2e-10);
     assert_eq!(history.residuals.len(), history.iterations + 1);
-    // Exact arithmetic ends after n steps; rounding adds a few.
+    // In exact arithmetic n iterations are enough; rounding adds a few.
     assert!(history.iterations <= n + 10, "{}", history.iterations);
 }
 
@@ -88,7 +88,7 @@ fn energy_rule_bounds_the_energy_error_where_convergence_is_steady() {
 }
 
 #[test]
-fn failures_carry_their_numbers() {
+fn errors_report_iterations_residual_and_energy() {
     let b = right_hand_side(50);
     let identity = |r: &[f64], z: &mut [f64]| z.copy_from_slice(r);
     let options = Options {

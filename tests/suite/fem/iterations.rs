@@ -1,13 +1,12 @@
-//! Iterations of conjugate gradients on slender steel: what bends needs beam modes, whatever the
-//! element.
+//! Iterations of conjugate gradients on a slender steel with and without beam modes.
 
 use kufe_fem::{BeamModes, Body, ElementKind, Factor, FixedFaces, Material, MatrixFree, assemble};
 use kufe_mesh::TensorGrid;
 use kufe_tests::fem::cg;
 use kufe_tests::fem::mapped::MappedPreconditioner;
 
-/// A luge steel, 0.6 m x 20 mm x 8 mm, clamped at one end, its underside rounded across by `round`
-/// of its height.
+/// Iterations and relative energy error for a luge steel, 0.6 m x 20 mm x 8 mm, clamped at one end.
+/// The underside is rounded across by `round` of its height.
 fn iterations(
     kind: ElementKind,
     cells: [usize; 3],
@@ -53,7 +52,7 @@ fn iterations(
         )
         .unwrap()
     });
-    // A bumpy load that every motion takes part in.
+    // A load with components in all modes.
     let mut loads: Vec<f64> = (0..body.dofs())
         .map(|i| (i as f64 * 0.61).sin() + 0.1)
         .collect();

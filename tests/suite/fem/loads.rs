@@ -39,9 +39,9 @@ fn a_uniform_pressure_on_the_whole_boundary_has_no_resultant_and_no_moment() {
     }
 }
 
-/// Divergence theorem on one distorted cell: the pressure x_c pushes with -V along c.
+/// Divergence theorem: the pressure x_c has the resultant -V along c.
 #[test]
-fn a_linear_pressure_pushes_with_the_volume_of_the_cell() {
+fn resultant_of_a_linear_pressure_is_the_volume_of_the_cell() {
     let mesh = distorted_cell();
     let volume = hex8::volume(&mesh.cells[0].map(|node| mesh.points[node]));
     for c in 0..3 {

@@ -1,4 +1,4 @@
-//! Convergence to a solution chosen beforehand.
+//! Convergence to a manufactured solution.
 
 use kufe_fem::hex8::{self, Jacobian};
 use kufe_fem::{Body, Constraints, ElementKind, Material, strain_at};
@@ -56,11 +56,12 @@ fn body_force(x: [f64; 3], m: Material) -> [f64; 3] {
     })
 }
 
-/// Errors in L2 and in energy by 3 x 3 x 3 Gauss points, where neither element superconverges.
+/// Errors in L2 and in energy by 3 x 3 x 3 Gauss points, at which neither element is
+/// superconvergent.
 fn errors(n: usize, kind: ElementKind) -> [f64; 2] {
     let mut mesh = block([n; 3], [1.0; 3]);
     for p in &mut mesh.points {
-        // A smooth map of the cube with cells sheared and stretched by up to a third.
+        // A smooth map that shears and stretches cells by up to a third.
         let [x, y, z] = *p;
         *p = [
             x + 0.08 * (3.0 * y).sin() * (2.0 * z).cos(),

@@ -1,4 +1,4 @@
-//! What every element must do whatever its shape: constant strain and rigid motion.
+//! Constant strain and rigid motion of distorted elements.
 
 use kufe_fem::{Body, Constraints, ElementKind, Material, assemble, hex8, stress_at};
 use kufe_tests::fem::statics::{Solver, equilibrium};
@@ -15,7 +15,7 @@ const SIZE: [f64; 3] = [1.0, 0.6, 2.0];
 
 fn distorted(kind: ElementKind) -> Body {
     let mut mesh = block(CELLS, SIZE);
-    // The axial element stands in planes across x.
+    // The axial element requires cells with faces normal to x.
     let along = if kind == ElementKind::Hex8Axial {
         0.0
     } else {
@@ -25,9 +25,10 @@ fn distorted(kind: ElementKind) -> Body {
     Body::uniform(mesh, Material::new(9.0e9, 0.33).unwrap(), kind).unwrap()
 }
 
-/// Irons' patch test: a linear displacement on the boundary is reproduced inside, stress and all.
+/// Irons' patch test: a linear displacement on the boundary gives the same linear displacement and
+/// constant stress inside.
 #[test]
-fn patch_test_on_distorted_hexahedra_holds_to_1e_12() {
+fn patch_test_on_distorted_hexahedra_to_1e_12() {
     let gradient = [
         [1.0e-3, 4.0e-4, -2.0e-4],
         [3.0e-4, -6.0e-4, 5.0e-4],
@@ -74,7 +75,7 @@ fn patch_test_on_distorted_hexahedra_holds_to_1e_12() {
         for (cell, xi) in points {
             let found = stress_at(&body, cell, &state.displacement, xi);
             for i in 0..6 {
-                // Differences of displacements over a fifth of the block: ten times their rounding.
+                // Strains are differences over a fifth of the block: ten times the rounding error.
                 assert!(
                     (found[i] - stress[i]).abs() < 1e-11 * largest,
                     "{kind:?} {i}"
@@ -85,7 +86,7 @@ fn patch_test_on_distorted_hexahedra_holds_to_1e_12() {
 }
 
 #[test]
-fn six_rigid_motions_and_no_others_cost_nothing() {
+fn null_space_is_the_six_rigid_motions() {
     for kind in KINDS {
         let body = distorted(kind);
         let stiffness = assemble(&body);
@@ -105,8 +106,8 @@ fn six_rigid_motions_and_no_others_cost_nothing() {
                 assert!(largest < 1e-13 * size, "{kind:?}: {largest} of {size}");
             }
         }
-        // Three points on a line and one beside it, fixed in six components: no mechanism is left,
-        // so Cholesky succeeds; with five it does not.
+        // Six components fixed at points that are not collinear prevent every rigid motion, so
+        // Cholesky succeeds; with five it does not.
         let fixed = [
             (0, 0),
             (0, 1),
@@ -121,15 +122,15 @@ fn six_rigid_motions_and_no_others_cost_nothing() {
                 constraints.prescribe(node, component, 0.0).unwrap();
             }
             let mut loads = vec![0.0; body.dofs()];
-            // It turns the body about the line.
+            // A moment about the line.
             loads[3 * 7 + 2] = 1.0;
             equilibrium(&body, &constraints, &loads, Solver::Cholesky)
         };
         assert!(solve(6).is_ok());
         let compliant = match solve(5) {
             Err(kufe_fem::Error::NotPositiveDefinite { .. }) => true,
-            // Rounding may leave a tiny positive pivot: then the body flies off along the motion
-            // left free.
+            // With a tiny positive pivot due to rounding, the displacement along the free motion is
+            // very large.
             Ok(state) => state.displacement.iter().any(|u| u.abs() > 1.0),
             Err(other) => panic!("{other}"),
         };

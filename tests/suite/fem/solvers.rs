@@ -1,4 +1,4 @@
-//! Two solvers, one answer; supports carry what loads push; threads change nothing.
+//! Agreement of the solvers, balance of loads and reactions, determinism.
 
 use kufe_fem::{Body, Constraints, ElementKind, Material, Section};
 use kufe_tests::fem::cg;
@@ -9,8 +9,8 @@ use kufe_tests::meshes::{block, faces_where, nodes_where, shake};
 const CELLS: [usize; 3] = [9, 6, 7];
 const SIZE: [f64; 3] = [0.3, 0.1, 0.15];
 
-/// Ice on stone, distorted, both elements, on a bed that is pushed down and tilted, with every kind
-/// of load.
+/// A distorted mesh of ice on stone with both elements, prescribed displacement and tilt at its
+/// bottom, and every kind of load.
 fn problem() -> (Body, Constraints, Vec<f64>) {
     let mut mesh = block(CELLS, SIZE);
     shake(&mut mesh, CELLS, SIZE, [0.2; 3]);
@@ -98,14 +98,14 @@ fn reactions_balance_loads_in_force_and_moment() {
         }
         sum
     };
-    let (pushed, fixed) = (total(&loads), total(&state.reaction));
-    let force = pushed[2].abs();
+    let (applied, reactions) = (total(&loads), total(&state.reaction));
+    let force = applied[2].abs();
     for i in 0..6 {
         assert!(
-            (pushed[i] + fixed[i]).abs() < 1e-9 * force,
+            (applied[i] + reactions[i]).abs() < 1e-9 * force,
             "{i}: {} {}",
-            pushed[i],
-            fixed[i]
+            applied[i],
+            reactions[i]
         );
     }
     for node in nodes_where(body.mesh(), |p| p[2] > 0.0 && p[1] < SIZE[1]) {
@@ -130,7 +130,7 @@ fn one_and_two_threads_give_the_same_bits() {
 }
 
 #[test]
-fn a_quarter_on_symmetry_planes_moves_like_the_whole_block() {
+fn quarter_with_symmetry_planes_has_the_displacements_of_the_whole_block() {
     let material = Material::new(9.0e9, 0.33).unwrap();
     let run = |cells: [usize; 3], size: [f64; 3], shift: [f64; 2], planes: bool| {
         let mut mesh = block(cells, size);
@@ -162,8 +162,9 @@ fn a_quarter_on_symmetry_planes_moves_like_the_whole_block() {
         let u = equilibrium(&body, &constraints, &loads, Solver::Cholesky)
             .unwrap()
             .displacement;
-        let kept = nodes_where(body.mesh(), |p| p[0] >= -1e-12 && p[1] >= -1e-12);
-        kept.iter()
+        let quarter = nodes_where(body.mesh(), |p| p[0] >= -1e-12 && p[1] >= -1e-12);
+        quarter
+            .iter()
             .flat_map(|&node| [u[3 * node], u[3 * node + 1], u[3 * node + 2]])
             .collect::<Vec<f64>>()
     };

@@ -1,4 +1,4 @@
-//! The contact on its plane alone, beside closed forms, Hankel transforms and the finite elements.
+//! Boundary elements against closed forms, Hankel transforms and finite elements.
 
 use kufe_contact::{
     CheckUnavailable, Foundation, Ice, Load, Options, Problem, Tilt, boundary_elements,
@@ -6,10 +6,10 @@ use kufe_contact::{
 };
 use kufe_mesh::{BobRunner, Paraboloid};
 use kufe_tests::contact::{Formula, contact_modulus, on_half_space};
-use kufe_tests::coverage::{Miss, rows};
+use kufe_tests::coverage::{ErrorPair, rows};
 
 #[test]
-fn hertz_peaks_and_approaches_lie_within_two_in_a_thousand_at_every_aspect() {
+fn peaks_and_approaches_within_0_2_percent_of_hertz_at_aspect_ratios_of_1_to_900() {
     // Patches 1 to 900 times as long as wide.
     for rocker in [0.005, 0.02, 0.1, 0.5, 3.0, 30.0, 150.0, 600.0] {
         let hull = Paraboloid::new(rocker, 0.005).unwrap();
@@ -24,7 +24,7 @@ fn hertz_peaks_and_approaches_lie_within_two_in_a_thousand_at_every_aspect() {
 }
 
 #[test]
-fn a_thousandth_is_stated_and_reached_on_finer_grids() {
+fn requested_error_of_0_1_percent_is_stated_and_covers_hertz() {
     for (rocker, fz) in [
         (15.0, 250.0),
         (30.0, 1000.0),
@@ -48,9 +48,9 @@ fn a_thousandth_is_stated_and_reached_on_finer_grids() {
     }
 }
 
-/// Three times the range over three grids: one contact in twenty may be off.
+/// The stated error is three times the range over three grids.
 #[test]
-fn stated_errors_hold_in_95_of_100_random_contacts() {
+fn stated_errors_cover_in_95_percent_of_random_contacts() {
     let (mut covered, mut count, mut reported) = (0, 0, Vec::new());
     for row in rows() {
         let found = match boundary_elements(&row.problem()) {
@@ -58,33 +58,37 @@ fn stated_errors_hold_in_95_of_100_random_contacts() {
             Err(CheckUnavailable::NarrowPeak) => continue,
             Err(error) => panic!("{}: {error}", row.text),
         };
-        let figures = [
+        let quantities = [
             (0, found.p_max, found.p_max_error),
             (1, found.area, found.area_error),
             (2, found.approach, found.approach_error),
         ];
-        for (figure, value, error) in figures {
-            let Some(miss) = row.miss(figure, value, error) else {
+        for (quantity, value, error) in quantities {
+            let Some(errors) = row.errors(quantity, value, error) else {
                 continue;
             };
             count += 1;
-            if row.holds(figure, miss) {
+            if row.is_covered(quantity, errors) {
                 covered += 1
             } else {
-                reported.push(format!("{}: {miss:?}", row.text))
+                reported.push(format!("{}: {errors:?}", row.text))
             }
-            let Miss { off, stated } = miss;
-            // A ridge that is narrower than the cells has a large error, which is stated.
+            let ErrorPair { actual, stated } = errors;
+            // A pressure ridge narrower than the cells has a large stated error.
             let ridge = row.text.starts_with("worn flat");
-            let [most, largest] = match figure {
+            let [largest_actual, largest_stated] = match quantity {
                 1 => [0.1, 0.4],
                 _ if ridge => [0.25, 0.3],
                 _ => [0.03, 0.04],
             };
-            assert!(off < most && stated < largest, "{}: {miss:?}", row.text);
+            assert!(
+                actual < largest_actual && stated < largest_stated,
+                "{}: {errors:?}",
+                row.text
+            );
         }
     }
-    assert!(count >= 560, "{count} figures");
+    assert!(count >= 560, "{count} values");
     assert!(
         100 * covered >= 95 * count,
         "{covered} of {count}: {reported:?}"
@@ -92,7 +96,7 @@ fn stated_errors_hold_in_95_of_100_random_contacts() {
 }
 
 #[test]
-fn a_prescribed_approach_gives_the_load_that_it_takes() {
+fn prescribed_approach_gives_the_approach_and_peak_of_the_prescribed_load() {
     let by_load = boundary_elements(&on_half_space(
         Paraboloid::new(30.0, 0.005).unwrap(),
         1000.0,
@@ -107,15 +111,15 @@ fn a_prescribed_approach_gives_the_load_that_it_takes() {
         ..on_half_space(Paraboloid::new(30.0, 0.005).unwrap(), 1.0)
     };
     let found = boundary_elements(&fixed).unwrap();
-    let same = (found.approach / by_load.approach - 1.0).abs();
-    assert!(same < 1e-3, "{found:?} {by_load:?}");
+    let difference = (found.approach / by_load.approach - 1.0).abs();
+    assert!(difference < 1e-3, "{found:?} {by_load:?}");
     assert!(
         (found.p_max / by_load.p_max - 1.0).abs() < 2e-3,
         "{found:?}"
     );
 }
 
-/// A runner with ends on a layer, its load off the middle: what has no closed form.
+/// A runner of finite length on a layer under an offset load, which has no closed form.
 #[test]
 fn finite_and_boundary_elements_agree_within_both_stated_errors() {
     for (offset_x, offset_y, fz) in [(0.0, 0.0, 1000.0), (0.03, 0.0, 500.0), (0.02, 2e-4, 2000.0)] {
@@ -148,8 +152,8 @@ fn finite_and_boundary_elements_agree_within_both_stated_errors() {
 }
 
 #[test]
-fn what_cells_cannot_resolve_or_is_no_half_space_has_no_second_answer() {
-    // On its ends, whose peaks are millimetres long.
+fn narrow_peaks_and_elastic_runners_return_check_unavailable() {
+    // Contact at the two ends, with peaks a few millimetres long.
     let ends = Problem {
         track_curvature: 0.04,
         ..on_half_space(BobRunner::default().swept().unwrap(), 1000.0)
@@ -164,12 +168,9 @@ fn what_cells_cannot_resolve_or_is_no_half_space_has_no_second_answer() {
     );
 }
 
-/// Most of the patch yields: finite elements and boundary elements agree on how deep the runner
-/// goes.
 #[test]
-fn a_second_patch_beyond_the_cells_leaves_no_second_answer() {
-    // Of a runner with fixed tilt whose approach is 12.5 µm a bump at x = 0.4 m is higher than
-    // that, or lower.
+fn second_patch_outside_the_grid_returns_elsewhere() {
+    // The approach of the runner is 12.5 µm. A bump at x = 0.4 m is above or below that depth.
     let with_bump = |low: f64| {
         let hull = Formula {
             height: move |x: f64, y: f64| {
@@ -193,9 +194,10 @@ fn a_second_patch_beyond_the_cells_leaves_no_second_answer() {
     );
 }
 
-/// A half-space sinks by 0.2 µm at 0.15 m from 1 kN, a layer of 2 mm on a rigid bed by nothing.
+/// At a distance of 0.15 m from a load of 1 kN a half-space is displaced by 0.2 µm, a layer of 2 mm
+/// on a rigid bed by zero.
 #[test]
-fn a_second_patch_on_thin_ice_is_seen_where_a_half_space_would_sink_away_from_it() {
+fn second_patch_on_thin_ice_returns_elsewhere_and_on_a_half_space_does_not_touch() {
     let with_bump = |low: f64, foundation: Foundation| {
         let hull = Formula {
             height: move |x: f64, y: f64| {
@@ -227,7 +229,7 @@ fn a_second_patch_on_thin_ice_is_seen_where_a_half_space_would_sink_away_from_it
 }
 
 #[test]
-fn ice_that_yields_under_most_of_the_patch_has_the_approach_of_finite_elements() {
+fn approach_agrees_with_finite_elements_where_most_of_the_patch_yields() {
     let hardness = 25e6;
     let problem = Problem {
         ice: Ice {
@@ -245,7 +247,7 @@ fn ice_that_yields_under_most_of_the_patch_has_the_approach_of_finite_elements()
         "{second:?} {}",
         first.approach
     );
-    // Stated to a tenth at most: the test above can fail.
+    // The comparison above requires a small stated error.
     assert!(second.approach_error < 0.1 * second.approach, "{second:?}");
     assert_eq!((first.p_max, second.p_max), (hardness, hardness));
 }

@@ -1,5 +1,5 @@
-//! Boundary elements between contacts that finite elements have solved, beside closed forms and
-//! finite elements.
+//! Boundary elements verified by finite elements at anchor points, against closed forms and finer
+//! finite elements between them.
 
 use kufe_contact::{
     Foundation, Ice, Load, Options, Problem, Solution, Tilt, VerifiedBem, hertz, solve,
@@ -28,7 +28,7 @@ fn paraboloid(rocker: f64, fz: f64) -> Problem {
     on_half_space(Paraboloid::new(rocker, 0.005).unwrap(), fz)
 }
 
-/// A runner with ends, on 20 mm of ice.
+/// A runner of finite length on a layer of 20 mm.
 fn bob(track_curvature: f64, fz: f64) -> Problem {
     Problem {
         track_curvature,
@@ -41,7 +41,7 @@ fn bob(track_curvature: f64, fz: f64) -> Problem {
 }
 
 #[test]
-fn stated_errors_hold_beside_hertz_between_the_corners() {
+fn stated_errors_cover_hertz_between_the_anchors() {
     let corners = [
         (15.0, 250.0),
         (15.0, 4000.0),
@@ -86,7 +86,7 @@ fn stated_errors_hold_beside_hertz_between_the_corners() {
 }
 
 #[test]
-fn a_runner_with_ends_on_a_layer_has_the_peaks_of_finer_finite_elements() {
+fn peaks_of_a_finite_runner_on_a_layer_agree_with_finer_finite_elements() {
     let corners = [
         (-0.02, 400.0),
         (-0.02, 3000.0),
@@ -114,7 +114,7 @@ fn a_runner_with_ends_on_a_layer_has_the_peaks_of_finer_finite_elements() {
 }
 
 #[test]
-fn nothing_is_anchored_where_the_methods_part_or_one_does_not_apply() {
+fn anchors_are_rejected_where_the_methods_disagree_or_one_does_not_apply() {
     let anchors = pressed(vec![paraboloid(30.0, 1000.0)]);
     assert!(VerifiedBem::at(&anchors, TOLERANCE).is_some());
     assert_eq!(VerifiedBem::at(&[], TOLERANCE), None);
@@ -137,10 +137,13 @@ fn nothing_is_anchored_where_the_methods_part_or_one_does_not_apply() {
         width: 0.9 * solution.width,
         ..solution.clone()
     };
-    for off in [peak, approach, area, width] {
-        assert_eq!(VerifiedBem::at(&[(problem.clone(), off)], TOLERANCE), None);
+    for changed in [peak, approach, area, width] {
+        assert_eq!(
+            VerifiedBem::at(&[(problem.clone(), changed)], TOLERANCE),
+            None
+        );
     }
-    // Ice that yields; a runner on its ends; less than what the methods part by.
+    // Yielding ice; contact at the two ends; a tolerance below the difference of the methods.
     let mut soft = problem.clone();
     soft.ice.hardness = Some(60e6);
     let off_the_middle = Problem {
@@ -157,7 +160,7 @@ fn nothing_is_anchored_where_the_methods_part_or_one_does_not_apply() {
         assert_eq!(VerifiedBem::at(&pairs, TOLERANCE), None);
     }
     assert_eq!(VerifiedBem::at(&anchors, 1e-6), None);
-    // Between anchors too: what cells do not resolve is left to finite elements.
+    // Peaks that the grid does not resolve have no result between anchors either.
     let anchored = VerifiedBem::at(&anchors, TOLERANCE).unwrap();
     assert_eq!(anchored.answer(&bob(0.04, 1000.0)), None);
 }

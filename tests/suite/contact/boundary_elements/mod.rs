@@ -1,4 +1,4 @@
-//! Boundary elements: by themselves, and between contacts that finite elements have confirmed.
+//! Boundary elements, alone and verified by finite elements.
 
 mod alone;
 mod anchored;

@@ -1,9 +1,9 @@
-//! What no file can state, since its reader refuses it: a program that calls the library can.
+//! Invalid numbers, passed directly to the library: file readers reject them.
 
 mod parts;
 mod problems;
 
-/// Numbers that no contact has.
+/// Numbers that are invalid or extreme for most parameters.
 const NUMBERS: [f64; 10] = [
     f64::NAN,
     f64::INFINITY,

@@ -1,6 +1,5 @@
-//! Parts of problems that a program makes itself, of numbers that are none: closed forms, grooves,
-//! anchors, and runners on hexahedra of their own. Errors follow, or figures that are numbers, and
-//! never a panic.
+//! Closed forms, grooves, anchors and meshed runners with invalid numbers. The result is an error or
+//! finite, without panic.
 
 use std::sync::Arc;
 
@@ -31,33 +30,33 @@ fn problem(hardness: Option<f64>) -> Problem {
 }
 
 #[test]
-fn grooves_that_are_none_are_refused_and_odd_ones_met() {
-    let usual = |y: Vec<f64>, depth: Vec<f64>| {
+fn invalid_grooves_are_rejected_and_extreme_ones_give_finite_results() {
+    let check = |y: Vec<f64>, depth: Vec<f64>| {
         let Ok(groove) = GrooveProfile::new(y, depth) else {
             return;
         };
-        let figures = [groove.area(), groove.deepest(), groove.at(0.1e-3)];
+        let values = [groove.area(), groove.deepest(), groove.at(0.1e-3)];
         match slide(&problem(Some(20e6)), Some(&groove), &quick()) {
             Ok(slid) => assert!(
                 slid.contact.p_max.is_finite() && slid.contact.area > 0.0,
                 "{groove:?}"
             ),
-            Err(error) => assert!(!error.to_string().is_empty(), "{figures:?}"),
+            Err(error) => assert!(!error.to_string().is_empty(), "{values:?}"),
         }
     };
     for number in NUMBERS {
-        usual(vec![-0.001, 0.0, 0.001], vec![0.0, number, 0.0]);
-        usual(vec![-0.001, 0.0, 0.001], vec![number; 3]);
-        usual(vec![-0.001, 0.0, number], vec![0.0, 1e-6, 0.0]);
-        usual(vec![-number, 0.0, number], vec![0.0, 1e-6, 0.0]);
-        usual(vec![number, 0.0, 0.001], vec![0.0, 1e-6, 0.0]);
+        check(vec![-0.001, 0.0, 0.001], vec![0.0, number, 0.0]);
+        check(vec![-0.001, 0.0, 0.001], vec![number; 3]);
+        check(vec![-0.001, 0.0, number], vec![0.0, 1e-6, 0.0]);
+        check(vec![-number, 0.0, number], vec![0.0, 1e-6, 0.0]);
+        check(vec![number, 0.0, 0.001], vec![0.0, 1e-6, 0.0]);
     }
-    usual(Vec::new(), Vec::new());
-    usual(vec![0.0, 1.0], vec![0.0]);
+    check(Vec::new(), Vec::new());
+    check(vec![0.0, 1.0], vec![0.0]);
 }
 
 #[test]
-fn anchors_at_no_tolerance_trust_nothing() {
+fn anchors_with_invalid_tolerances_or_values_are_rejected() {
     let anchor = problem(None);
     let solved = solve(&anchor, &Options::default()).unwrap();
     let pairs = [(anchor.clone(), solved.clone())];
@@ -67,24 +66,25 @@ fn anchors_at_no_tolerance_trust_nothing() {
         assert!(VerifiedBem::at(&pairs, number).is_none(), "{number}");
     }
     for number in NUMBERS {
-        for figure in 0..4 {
-            let mut off = solved.clone();
+        for quantity in 0..4 {
+            let mut changed = solved.clone();
             *[
-                &mut off.p_max,
-                &mut off.p_max_error,
-                &mut off.approach,
-                &mut off.area,
-            ][figure] = number;
-            // An error, however large, holds what it holds; no other odd figure is confirmed.
-            let trusted = VerifiedBem::at(&[(anchor.clone(), off)], 0.01);
-            assert!(trusted.is_none() || figure == 1, "{figure} {number}");
+                &mut changed.p_max,
+                &mut changed.p_max_error,
+                &mut changed.approach,
+                &mut changed.area,
+            ][quantity] = number;
+            // A large stated error covers the difference of the methods and is accepted; the other
+            // values are not.
+            let trusted = VerifiedBem::at(&[(anchor.clone(), changed)], 0.01);
+            assert!(trusted.is_none() || quantity == 1, "{quantity} {number}");
             if let Some(anchored) = trusted {
-                assert!(anchored.apart().is_finite(), "{figure} {number}");
+                assert!(anchored.apart().is_finite(), "{quantity} {number}");
             }
         }
-        let mut asked = anchor.clone();
-        asked.load = Load::central(number, Tilt::Free);
-        if let Some(found) = VerifiedBem::at(&pairs, 0.01).unwrap().answer(&asked) {
+        let mut other = anchor.clone();
+        other.load = Load::central(number, Tilt::Free);
+        if let Some(found) = VerifiedBem::at(&pairs, 0.01).unwrap().answer(&other) {
             assert!(found.p_max.is_finite() && found.p_max > 0.0, "{number}");
         }
     }
@@ -95,7 +95,7 @@ fn solid(mesh: HexMesh, young: f64, poisson: f64, fixed: f64) -> Result<RunnerSo
 }
 
 #[test]
-fn hexahedra_that_are_no_runner_are_refused() {
+fn invalid_runner_meshes_are_rejected() {
     let mesh = || block([3, 2, 2], [0.1; 3]);
     assert!(solid(mesh(), 210e9, 0.3, 0.09).is_ok());
     let pressed = |solid: RunnerSolid| {
@@ -129,7 +129,7 @@ fn hexahedra_that_are_no_runner_are_refused() {
             assert!(made.is_err() || number.is_finite(), "{axis} {number}");
         }
     }
-    // A cell that is a wedge has a node twice.
+    // A wedge is a hexahedron with a repeated node.
     let mut wedge = mesh();
     wedge.cells[0][3] = wedge.cells[0][2];
     if let Ok(solid) = solid(wedge, 210e9, 0.3, 0.09) {
@@ -140,34 +140,33 @@ fn hexahedra_that_are_no_runner_are_refused() {
         change(&mut odd);
         assert!(solid(odd, 210e9, 0.3, 0.09).is_err(), "{what}");
     };
-    // Fixed by an edge it turns about it.
+    // A fixed edge allows rotation about it.
     let hinged = RunnerSolid::new(mesh(), 210e9, 0.3, |p| p[2] > 0.09 && p[0] < 0.01);
     let reported = hinged.unwrap_err().to_string();
     assert!(reported.contains("hold every rigid motion"), "{reported}");
-    refused(|m| m.cells[0][3] = usize::MAX, "a node that is none");
+    refused(|m| m.cells[0][3] = usize::MAX, "index out of range");
     refused(|m| m.cells.clear(), "no cells");
     refused(
         |m| {
             m.points.clear();
             m.cells.clear();
         },
-        "nothing",
+        "no points and no cells",
     );
     refused(|m| m.points.iter_mut().for_each(|p| p[2] = 0.0), "flat");
 }
 
-/// Hertz's closed form of four numbers, each of them any: an error, or figures that are numbers.
 #[test]
-fn hertzs_closed_form() {
-    let usual = [30.0, 0.005, 10.1e9, 1000.0];
+fn hertz_with_invalid_numbers_returns_an_error_or_finite_values() {
+    let valid = [30.0, 0.005, 10.1e9, 1000.0];
     for place in 0..4 {
         for number in NUMBERS {
-            let mut n = usual;
+            let mut n = valid;
             n[place] = number;
             if let Ok(h) = hertz(n[0], n[1], n[2], n[3]) {
-                let figures = [h.a, h.b, h.p_max, h.approach];
+                let values = [h.a, h.b, h.p_max, h.approach];
                 assert!(
-                    figures.iter().all(|f| *f > 0.0 && f.is_finite()),
+                    values.iter().all(|f| *f > 0.0 && f.is_finite()),
                     "{n:?}: {h:?}"
                 );
             }

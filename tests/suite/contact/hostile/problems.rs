@@ -1,6 +1,5 @@
-//! What no file can state, since its reader refuses it: a program that calls the library can. Every
-//! number of a problem in turn is none, or far too large, or nothing: an error follows or figures
-//! that are such, in bounded time, and never a panic.
+//! Contact problems with one invalid or extreme number. The result is an error or finite, in bounded
+//! time, without panic.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -15,8 +14,8 @@ use kufe_contact::{
 use kufe_mesh::{BobRunner, IceSurface, Paraboloid};
 use kufe_tests::contact::{Formula, ICE_E, ICE_NU};
 
-/// How long one solve may take on meshes as small as asked; tens of times what any takes here.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// Time limit of one solve, more than ten times the usual time on these small meshes.
+const TIME_LIMIT: Duration = Duration::from_secs(60);
 
 fn quick() -> Options {
     Options {
@@ -26,7 +25,7 @@ fn quick() -> Options {
     }
 }
 
-/// A needle on ice with every field that a rigid runner's problem can have.
+/// A slender paraboloid, with a value in every field of a rigid runner's problem.
 fn rigid() -> Problem {
     let runner = Runner::rigid(Arc::new(Paraboloid::new(30.0, 0.005).unwrap()));
     let ice = Ice {
@@ -53,7 +52,7 @@ fn rigid() -> Problem {
     }
 }
 
-/// A bar on the same ice without a bed, fixed or carried.
+/// An elastic bar on a mount, on ice with a rigid bed.
 fn elastic(mount: Mount) -> Problem {
     let runner = Runner {
         underside: Arc::new(BobRunner::default().swept().unwrap()),
@@ -83,8 +82,8 @@ fn carriers() -> Mount {
     Mount::Loads(vec![loaded(-0.3), loaded(0.3)])
 }
 
-/// Figures that are no numbers, and errors that are none.
-fn wrong(s: &Solution) -> Vec<(&'static str, f64)> {
+/// Results that are not finite, and stated errors that are NaN or negative.
+fn invalid(s: &Solution) -> Vec<(&'static str, f64)> {
     let figures = [
         ("p_max", s.p_max),
         ("p_mean", s.p_mean),
@@ -105,13 +104,13 @@ fn wrong(s: &Solution) -> Vec<(&'static str, f64)> {
         ("pitch_error", s.pitch_error),
         ("roll_error", s.roll_error),
     ];
-    let none = errors.into_iter().filter(|(_, e)| e.is_nan() || *e < 0.0);
+    let errors = errors.into_iter().filter(|(_, e)| e.is_nan() || *e < 0.0);
     let figures = figures.into_iter().filter(|(_, f)| !f.is_finite());
-    figures.chain(none).collect()
+    figures.chain(errors).collect()
 }
 
-/// Everything that takes a problem takes this one.
-fn survives(what: &str, problem: &Problem, options: &Options) {
+/// Passes the problem to every function that takes one, and checks the results.
+fn check(what: &str, problem: &Problem, options: &Options) {
     let stop = Arc::new(AtomicBool::new(false));
     let options = Options {
         stop: Some(stop.clone()),
@@ -122,7 +121,7 @@ fn survives(what: &str, problem: &Problem, options: &Options) {
         scope.spawn(|| {
             let step = Duration::from_millis(2);
             let mut waited = Duration::ZERO;
-            while !done.load(Ordering::Relaxed) && waited < PATIENCE {
+            while !done.load(Ordering::Relaxed) && waited < TIME_LIMIT {
                 std::thread::sleep(step);
                 waited += step;
             }
@@ -134,21 +133,26 @@ fn survives(what: &str, problem: &Problem, options: &Options) {
             let solved = solve(problem, &options);
             assert!(
                 checked.is_ok() || solved.is_err(),
-                "{what}: refused and solved"
+                "{what}: rejected and solved"
             );
             (solved, slide(problem, None, &options))
         }));
         done.store(true, Ordering::Relaxed);
         let (solved, slid) = outcome.unwrap_or_else(|_| panic!("{what}: panics"));
-        let none = |figures: Vec<(&str, f64)>| assert!(figures.is_empty(), "{what}: {figures:?}");
+        let assert_valid =
+            |figures: Vec<(&str, f64)>| assert!(figures.is_empty(), "{what}: {figures:?}");
         match &solved {
-            Ok(solution) => none(wrong(solution)),
-            Err(Error::AccuracyNotReached { best, .. }) => none(wrong(best)),
-            Err(error) => assert_ne!(error, &Error::Stopped, "{what}: does not end"),
+            Ok(solution) => assert_valid(invalid(solution)),
+            Err(Error::AccuracyNotReached { best, .. }) => assert_valid(invalid(best)),
+            Err(error) => assert_ne!(error, &Error::Stopped, "{what}: exceeds the time limit"),
         }
         match &slid {
-            Ok(slid) => none(wrong(&slid.contact)),
-            Err(error) => assert_ne!(error, &Error::Stopped, "{what}: does not end sliding"),
+            Ok(slid) => assert_valid(invalid(&slid.contact)),
+            Err(error) => assert_ne!(
+                error,
+                &Error::Stopped,
+                "{what}: sliding exceeds the time limit"
+            ),
         }
     });
 }
@@ -178,23 +182,22 @@ fn ice_fields() -> Vec<Field<Problem>> {
 }
 
 #[test]
-fn numbers_of_ice_and_track() {
+fn invalid_numbers_of_ice_and_track() {
     for (name, field) in ice_fields() {
         for number in NUMBERS {
             let mut problem = rigid();
             *field(&mut problem) = number;
             if name.starts_with("bed") {
-                // Sliding on a bed that gives a million times more than the ice takes half a
-                // minute.
+                // Sliding on a bed a million times softer than the ice takes 30 s.
                 problem.ice.hardness = None;
             }
-            survives(&format!("{name} {number:e}"), &problem, &quick());
+            check(&format!("{name} {number:e}"), &problem, &quick());
         }
     }
 }
 
 #[test]
-fn numbers_of_loads() {
+fn invalid_numbers_of_loads() {
     for number in NUMBERS {
         let force = |fz, offset_x, offset_y, tilt| Load::Force {
             fz,
@@ -221,13 +224,13 @@ fn numbers_of_loads() {
         ] {
             let mut problem = rigid();
             problem.load = load;
-            survives(&format!("{load:?}"), &problem, &quick());
+            check(&format!("{load:?}"), &problem, &quick());
         }
     }
 }
 
 #[test]
-fn numbers_of_elastic_runners() {
+fn invalid_numbers_of_elastic_runners() {
     fn runner(problem: &mut Problem) -> &mut ElasticRunner {
         problem.runner.elastic.as_mut().unwrap()
     }
@@ -257,7 +260,7 @@ fn numbers_of_elastic_runners() {
         for (name, field) in fields {
             let mut problem = elastic(Mount::Top);
             *field(runner(&mut problem)) = number;
-            survives(&format!("{name} {number:e}"), &problem, &quick());
+            check(&format!("{name} {number:e}"), &problem, &quick());
         }
         for (name, field) in of_places {
             for mount in [places(), carriers()] {
@@ -266,35 +269,35 @@ fn numbers_of_elastic_runners() {
                 }
                 let mut problem = elastic(mount);
                 *field(&mut runner(&mut problem).mount) = number;
-                survives(&format!("{name} {number:e}"), &problem, &quick());
+                check(&format!("{name} {number:e}"), &problem, &quick());
             }
         }
     }
     for mount in [Mount::Places(Vec::new()), Mount::Loads(Vec::new())] {
-        survives("no places", &elastic(mount), &quick());
+        check("no places", &elastic(mount), &quick());
     }
 }
 
 #[test]
-fn options() {
+fn invalid_options() {
     for number in NUMBERS {
         let tolerance = Options {
             p_max_tolerance: number,
             ..quick()
         };
-        survives(&format!("tolerance {number:e}"), &rigid(), &tolerance);
+        check(&format!("tolerance {number:e}"), &rigid(), &tolerance);
         let residual = Options {
             residual: number,
             ..quick()
         };
-        survives(&format!("residual {number:e}"), &rigid(), &residual);
+        check(&format!("residual {number:e}"), &rigid(), &residual);
     }
     for cells in [0, 1, 2, 1001, usize::MAX] {
         let options = Options {
             cells: Some(cells),
             ..quick()
         };
-        survives(&format!("{cells} cells"), &rigid(), &options);
+        check(&format!("{cells} cells"), &rigid(), &options);
     }
     for (max_dofs, max_stiffness_bytes) in [(0, 0), (1, 1), (1000, 1000), (4_000, 0)] {
         for stiffness in [StiffnessForm::MatrixFree, StiffnessForm::Assembled] {
@@ -304,15 +307,15 @@ fn options() {
                 stiffness,
                 ..quick()
             };
-            survives(&format!("{max_dofs} unknowns"), &rigid(), &options);
+            check(&format!("{max_dofs} unknowns"), &rigid(), &options);
         }
     }
 }
 
-/// Ice of one height but for what its formula says.
-struct Uneven(fn(f64, f64) -> f64);
+/// Ice surface given by a formula.
+struct FormulaIce(fn(f64, f64) -> f64);
 
-impl IceSurface for Uneven {
+impl IceSurface for FormulaIce {
     fn height(&self, x: f64, y: f64) -> f64 {
         (self.0)(x, y)
     }
@@ -323,7 +326,7 @@ impl IceSurface for Uneven {
 }
 
 #[test]
-fn heights_and_extents_of_hulls_and_ice() {
+fn invalid_heights_and_extents_of_hulls_and_ice() {
     let heights: [fn(f64, f64) -> f64; 9] = [
         |_, _| f64::NAN,
         |_, _| f64::INFINITY,
@@ -363,11 +366,11 @@ fn heights_and_extents_of_hulls_and_ice() {
                     extent,
                     symmetric,
                 }));
-                survives(&format!("hull {k} on {extent:?}"), &problem, &quick());
+                check(&format!("hull {k} on {extent:?}"), &problem, &quick());
             }
         }
         let mut problem = rigid();
-        problem.ice_surface = Some(Arc::new(Uneven(height)));
-        survives(&format!("ice {k}"), &problem, &quick());
+        problem.ice_surface = Some(Arc::new(FormulaIce(height)));
+        check(&format!("ice {k}"), &problem, &quick());
     }
 }
