@@ -1,10 +1,10 @@
-//! Effects that a model switches on, acting.
+//! Effects that a model switches on, applied to a state.
 
 use crate::state::{forces, state};
 use crate::tables::effects;
 
 #[test]
-fn local_effects_act_in_their_window_on_their_track() {
+fn local_effects_act_only_in_their_window_and_on_their_track() {
     let text =
         "[effects.\"wall-contact@1\"]\nforce_n = 500.0\nfrom_m = 10.0\nto_m = 30.0\ntrack = \"a\"";
     let effects = effects(text).unwrap();
@@ -24,7 +24,7 @@ fn local_effects_act_in_their_window_on_their_track() {
 }
 
 #[test]
-fn a_contact_that_varies_from_run_to_run_is_half_a_wave_with_its_lever() {
+fn a_varying_wall_contact_has_a_half_sine_force_and_its_moment() {
     let text = "[effects.wall-contact]\nforce_n = 500.0\nfrom_m = 10.0\nto_m = 30.0\nlever_m = 0.2\nspread_n = 100.0";
     let effects = effects(text).unwrap();
     assert!(effects.active[0].varies());
@@ -44,7 +44,7 @@ fn a_contact_that_varies_from_run_to_run_is_half_a_wave_with_its_lever() {
 }
 
 #[test]
-fn an_effect_on_the_coefficient_acts_on_both_runners() {
+fn an_effect_on_friction_acts_on_both_runners() {
     let effects = effects("[effects.warm-up]\nexcess = 1.0\ntime_s = 3.0").unwrap();
     let mut f = forces();
     effects.act(&state(), &mut f);
@@ -52,7 +52,7 @@ fn an_effect_on_the_coefficient_acts_on_both_runners() {
     for (with, without) in f.along.iter().zip(forces().along) {
         assert!((with - factor * without).abs() < 1e-12, "{with}");
     }
-    // A slope is none of the forces: the speed feels it.
+    // The slope is not a force. It enters the equation of motion of the speed.
     let slope = crate::tables::effects("[effects.slope]\noffset_rad = 0.01").unwrap();
     let mut f = forces();
     slope.act(&state(), &mut f);

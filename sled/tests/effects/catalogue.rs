@@ -1,11 +1,11 @@
-//! The statements of the catalogue.
+//! The effects of the catalogue against their descriptions and examples.
 
 use kufe_sled::effects::{ActsOn, CATALOGUE, Edge, Effect, Experiments, Judged, find};
 
 use crate::example::Example;
 use crate::state::{forces, point, signals, state};
 
-/// What an effect changes with these parameters.
+/// The quantity that an effect changes, with these parameters.
 fn outcome(
     effect: &Effect,
     parameters: &[f64],
@@ -29,15 +29,15 @@ fn outcome(
 }
 
 #[test]
-fn every_example_gives_its_number() {
+fn every_example_gives_its_value() {
     for effect in CATALOGUE.iter() {
         let name = effect.info.name;
         let example = Example::read(effect.info.example);
-        let (wanted, found) = (example.gives, example.outcome(effect));
-        let error = (found - wanted).abs();
+        let (expected, found) = (example.gives, example.outcome(effect));
+        let error = (found - expected).abs();
         assert!(
-            error <= 1e-12 * wanted.abs().max(1.0),
-            "{name}: {found}, expected {wanted}"
+            error <= 1e-12 * expected.abs().max(1.0),
+            "{name}: {found}, expected {expected}"
         );
         let off = effect.info.off();
         assert_eq!(off.len(), example.parameters.len(), "{name}");
@@ -72,7 +72,7 @@ fn every_effect_is_off_at_its_defaults_and_acts_at_each_amplitude() {
 }
 
 #[test]
-fn every_effect_acts_on_what_it_says_and_on_nothing_else() {
+fn every_effect_acts_only_on_its_stated_quantities() {
     for effect in CATALOGUE.iter() {
         let info = effect.info();
         let on: Vec<f64> = info
@@ -81,32 +81,32 @@ fn every_effect_acts_on_what_it_says_and_on_nothing_else() {
             .map(|p| p.default + p.typical)
             .collect();
         let (mu, f, [corrected, disturbed], slope) = outcome(effect, &on);
-        let says = |what: ActsOn| info.acts_on.contains(&what);
+        let stated = |what: ActsOn| info.acts_on.contains(&what);
         let name = info.name;
-        assert_eq!(mu != 0.004, says(ActsOn::Friction), "{name}: friction");
+        assert_eq!(mu != 0.004, stated(ActsOn::Friction), "{name}: friction");
         let along = f.along != forces().along || f.body_along != forces().body_along;
         assert!(
-            !along || says(ActsOn::Along) || says(ActsOn::Friction),
+            !along || stated(ActsOn::Along) || stated(ActsOn::Friction),
             "{name}: along"
         );
         let across = f.across != forces().across || f.body_across != 0.0;
-        assert_eq!(across, says(ActsOn::Across), "{name}: across");
+        assert_eq!(across, stated(ActsOn::Across), "{name}: across");
         assert_eq!(
             disturbed != signals(),
-            says(ActsOn::Sensor),
+            stated(ActsOn::Sensor),
             "{name}: sensors"
         );
         assert_eq!(
             corrected.sled != signals().sled,
-            says(ActsOn::Sled),
+            stated(ActsOn::Sled),
             "{name}: sled"
         );
-        assert_eq!(slope != 0.0, says(ActsOn::Track), "{name}: track");
+        assert_eq!(slope != 0.0, stated(ActsOn::Track), "{name}: track");
     }
 }
 
 #[test]
-fn names_are_unique_and_found_and_every_page_is_full() {
+fn names_are_unique_and_every_description_is_complete() {
     for effect in CATALOGUE.iter() {
         let info = effect.info();
         assert_eq!(find(info.name).map(|e| e.info.name), Some(info.name));
@@ -133,7 +133,7 @@ fn names_are_unique_and_found_and_every_page_is_full() {
 }
 
 #[test]
-fn effects_of_a_place_have_a_window_and_others_have_none() {
+fn only_local_effects_have_a_window() {
     for effect in CATALOGUE.iter() {
         let info = effect.info();
         let local = matches!(info.judged, Judged::InWindow | Judged::ByProfile);

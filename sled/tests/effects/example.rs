@@ -35,7 +35,7 @@ impl Example {
         }
     }
 
-    /// The number that an effect gives.
+    /// The value of the quantity after the effect.
     pub fn outcome(&self, effect: &Effect) -> f64 {
         let mut known = Quantities::default();
         for (name, value) in &self.given {
@@ -65,7 +65,7 @@ impl Example {
     }
 }
 
-/// All quantities that an example may name; 0 where it does not.
+/// All quantities that an example may name; 0 unless the example sets them.
 struct Quantities {
     mu: f64,
     slope: f64,
@@ -94,7 +94,7 @@ impl Default for Quantities {
 }
 
 impl Quantities {
-    /// All places of a quantity of this name; what an effect changes comes last.
+    /// All fields with this name; the ones that an effect changes come last.
     fn named(&mut self, name: &str) -> Vec<&mut f64> {
         let own = match name {
             "mu" => Some(&mut self.mu),

@@ -1,4 +1,4 @@
-//! The catalogue against its own statements, and effects that a person adds.
+//! The catalogue of effects against its descriptions, and user-defined effects.
 
 mod acting;
 mod catalogue;

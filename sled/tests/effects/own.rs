@@ -1,4 +1,4 @@
-//! Effects of one's own, as expressions of columns.
+//! User-defined effects: expressions of columns.
 
 use kufe_sled::effects::{Channel, Custom, Expression, OperatingPoint};
 
@@ -6,7 +6,7 @@ use crate::state::{forces, point, state};
 use crate::tables::effects;
 
 #[test]
-fn effects_of_ones_own_are_expressions_of_columns() {
+fn user_defined_effects_are_expressions_of_columns() {
     let text = "[effects.mine]\nexpression = \"v_mps^2 * abs(delta_rad)\"\nchannel = \"longitudinal\"\nvalue = -2.0";
     let mut f = forces();
     effects(text).unwrap().act(&state(), &mut f);
@@ -15,7 +15,7 @@ fn effects_of_ones_own_are_expressions_of_columns() {
 }
 
 #[test]
-fn every_channel_of_forces_is_reached() {
+fn user_defined_effects_act_on_every_force() {
     let act = |channel: &str| {
         let custom = Custom::new(Channel::named(channel).unwrap(), "pitch_rate_radps", None);
         let mut f = forces();
@@ -31,7 +31,7 @@ fn every_channel_of_forces_is_reached() {
 }
 
 #[test]
-fn a_column_that_the_model_does_not_know_is_carried_under_its_own_name() {
+fn an_unknown_column_is_available_under_its_name() {
     assert!(Custom::new(Channel::Lateral, "runner_c", None).is_none());
     let name = "runner (left)";
     let text = format!("2 * {}", Expression::quoted(name));
@@ -45,7 +45,7 @@ fn a_column_that_the_model_does_not_know_is_carried_under_its_own_name() {
 }
 
 #[test]
-fn a_specimen_has_conditions_alone() {
+fn a_friction_experiment_has_only_conditions() {
     let on_ice = |text| Custom::new(Channel::Friction, text, None).unwrap();
     let at = OperatingPoint {
         fz: 2000.0,
@@ -56,7 +56,7 @@ fn a_specimen_has_conditions_alone() {
 }
 
 #[test]
-fn a_formula_deeper_than_the_small_stack_is_evaluated_alike() {
+fn a_deeply_nested_formula_is_evaluated_correctly() {
     let deep = format!("{}1{}", "(1 + ".repeat(40), ")".repeat(40));
     let formula = Expression::parse(&deep).unwrap();
     assert_eq!(formula.evaluate(|_| f64::NAN), 41.0);

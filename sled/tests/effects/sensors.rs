@@ -1,4 +1,4 @@
-//! Between what is true and what is read there is a way back.
+//! Sensor effects: `correct` is the inverse of `disturb`.
 
 use kufe_sled::Sled;
 use kufe_sled::effects::{Active, CATALOGUE, Channel, Custom, Kind, Sensor, Signals};
@@ -14,7 +14,7 @@ fn largest_error(a: &Signals, b: &Signals) -> f64 {
 }
 
 #[test]
-fn what_disturb_does_correct_undoes() {
+fn correct_is_the_inverse_of_disturb() {
     for effect in CATALOGUE.iter() {
         let info = effect.info();
         let on: Vec<f64> = info
@@ -22,22 +22,22 @@ fn what_disturb_does_correct_undoes() {
             .iter()
             .map(|p| p.default + p.typical)
             .collect();
-        let mut there_and_back = signals();
-        effect.disturb(&on, &mut there_and_back);
+        let mut restored = signals();
+        effect.disturb(&on, &mut restored);
         assert_eq!(
-            there_and_back != signals(),
+            restored != signals(),
             !effect.on_sensors.is_empty(),
             "{}",
             info.name
         );
-        effect.correct(&on, &mut there_and_back);
-        let error = largest_error(&there_and_back, &signals());
+        effect.correct(&on, &mut restored);
+        let error = largest_error(&restored, &signals());
         assert!(error < 1e-12, "{}: {error}", info.name);
     }
 }
 
 #[test]
-fn a_sensor_of_ones_own_formula_is_undone_too() {
+fn correct_is_the_inverse_for_user_defined_sensor_effects() {
     for (column, formula, value) in [
         ("yaw_rate_radps", "0.3", 0.1),
         ("yaw_rate_radps", "yaw_rate_radps", 0.05),
@@ -62,7 +62,7 @@ fn a_sensor_of_ones_own_formula_is_undone_too() {
         let sensor = Sensor::named(column).unwrap();
         assert_ne!(read[sensor], signals()[sensor], "{column}: {formula}");
         own.correct(&point(), &mut read);
-        // The rate is that of a difference over a millisecond.
+        // The rate comes from a finite difference over 1 ms.
         let error = largest_error(&read, &signals());
         assert!(error < 1e-8, "{column}: {formula}: {error}");
         let value_error = (read[sensor] - signals()[sensor]).abs();
@@ -71,7 +71,7 @@ fn a_sensor_of_ones_own_formula_is_undone_too() {
 }
 
 #[test]
-fn a_formula_equal_to_a_fault_of_the_catalogue_is_that_fault() {
+fn a_formula_equals_the_same_sensor_effect_of_the_catalogue() {
     let scale = kufe_sled::effects::find("yaw-rate-scale").unwrap();
     let own = Custom::new(Channel::Sensor(Sensor::YawRate), "yaw_rate_radps", None).unwrap();
     let (mut known, mut formula) = (signals(), signals());
@@ -81,11 +81,15 @@ fn a_formula_equal_to_a_fault_of_the_catalogue_is_that_fault() {
 }
 
 #[test]
-fn constants_of_the_sled_change_once() {
+fn constants_of_the_sled_change_only_in_correct() {
     let inertia = kufe_sled::effects::find("yaw-inertia").unwrap();
     let mut read = signals();
     inertia.disturb(&[0.1], &mut read);
-    assert_eq!(read, signals(), "a sensor does not feel a constant");
+    assert_eq!(
+        read,
+        signals(),
+        "disturb must not change a constant of the sled"
+    );
     inertia.correct(&[0.1], &mut read);
     let expected = Sled {
         j_zz_kgm2: 150.0 * (1.0 + 0.1),

@@ -1,4 +1,4 @@
-//! A sled in a curve, for effects to act on.
+//! Operating point, forces and signals of a sled in a curve, shared by the tests of the effects.
 
 use kufe_sled::Conditions;
 use kufe_sled::Sled;

@@ -1,4 +1,4 @@
-//! Effects from the tables of a model.
+//! Effects read from the tables of a model.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ pub fn effects(text: &str) -> Result<Effects, kufe_sled::effects::EffectError> {
 }
 
 #[test]
-fn mistakes_are_named_with_effect_key_and_bounds() {
+fn errors_name_effect_key_and_bounds() {
     for (text, words) in [
         (
             "[effects.nonsense]\nx = 1",
@@ -55,13 +55,16 @@ fn mistakes_are_named_with_effect_key_and_bounds() {
     ] {
         let message = effects(text).err().unwrap().to_string();
         for word in words {
-            assert!(message.contains(word), "{message:?} lacks {word:?}");
+            assert!(
+                message.contains(word),
+                "{message:?} does not contain {word:?}"
+            );
         }
     }
 }
 
 #[test]
-fn what_is_read_is_written_again() {
+fn effects_round_trip_through_toml() {
     let text = "[effects.\"wall-contact@1\"]\nforce_n = 500.0\nfrom_m = 10.0\nto_m = 30.0\nfriction = 0.0\nlever_m = 0.0\nspread_n = 0.0\nwithin_m = 0.0\ntrack = \"a\"\n\
                 [effects.mine]\nexpression = \"v_mps * delta_rad\"\nchannel = \"sensor:yaw_rate_radps\"\nunit = \"1/m\"\nvalue = 0.5\nlow = -1.0\nhigh = 1.0\n";
     let table: toml::Table = text.parse().unwrap();
@@ -72,7 +75,7 @@ fn what_is_read_is_written_again() {
 }
 
 #[test]
-fn a_missing_column_is_named_with_its_effect_unless_the_effect_is_off() {
+fn a_missing_column_is_reported_with_its_effect_unless_the_effect_is_off() {
     let text = "[effects.wear]\nslope_per_km = 0.1\n[effects.humidity]\n[effects.mine]\nexpression = \"gamma_rad\"\nchannel = \"yaw\"\nvalue = 2.0";
     let effects = effects(text).unwrap();
     let message = effects.check_columns(&["v_mps", "gamma_rad"]);

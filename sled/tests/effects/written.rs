@@ -1,4 +1,4 @@
-//! A model with any effect of the catalogue is written, read and simulated.
+//! Models with any effect of the catalogue are written, read and simulated.
 
 use kufe_sled::effects::{CATALOGUE, Edge, Info};
 use kufe_sled::sample_data::sample_track;
@@ -9,11 +9,10 @@ use kufe_sled::{
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Models with each effect.
+/// Number of models with each effect.
 const DRAWS: usize = 12;
 
-/// Values within the ranges of the parameters, both ends among them; a stretch begins before it
-/// ends.
+/// Values within the ranges of the parameters, including both ends. A window begins before it ends.
 fn draw(info: &Info, random: &mut ChaCha8Rng) -> Vec<f64> {
     let mut values: Vec<f64> = info
         .parameters
@@ -25,8 +24,8 @@ fn draw(info: &Info, random: &mut ChaCha8Rng) -> Vec<f64> {
             _ => random.random_range(parameter.low..=parameter.high),
         })
         .collect();
-    let place = |edge| info.parameters.iter().position(|p| p.edge == Some(edge));
-    if let (Some(from), Some(to)) = (place(Edge::From), place(Edge::To))
+    let position = |edge| info.parameters.iter().position(|p| p.edge == Some(edge));
+    if let (Some(from), Some(to)) = (position(Edge::From), position(Edge::To))
         && values[from] > values[to]
     {
         values.swap(from, to);
@@ -35,7 +34,7 @@ fn draw(info: &Info, random: &mut ChaCha8Rng) -> Vec<f64> {
 }
 
 #[test]
-fn every_effect_within_its_ranges_is_written_read_and_simulated() {
+fn every_effect_within_its_ranges_round_trips_and_simulates() {
     let mut random = ChaCha8Rng::seed_from_u64(11);
     let track = sample_track("west");
     let shape = TrackShape::new(&track);
@@ -52,10 +51,10 @@ fn every_effect_within_its_ranges_is_written_read_and_simulated() {
         },
         ..SimulateOptions::default()
     };
-    let mut undriven = Vec::new();
+    let mut not_simulated = Vec::new();
     for effect in CATALOGUE.iter() {
         let info = effect.info();
-        let mut driven = 0;
+        let mut simulated_count = 0;
         for _ in 0..DRAWS {
             let values = draw(info, &mut random);
             let mut table = toml::Table::new();
@@ -65,20 +64,20 @@ fn every_effect_within_its_ranges_is_written_read_and_simulated() {
             let mut model = Model::published();
             model.effects.insert(info.name.to_owned(), table);
             let text = model.to_toml();
-            let place = format!("{} {values:?}", info.name);
+            let context = format!("{} {values:?}", info.name);
             let read = Model::from_toml(&text, "model.toml");
-            let read = read.unwrap_or_else(|error| panic!("{place}: {error}\n{text}"));
-            assert_eq!(read.effects, model.effects, "{place}");
+            let read = read.unwrap_or_else(|error| panic!("{context}: {error}\n{text}"));
+            assert_eq!(read.effects, model.effects, "{context}");
             let vehicle = Vehicle::with_effects(&read);
             let vehicle = match vehicle {
                 Ok(vehicle) => vehicle,
-                // What a table of sliding contacts alone gives.
+                // Needs a table of sliding contacts.
                 Err(error) => {
                     let reported = error.to_string();
                     let mut needs = info.needs.iter().map(|column| column.name());
                     let named =
                         needs.any(|name| reported.contains(&format!("needs the column {name}")));
-                    assert!(named, "{place}: {reported}");
+                    assert!(named, "{context}: {reported}");
                     continue;
                 }
             };
@@ -88,20 +87,20 @@ fn every_effect_within_its_ranges_is_written_read_and_simulated() {
                     let run = record(&simulated, &vehicle, None, entry, 1);
                     for (column, values) in &run.columns {
                         let finite = values.iter().all(|value| value.is_finite());
-                        assert!(finite, "{place}: {column}");
+                        assert!(finite, "{context}: {column}");
                     }
-                    driven += 1;
+                    simulated_count += 1;
                 }
-                // At the ends of the ranges a sled may come to rest or leave the track.
+                // At the ends of the ranges a sled may stop or leave the track.
                 Err(Error::Stopped { .. }) => {}
-                Err(error) => panic!("{place}: {error}"),
+                Err(error) => panic!("{context}: {error}"),
             }
         }
-        if driven == 0 {
-            undriven.push(info.name);
+        if simulated_count == 0 {
+            not_simulated.push(info.name);
         }
     }
-    // The film and what it leaves to the solid contact come from a table of sliding contacts.
+    // The film and its boundary friction need a table of sliding contacts.
     let of_tables = |name: &&str| ["film", "boundary"].contains(name);
-    assert!(undriven.iter().all(of_tables), "{undriven:?}");
+    assert!(not_simulated.iter().all(of_tables), "{not_simulated:?}");
 }

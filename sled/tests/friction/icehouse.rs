@@ -1,4 +1,4 @@
-//! Ice-house evaluation on glides integrated from the equation of motion.
+//! Ice-house evaluation of glides that are integrated from the equation of motion.
 
 use kufe_sled::friction::{
     GlideEntry, GlideRun, IceHouse, air_density, evaluate_glide, evaluate_ice_house, fit_line,
@@ -10,14 +10,14 @@ use rand_distr::{Distribution, StandardNormal};
 
 const SLOPE: f64 = 0.12 * std::f64::consts::PI / 180.0;
 
-/// A sled that is pushed for two seconds and glides for at most 45 m.
+/// A sled that is pushed for 2 s and glides for at most 45 m.
 struct Glide {
     mu: f64,
     climb: f64,
     mass: f64,
     cda: f64,
     speed_sd: f64,
-    keep: f64,
+    correlation: f64,
     with_distance: bool,
 }
 
@@ -27,7 +27,7 @@ const PLAIN: Glide = Glide {
     mass: 105.0,
     cda: 0.30,
     speed_sd: 0.0,
-    keep: 0.0,
+    correlation: 0.0,
     with_distance: false,
 };
 
@@ -62,7 +62,8 @@ impl Glide {
         let mut step = 0;
         while s < 47.0 && (t < 2.0 || v > 0.3) {
             if step % 10 == 0 {
-                error = self.keep * error + (1.0 - self.keep * self.keep).sqrt() * normal();
+                error = self.correlation * error
+                    + (1.0 - self.correlation * self.correlation).sqrt() * normal();
                 let seen = v + self.speed_sd * error;
                 text += &format!("{t:.3},{seen:.9}");
                 text += &if self.with_distance {
@@ -90,7 +91,7 @@ impl Glide {
     }
 }
 
-/// Pairs of one specimen on the sloping rink.
+/// Pairs of glides of one specimen on the sloping rink.
 fn house(glide: &Glide, pairs: u64, seed: u64) -> IceHouse {
     let mut runs = Vec::new();
     for i in 0..pairs {
@@ -105,7 +106,7 @@ fn house(glide: &Glide, pairs: u64, seed: u64) -> IceHouse {
 }
 
 #[test]
-fn exact_glides_give_friction_and_slope_back() {
+fn exact_glides_recover_friction_and_slope() {
     for with_distance in [false, true] {
         let house = house(
             &Glide {
@@ -126,8 +127,9 @@ fn exact_glides_give_friction_and_slope_back() {
 }
 
 #[test]
-fn a_slope_that_outweighs_the_friction_cancels_where_the_glide_still_slows() {
-    // The air takes 1.5 N at 3 m/s; the slope gives 0.4 N more than the ice takes.
+fn a_slope_larger_than_the_friction_cancels_if_the_glide_decelerates() {
+    // The air drag is 1.5 N at 3 m/s. The weight component along the slope exceeds the friction by
+    // 0.4 N.
     let glide = Glide {
         mu: 0.0020,
         climb: 0.0024,
@@ -144,8 +146,8 @@ fn a_slope_that_outweighs_the_friction_cancels_where_the_glide_still_slows() {
 }
 
 #[test]
-fn kilometres_an_hour_show_where_the_air_would_take_more_than_is_lost() {
-    // The air takes as much as the ice: at 3.6 times the speed 3.6 times as much.
+fn speeds_in_km_per_h_are_detected_by_a_drag_above_the_losses() {
+    // The air drag equals the friction. At a speed 3.6 times as high the ratio is 3.6.
     let run = |name: &str, direction: &str, seed: u64| {
         let glide = Glide {
             mu: 0.0010,
@@ -166,9 +168,9 @@ fn kilometres_an_hour_show_where_the_air_would_take_more_than_is_lost() {
 }
 
 #[test]
-fn neglecting_the_air_would_matter() {
-    // The drag of the simulated sled is worth several per cent of its friction, so the test above
-    // exercises it.
+fn neglecting_the_air_drag_changes_the_resistance() {
+    // The air drag of the simulated sled is several per cent of its friction, so that the test
+    // above depends on it.
     let mut run = PLAIN.run("u", "A", "uphill", 0);
     run.entry.cda_m2 = 0.0;
     let trace = read_glide("u", PLAIN.file(0).as_bytes()).expect("reads");
@@ -179,9 +181,9 @@ fn neglecting_the_air_would_matter() {
 
 #[test]
 fn intervals_cover_friction_and_slope_with_white_and_with_correlated_noise() {
-    for (keep, speed_sd) in [(0.0, 0.03), (0.95, 0.03)] {
+    for (correlation, speed_sd) in [(0.0, 0.03), (0.95, 0.03)] {
         let noisy = Glide {
-            keep,
+            correlation,
             speed_sd,
             ..PLAIN
         };
@@ -191,17 +193,18 @@ fn intervals_cover_friction_and_slope_with_white_and_with_correlated_noise() {
             mu += u32::from(house.specimens[0].mu.covers(PLAIN.mu));
             slope += u32::from(house.slope_rad.covers(SLOPE));
         }
-        println!("noise correlation {keep}: mu {mu}, slope {slope} of {seeds}");
+        println!("noise correlation {correlation}: mu {mu}, slope {slope} of {seeds}");
         assert!(
             mu >= 54 && slope >= 54,
-            "{keep}: mu {mu}, slope {slope} of {seeds}"
+            "{correlation}: mu {mu}, slope {slope} of {seeds}"
         );
     }
 }
 
 #[test]
 fn scatter_between_pairs_enters_the_standard_error() {
-    // Each pair glides on ice of its own: the lines are near exact, the specimen's mean is not.
+    // The friction differs from pair to pair. The lines are nearly exact, the mean of the specimen
+    // is not.
     let mut covered = 0;
     for seed in 0..40 {
         let mut rng = ChaCha8Rng::seed_from_u64(900 + seed);
@@ -231,7 +234,7 @@ fn scatter_between_pairs_enters_the_standard_error() {
 }
 
 #[test]
-fn runs_without_a_partner_are_named_and_left_out() {
+fn unpaired_runs_are_reported_and_excluded() {
     let glide = Glide {
         speed_sd: 0.01,
         ..PLAIN
@@ -249,12 +252,12 @@ fn runs_without_a_partner_are_named_and_left_out() {
     let house = evaluate_ice_house(runs).expect("evaluates");
     assert_eq!(house.unpaired, ["3", "4"]);
     assert_eq!(house.specimens.len(), 1);
-    let alone = evaluate_ice_house(vec![glide.run("1", "A", "uphill", 1)]);
-    assert!(alone.is_err());
+    let single = evaluate_ice_house(vec![glide.run("1", "A", "uphill", 1)]);
+    assert!(single.is_err());
 }
 
 #[test]
-fn unlabelled_directions_give_the_slope_a_sign() {
+fn other_direction_names_define_the_sign_of_the_slope() {
     let down = Glide {
         climb: -SLOPE,
         ..PLAIN
@@ -270,7 +273,7 @@ fn unlabelled_directions_give_the_slope_a_sign() {
 
 #[test]
 fn standard_error_of_a_line_matches_the_scatter_of_slopes() {
-    for keep in [0.0, 0.8, 0.95] {
+    for correlation in [0.0, 0.8, 0.95] {
         let mut slopes = Vec::new();
         let mut stated = 0.0;
         for seed in 0..400 {
@@ -281,7 +284,8 @@ fn standard_error_of_a_line_matches_the_scatter_of_slopes() {
                 .iter()
                 .map(|x| {
                     let kick: f64 = StandardNormal.sample(&mut rng);
-                    error = keep * error + (1.0f64 - keep * keep).sqrt() * kick;
+                    error =
+                        correlation * error + (1.0f64 - correlation * correlation).sqrt() * kick;
                     2.0 - 3.0 * x + error
                 })
                 .collect();
@@ -291,15 +295,18 @@ fn standard_error_of_a_line_matches_the_scatter_of_slopes() {
         }
         let mean = slopes.iter().sum::<f64>() / 400.0;
         let variance = slopes.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / 399.0;
-        // A variance from 400 draws is known to 7 per cent.
+        // The relative standard error of a variance of 400 draws is 7 %.
         let ratio = (stated / variance).sqrt();
         assert!((mean + 3.0).abs() < 4.0 * (variance / 400.0).sqrt());
-        assert!((0.87..1.13).contains(&ratio), "correlation {keep}: {ratio}");
+        assert!(
+            (0.87..1.13).contains(&ratio),
+            "correlation {correlation}: {ratio}"
+        );
     }
 }
 
 #[test]
-fn glides_in_kilometres_an_hour_or_pushed_or_listed_twice_are_refused() {
+fn glides_in_km_per_h_pushed_or_listed_twice_are_refused() {
     let with_distance = Glide {
         with_distance: true,
         ..PLAIN
@@ -319,7 +326,7 @@ fn glides_in_kilometres_an_hour_or_pushed_or_listed_twice_are_refused() {
     for part in ["run.csv", "row 2", "v_mps", "m/s", "ratio 3.60", "km/h"] {
         assert!(reported.contains(part), "{reported}");
     }
-    // Downhill by more than the ice takes.
+    // Downhill, the weight component exceeds the friction.
     let pushed = Glide {
         climb: -0.02,
         ..PLAIN
@@ -344,7 +351,7 @@ fn glides_in_kilometres_an_hour_or_pushed_or_listed_twice_are_refused() {
 }
 
 #[test]
-fn bad_files_are_named_with_row_and_column() {
+fn faulty_files_are_reported_with_row_and_column() {
     let good = PLAIN.file(0);
     let lines: Vec<&str> = good.lines().collect();
     let with = |row: usize, line: &str| {

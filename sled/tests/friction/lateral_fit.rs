@@ -10,8 +10,8 @@ fn covers(interval: Interval, truth: f64) -> bool {
     (interval.low.unwrap()..=high).contains(&truth)
 }
 
-/// Runs with slowly varying slip and load; both the force error and the slip noise are Gaussian,
-/// the former correlated.
+/// Runs with slowly varying slip and load. The force error and the slip noise are Gaussian; the
+/// force error is correlated in time.
 struct Track {
     runs: u32,
     samples: usize,
@@ -51,7 +51,7 @@ impl Track {
 }
 
 #[test]
-fn exact_data_give_the_parameters_back() {
+fn exact_data_recover_the_parameters() {
     for truth in [MagicFormula::PUBLISHED_FRONT, MagicFormula::PUBLISHED_REAR] {
         let track = Track {
             runs: 4,
@@ -90,8 +90,8 @@ fn corrected_intervals_cover_the_truth_where_least_squares_is_biased() {
             ..Default::default()
         };
         let seeds = 40;
-        let (mut k, mut p, mut plain) = (0, 0, 0);
-        let (mut mean, mut mean_plain) = (0.0, 0.0);
+        let (mut k, mut p, mut uncorrected) = (0, 0, 0);
+        let (mut mean, mut mean_uncorrected) = (0.0, 0.0);
         for seed in 0..seeds {
             let samples = track.drive(&truth, seed);
             let fit = fit_lateral(&samples, &options).expect("fits");
@@ -100,17 +100,17 @@ fn corrected_intervals_cover_the_truth_where_least_squares_is_biased() {
             p += u32::from(covers(fit.mu_zeta_c, truth.mu_zeta_c()));
             mean += (fit.k_n_per_rad.value / truth.k_n_per_rad).ln() / seeds as f64;
             let naive = fit_lateral(&samples, &LateralFitOptions::default()).expect("fits");
-            plain += u32::from(covers(naive.k_n_per_rad, truth.k_n_per_rad));
-            mean_plain += (naive.k_n_per_rad.value / truth.k_n_per_rad).ln() / seeds as f64;
+            uncorrected += u32::from(covers(naive.k_n_per_rad, truth.k_n_per_rad));
+            mean_uncorrected += (naive.k_n_per_rad.value / truth.k_n_per_rad).ln() / seeds as f64;
         }
         println!(
-            "K {k} P {p} plain {plain} of {seeds}; mean ln ratio {mean:.4} plain {mean_plain:.4}"
+            "covered of {seeds}: K {k}, P {p}, K uncorrected {uncorrected}; mean ln ratio {mean:.4}, uncorrected {mean_uncorrected:.4}"
         );
         assert!(k >= 36 && p >= 36, "covered {k} and {p} of {seeds}");
         assert!(mean.abs() < 0.01, "bias {mean}");
         assert!(
-            plain <= 8 && mean_plain < -0.05,
-            "plain covers {plain}, bias {mean_plain}"
+            uncorrected <= 8 && mean_uncorrected < -0.05,
+            "uncorrected covers {uncorrected}, bias {mean_uncorrected}"
         );
     }
 }
@@ -176,8 +176,8 @@ fn small_slip_determines_k_alone() {
 }
 
 #[test]
-fn linear_attenuation_is_undone_even_where_noise_is_half_the_slip() {
-    // In the straight part the corrected score is the classical 1 / (1 - noise / signal).
+fn linear_attenuation_is_corrected_for_noise_of_half_the_slip() {
+    // In the linear range the corrected score is the classical 1 / (1 - noise / signal).
     let truth = MagicFormula {
         mu_zeta: 1e4,
         ..MagicFormula::PUBLISHED_REAR
@@ -203,7 +203,7 @@ fn linear_attenuation_is_undone_even_where_noise_is_half_the_slip() {
 }
 
 #[test]
-fn useless_samples_are_refused_by_name() {
+fn invalid_samples_are_refused_by_name() {
     let options = LateralFitOptions::default();
     let reported = |samples: &[LateralSample], options: &LateralFitOptions| {
         fit_lateral(samples, options)
@@ -242,7 +242,7 @@ fn useless_samples_are_refused_by_name() {
 }
 
 #[test]
-fn noise_in_the_load_of_two_per_cent_moves_the_parameters_by_less_than_half_a_per_cent() {
+fn load_noise_of_two_percent_changes_parameters_by_less_than_half_a_percent() {
     let truth = MagicFormula::PUBLISHED_FRONT;
     let track = Track {
         runs: 12,

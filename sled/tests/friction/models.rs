@@ -6,7 +6,7 @@ use kufe_sled::friction::{
 use kufe_sled::{Model, Vehicle};
 
 #[test]
-fn published_law_has_its_minimum_where_the_paper_has_it() {
+fn published_law_has_the_minimum_of_the_paper() {
     let law = PressureLaw::PUBLISHED;
     let best = 11.42e6;
     let slope = |p_pa: f64| law.slope(p_pa);
@@ -15,7 +15,7 @@ fn published_law_has_its_minimum_where_the_paper_has_it() {
 }
 
 #[test]
-fn cap_is_dimensionless_and_holds_at_both_ends() {
+fn cap_is_dimensionless_and_applies_at_both_ends() {
     let law = PressureLaw::PUBLISHED;
     assert_eq!(law.mu(0.0), 0.007);
     assert_eq!(law.mu(25e6), 0.007);
@@ -23,7 +23,7 @@ fn cap_is_dimensionless_and_holds_at_both_ends() {
 }
 
 #[test]
-fn both_readings_of_zeta_agree_on_smooth_ice_and_differ_on_rough() {
+fn both_interpretations_of_zeta_agree_on_smooth_ice_only() {
     let smooth = PressureLaw::PUBLISHED;
     let on_pressure = PressureLaw {
         zeta_acts_on: ZetaActsOn::Pressure,
@@ -40,7 +40,8 @@ fn both_readings_of_zeta_agree_on_smooth_ice_and_differ_on_rough() {
     };
     assert!((on_mu.mu(9e6) / smooth.mu(9e6) - 1.2).abs() < 1e-12);
     assert!((on_pressure.mu(9e6) - smooth.mu(1.2 * 9e6)).abs() < 1e-15);
-    // Below the best pressure rough ice glides better by the text and worse by the formula.
+    // Below the pressure of minimum friction, rough ice has less friction by the text and more by
+    // the formula.
     assert!(on_pressure.mu(9e6) < smooth.mu(9e6));
 }
 
@@ -61,7 +62,7 @@ fn pressure_slope_equals_finite_differences() {
 }
 
 #[test]
-fn nan_pressure_is_not_hidden_by_the_cap() {
+fn nan_pressure_propagates_through_the_cap() {
     assert!(PressureLaw::PUBLISHED.mu(f64::NAN).is_nan());
     assert_eq!(Longitudinal::Fixed(0.004).mu(f64::NAN), 0.004);
 }
@@ -99,7 +100,7 @@ fn model_keys_are_either_fixed_or_quadratic() {
 }
 
 #[test]
-fn the_film_of_experiments_is_a_law_alone_and_none_of_a_sled() {
+fn a_film_law_is_valid_for_experiments_and_refused_for_a_sled() {
     let keys = |text: &str| toml::from_str::<LongitudinalKeys>(text).expect(text);
     assert_eq!(keys("film = true").film().expect("film"), Some(1.0));
     let scaled = keys("film = true\nzeta = 1.5").film();
@@ -179,8 +180,8 @@ fn every_derivative_equals_finite_differences() {
                 assert!((at.fy - model.force(alpha, fz)).abs() < 1e-9);
                 let difference =
                     |move_by: &dyn Fn(f64) -> f64| (move_by(1e-6) - move_by(-1e-6)) / 2e-6;
-                // Relative steps: each derivative is compared times its own argument, all in
-                // newtons.
+                // Relative steps: each derivative is multiplied by its own argument, so that all
+                // are in newtons.
                 let pairs = [
                     (
                         at.alpha * alpha,

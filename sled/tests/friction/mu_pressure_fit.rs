@@ -1,4 +1,4 @@
-//! The quadratic mu(p): the paper's own table, SciPy, and coverage on simulated specimens.
+//! The quadratic fit mu(p): the table of the paper, SciPy, and coverage on simulated specimens.
 
 use std::process::Command;
 
@@ -18,7 +18,7 @@ fn weighted() -> MuFit {
 }
 
 #[test]
-fn unweighted_fit_of_the_rounded_table_is_the_stated_one() {
+fn unweighted_fit_of_the_rounded_table_equals_the_published_one() {
     let fit = fit_mu(&paper(), Weighting::None, 0.95).expect("fits");
     assert!((fit.b - 0.0864).abs() < 0.00005, "{}", fit.b);
     assert!((fit.c - 1.986).abs() < 0.0005, "{}", fit.c);
@@ -26,7 +26,7 @@ fn unweighted_fit_of_the_rounded_table_is_the_stated_one() {
 }
 
 #[test]
-fn weighted_fit_finds_nothing_wrong_with_the_table() {
+fn weighted_fit_is_consistent_with_the_stated_errors() {
     let fit = weighted();
     println!("{fit:?} {:?}", fit.least_friction());
     assert_eq!(fit.freedom, 4);
@@ -40,7 +40,7 @@ fn weighted_fit_finds_nothing_wrong_with_the_table() {
     assert!(least.p_pa.low > 10e6 && least.p_pa.high < 13e6, "{least:?}");
 }
 
-/// Runs Python with the table on standard input; `None` where it or a module is not there.
+/// Runs Python with the table on standard input; `None` without the interpreter or a module.
 fn python(script: &str) -> Option<Vec<f64>> {
     let interpreter = kufe_outside::python("numpy, scipy")?;
     let table = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/ice_house.csv");
@@ -60,7 +60,8 @@ fn python(script: &str) -> Option<Vec<f64>> {
 
 #[test]
 fn weighted_fit_and_covariance_equal_an_independent_orthogonal_regression() {
-    // The true pressures as unknowns, SciPy's own least squares and numerical Jacobian.
+    // Reference: SciPy's least squares with the true pressures as unknowns and a numerical
+    // Jacobian.
     const SCRIPT: &str = r#"
 import csv, sys
 import numpy as np
@@ -148,7 +149,7 @@ fn intervals_cover_the_truth_at_the_stated_rate() {
         place += u32::from(least.p_pa.covers(1e6 * 2.01 / 0.176));
         accepted += u32::from(fit.p_value.expect("weighted") > 0.05);
     }
-    // Binomial with 0.95 and 400 draws: 380 +- 4.4.
+    // Binomial distribution with 0.95 and 400 draws: 380 +- 4.4.
     println!("{band} {place} {accepted} of {draws}");
     for covered in [band, place, accepted] {
         assert!(
@@ -159,7 +160,7 @@ fn intervals_cover_the_truth_at_the_stated_rate() {
 }
 
 #[test]
-fn intervals_cover_the_truth_where_rows_of_a_specimen_share_the_error_of_its_pressure() {
+fn intervals_cover_the_truth_with_common_pressure_errors_per_specimen() {
     let [b, c, d] = [0.088, 2.01, 14.66];
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
@@ -185,7 +186,7 @@ fn intervals_cover_the_truth_where_rows_of_a_specimen_share_the_error_of_its_pre
             covered[k] += u32::from(off.abs() < fit.quantile * fit.covariance[(k, k)].sqrt());
         }
     }
-    // Binomial with 0.95 and 200 draws: 190 +- 3.1.
+    // Binomial distribution with 0.95 and 200 draws: 190 +- 3.1.
     println!("{covered:?} of {draws}");
     assert!(
         covered.iter().all(|n| (180..=199).contains(n)),
@@ -205,7 +206,7 @@ fn without_weights_every_specimen_counts_once() {
 }
 
 #[test]
-fn a_straight_line_has_no_least_friction() {
+fn a_straight_line_has_no_minimum() {
     let mut experiments = paper();
     for (i, e) in experiments.iter_mut().enumerate() {
         e.mu = 1e-3 * (6.0 - 0.2e-6 * e.p_max_pa) + [1e-5, -1e-5][i % 2];
@@ -215,7 +216,7 @@ fn a_straight_line_has_no_least_friction() {
 }
 
 #[test]
-fn law_of_the_fit_carries_cap_and_zeta() {
+fn law_of_the_fit_has_cap_and_zeta() {
     let fit = weighted();
     let law = fit.law(0.007, 1.1, ZetaActsOn::Pressure);
     assert!((law.mu(10e6) - fit.band(11e6).value).abs() < 1e-12);
@@ -254,7 +255,7 @@ fn too_few_or_too_similar_specimens_are_refused() {
 }
 
 #[test]
-fn bad_cells_are_named_by_file_row_and_column() {
+fn faulty_cells_are_reported_by_file_row_and_column() {
     let header = "specimen,p_max_pa,p_max_sd_pa,mu,mu_sd\n";
     for (text, parts) in [
         (
@@ -299,7 +300,7 @@ fn bad_cells_are_named_by_file_row_and_column() {
 }
 
 #[test]
-fn written_experiments_read_back_alike() {
+fn experiments_round_trip() {
     let mut experiments = paper();
     for e in &mut experiments {
         e.fz_n = Some(981.5);

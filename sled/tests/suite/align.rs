@@ -1,4 +1,4 @@
-//! Runs whose distance was shifted and stretched come back to one, and to a track that they felt.
+//! Runs with a shifted and stretched distance are aligned with one another and with a track.
 
 use kufe_sled::sample_data::{drive_sample, sample_plan, sample_track};
 use kufe_sled::{
@@ -7,7 +7,7 @@ use kufe_sled::{
 };
 
 /// Sample runs on `east` by every driver, each with its own shift [m] and stretch, and the true
-/// distance of every row.
+/// distance of every row [m].
 fn shifted(count: usize) -> (Vec<Run>, Vec<Vec<f64>>) {
     let model = Model::published();
     let plan = sample_plan(1);
@@ -17,7 +17,7 @@ fn shifted(count: usize) -> (Vec<Run>, Vec<Vec<f64>>) {
     let mut runs = drive_sample(&planned.collect::<Vec<_>>(), &model).unwrap();
     let mut truth = Vec::new();
     for (i, run) in runs.iter_mut().enumerate() {
-        // From 5 to 60 m late on the track, half a per cent longer or shorter, turn about.
+        // 5 m to 60 m late on the track, and alternately half a per cent longer or shorter.
         let share = i as f64 / (count - 1) as f64;
         let (late, stretch) = (5.0 + 55.0 * share, if i % 2 == 0 { 1.005 } else { 0.995 });
         let places = &run.columns["s_m"];
@@ -48,7 +48,7 @@ fn aligned(runs: &[Run], vehicle: &Vehicle, survey: Option<&TrackShape>) -> Alig
     align(&prepared, vehicle, survey, &Tolerances::default()).unwrap()
 }
 
-/// The largest error of every run's place [m] but for a shift that is common to all.
+/// The largest position error of every run [m], after the shift `common` of all runs.
 fn errors(runs: &[Run], truth: &[Vec<f64>], found: &Aligned, common: f64) -> Vec<f64> {
     let placed = runs.iter().zip(truth).zip(&found.runs);
     placed
@@ -64,17 +64,18 @@ fn errors(runs: &[Run], truth: &[Vec<f64>], found: &Aligned, common: f64) -> Vec
 }
 
 #[test]
-fn shifted_and_stretched_runs_are_placed_on_the_survey_within_their_errors() {
+fn shifted_and_stretched_runs_align_with_the_survey_within_their_errors() {
     let vehicle = Vehicle::new(&Model::published()).unwrap();
     let (runs, truth) = shifted(8);
     let shape = TrackShape::new(&sample_track("east"));
     let found = aligned(&runs, &vehicle, Some(&shape));
     let errors = errors(&runs, &truth, &found, 0.0);
     println!("largest errors [m]: {errors:.3?}");
-    // Drivers take their own ways across the curves, which moves what they feel of them.
+    // Drivers take different lines through the curves, which shifts the measured features of the
+    // track.
     for (error, run) in errors.iter().zip(&found.runs) {
         assert!(*error < 5.0, "{}: {error} m", run.run);
-        // The stated error is that of the place where it is known worst.
+        // The stated error is the largest one along the run.
         assert!(
             *error < 5.0 * run.sd_m,
             "{}: {error} m, {}",
@@ -82,7 +83,7 @@ fn shifted_and_stretched_runs_are_placed_on_the_survey_within_their_errors() {
             run.sd_m
         );
     }
-    // Every knot against its own stated error.
+    // The error of every knot relative to its stated error.
     let mut off = Vec::new();
     for ((run, truth), found) in runs.iter().zip(&truth).zip(&found.runs) {
         let own = &run.columns["s_m"];
@@ -94,18 +95,18 @@ fn shifted_and_stretched_runs_are_placed_on_the_survey_within_their_errors() {
     let rms = (off.iter().map(|off| off * off).sum::<f64>() / off.len() as f64).sqrt();
     let outliers = off.iter().filter(|off| off.abs() > 3.0).count() as f64 / off.len() as f64;
     println!(
-        "{rms:.2} of the stated errors, {:.1} % more than three",
+        "RMS error / stated error {rms:.2}, {:.1} % above 3",
         100.0 * outliers
     );
     assert!(rms < 2.0 && outliers < 0.1, "{off:.1?}");
 }
 
 #[test]
-fn runs_without_a_survey_are_placed_on_one_another_and_give_the_track_within_its_errors() {
+fn runs_without_a_survey_align_and_give_the_track_within_its_errors() {
     let vehicle = Vehicle::new(&Model::published()).unwrap();
     let (runs, truth) = shifted(8);
     let found = aligned(&runs, &vehicle, None);
-    // The earliest start is 0, which was 5 m on the track.
+    // The earliest start defines 0; its true position is 5 m.
     let common = truth[0][0] - found.runs[0].start_m;
     assert!(found.runs.iter().all(|run| run.start_m > -0.5));
     let errors = errors(&runs, &truth, &found, common);
@@ -135,7 +136,7 @@ fn runs_without_a_survey_are_placed_on_one_another_and_give_the_track_within_its
             .sum::<f64>()
             / off.len() as f64;
         println!(
-            "{name}: {:.2} of its errors, {:.1} % more than three; {:.2e}",
+            "{name}: RMS error / stated error {:.2}, {:.1} % above 3; RMS error {:.2e}",
             mean_square.sqrt(),
             100.0 * outliers,
             plain.sqrt()
@@ -145,7 +146,7 @@ fn runs_without_a_survey_are_placed_on_one_another_and_give_the_track_within_its
 }
 
 #[test]
-fn an_estimated_track_is_driven_in_the_time_of_the_true_one() {
+fn run_time_on_the_estimated_track_equals_that_on_the_true_one() {
     let vehicle = Vehicle::new(&Model::published()).unwrap();
     let (runs, truth) = shifted(8);
     let found = aligned(&runs, &vehicle, None);
@@ -176,7 +177,7 @@ fn an_estimated_track_is_driven_in_the_time_of_the_true_one() {
     };
     let (estimated, truth) = (time(&read), time(&part));
     println!("{estimated} s on the estimated track, {truth} s on the true one");
-    // The slope is known within 0.002 rad of 0.1 rad, alike along the way: 1 % of the time.
+    // The slope of 0.1 rad has a constant error below 0.002 rad, which is 1 % of the time.
     assert!((estimated / truth - 1.0).abs() < 0.01);
 }
 

@@ -1,5 +1,6 @@
-//! Every effect of the catalogue acts in simulation; in fit, validation and evaluation, too, but for
-//! those on the slope, which no balance of forces there contains; or it is refused by its name.
+//! Every effect of the catalogue changes the simulation. It also changes fit, validation and
+//! evaluation, except for effects on the slope, which is in none of their force balances. An effect
+//! that cannot act is refused by its name.
 
 use std::path::Path;
 use std::sync::LazyLock;
@@ -15,7 +16,7 @@ use serde_json::Value;
 
 use crate::tables_of_mu::write_table;
 
-/// The first part of a sample track: some seconds are enough to see whether anything changes.
+/// The first part of a sample track: a few seconds suffice to detect a change.
 fn track() -> Track {
     let mut track = sample_track("west");
     let rows = track.s_m.iter().filter(|s| **s < 350.0).count();
@@ -30,7 +31,7 @@ fn track() -> Track {
     track
 }
 
-/// A table of mu for the effect that needs one.
+/// A friction table for the effect that needs one.
 static TABLE: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
     write_table(&folder.path().join("mu.lut"), 50.0, true);
@@ -76,37 +77,37 @@ fn prepared(
     prepare_all(runs, vehicle, model.noise.as_ref(), &Default::default())
 }
 
-fn on_runs() -> impl Iterator<Item = &'static &'static Effect> {
+fn effects_on_runs() -> impl Iterator<Item = &'static &'static Effect> {
     CATALOGUE.iter().filter(|effect| {
         let info = &effect.info;
-        let elsewhere = |on: &ActsOn| matches!(on, ActsOn::Contact | ActsOn::Map);
-        info.experiments != Experiments::OverFilm && !info.acts_on.iter().all(elsewhere)
+        let outside_runs = |on: &ActsOn| matches!(on, ActsOn::Contact | ActsOn::Map);
+        info.experiments != Experiments::OverFilm && !info.acts_on.iter().all(outside_runs)
     })
 }
 
 const STATED: &str = "[conditions]\nhumidity_pct = 40.0\ndistance_m = 5000.0\n";
 
 #[test]
-fn every_effect_changes_what_a_simulated_run_records() {
+fn every_effect_changes_a_simulated_run() {
     let plain = driven(&Vehicle::new(&Model::published()).unwrap()).unwrap();
-    for effect in on_runs() {
+    for effect in effects_on_runs() {
         let vehicle = Vehicle::with_effects(&model(effect, STATED)).unwrap();
         let run = driven(&vehicle).unwrap();
         assert!(run.len() > 64, "{}", effect.info.name);
         assert_ne!(
             run.columns, plain.columns,
-            "{} does nothing",
+            "{} has no influence",
             effect.info.name
         );
     }
 }
 
 #[test]
-fn every_effect_changes_fit_validation_and_evaluation_and_a_slope_no_balance_of_forces() {
+fn every_effect_except_slope_changes_fit_validation_and_evaluation() {
     let base = Model::published();
     let plain = Vehicle::new(&base).unwrap();
     let run = driven(&plain).unwrap();
-    let answers = |runs: &[Prepared], vehicle: &Vehicle| {
+    let results = |runs: &[Prepared], vehicle: &Vehicle| {
         let fitted = fit(runs, vehicle, true).unwrap();
         [
             serde_json::to_value(fitted).unwrap(),
@@ -114,44 +115,44 @@ fn every_effect_changes_fit_validation_and_evaluation_and_a_slope_no_balance_of_
             serde_json::to_value(evaluate(runs, vehicle)).unwrap(),
         ]
     };
-    let without = answers(&prepared(&run, &plain, &base).unwrap(), &plain);
-    for effect in on_runs() {
+    let without = results(&prepared(&run, &plain, &base).unwrap(), &plain);
+    for effect in effects_on_runs() {
         let (name, model) = (effect.info.name, model(effect, STATED));
         let vehicle = Vehicle::with_effects(&model).unwrap();
-        let with = answers(&prepared(&run, &vehicle, &model).unwrap(), &vehicle);
+        let with = results(&prepared(&run, &vehicle, &model).unwrap(), &vehicle);
         let on_slope = effect.info.acts_on.contains(&ActsOn::Track);
         for (k, command) in ["fit", "validate", "evaluate"].iter().enumerate() {
             if on_slope {
-                let same = alike(&with[k], &without[k]);
-                assert!(same, "{name} acts in {command}");
+                let same = nearly_equal(&with[k], &without[k]);
+                assert!(same, "{name} changes {command}");
                 continue;
             }
-            assert_ne!(with[k], without[k], "{name} does nothing in {command}");
+            assert_ne!(with[k], without[k], "{name} does not change {command}");
         }
     }
 }
 
-/// Whether two answers are equal, numbers within rounding.
-fn alike(a: &Value, b: &Value) -> bool {
+/// Whether two JSON values are equal, with numbers equal within rounding.
+fn nearly_equal(a: &Value, b: &Value) -> bool {
     match (a, b) {
         (Value::Number(a), Value::Number(b)) => {
             let [a, b] = [a, b].map(|x| x.as_f64().unwrap());
             (a - b).abs() <= 1e-6 * a.abs().max(b.abs()) + 1e-12
         }
         (Value::Array(a), Value::Array(b)) => {
-            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| alike(a, b))
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| nearly_equal(a, b))
         }
         (Value::Object(a), Value::Object(b)) => {
             a.len() == b.len()
                 && a.iter()
-                    .all(|(key, a)| b.get(key).is_some_and(|b| alike(a, b)))
+                    .all(|(key, a)| b.get(key).is_some_and(|b| nearly_equal(a, b)))
         }
         _ => a == b,
     }
 }
 
 #[test]
-fn an_effect_without_its_column_is_refused_with_effect_column_and_file() {
+fn a_missing_column_of_an_effect_is_reported_with_effect_and_file() {
     for (name, column) in [("humidity", "humidity_pct"), ("wear", "distance_m")] {
         let effect = kufe_sled::effects::find(name).unwrap();
         let bare = model(effect, "");
@@ -170,7 +171,8 @@ fn an_effect_without_its_column_is_refused_with_effect_column_and_file() {
             assert!(message.contains(part), "{message}");
         }
 
-        // Stated by the index, or sample by sample in the run's file: both act, and differently.
+        // A value in the index and values per sample in the file of the run both act, with
+        // different results.
         run.entry.conditions.humidity_pct = 30.0;
         run.entry.conditions.distance_m = 3000.0;
         let by_index = evaluate(&prepared(&run, &vehicle, &bare).unwrap(), &vehicle);

@@ -1,4 +1,4 @@
-//! Effects of a model act in the simulation, and the same model explains the run that it drove.
+//! Effects of a model act in the simulation, and the same model explains the simulated run.
 
 use kufe_sled::sample_data::sample_track;
 use kufe_sled::{
@@ -17,7 +17,7 @@ fn driven(vehicle: &Vehicle) -> (Simulated, Run) {
 }
 
 #[test]
-fn lateral_and_sensor_effects_are_explained_by_the_model_that_has_them() {
+fn lateral_and_sensor_effects_are_explained_by_their_model() {
     for (name, keys) in [
         ("temperature-grip", "slope_per_k = -0.05"),
         ("camber-thrust", "coefficient_per_rad = 0.5"),
@@ -47,19 +47,20 @@ fn lateral_and_sensor_effects_are_explained_by_the_model_that_has_them() {
             validate(&prepared, vehicle)[0].rmse_n
         };
         let (explained, unexplained) = (rmse(&with), rmse(&without));
-        println!("{name}: {explained:.2} N with it, {unexplained:.2} N without");
-        // A lag is taken out to first order in its time only; everything else far better.
+        println!("{name}: {explained:.2} N with the effect, {unexplained:.2} N without");
+        // A lag is corrected only to first order in its time; all other effects are corrected far
+        // better.
         let share = if name == "slip-lag" { 0.25 } else { 0.02 };
         assert!(
             explained < share * unexplained,
             "{name}: {explained} against {unexplained}"
         );
-        assert!(unexplained > 2.0, "{name} does nothing: {unexplained}");
+        assert!(unexplained > 2.0, "{name} has no influence: {unexplained}");
     }
 }
 
-/// What a run's balances leave with the effects of `tables` in its model, and without.
-fn left_with_and_without(tables: &str) -> [BalanceResidual; 2] {
+/// RMS residuals of the balances of a run, with the effects of `tables` in the model and without.
+fn residuals_with_and_without(tables: &str) -> [BalanceResidual; 2] {
     let text = format!("{}\n{tables}\n", Model::published().to_toml());
     let model = Model::from_toml(&text, "m.toml").unwrap();
     let with = Vehicle::with_effects(&model).unwrap();
@@ -74,13 +75,13 @@ fn left_with_and_without(tables: &str) -> [BalanceResidual; 2] {
 }
 
 #[test]
-fn every_channels_fault_and_the_inertia_are_explained_in_the_balance_where_they_show() {
-    let side: fn(&BalanceResidual) -> f64 = |left| left.side_n;
-    let along: fn(&BalanceResidual) -> f64 = |left| left.along_n;
-    let yaw: fn(&BalanceResidual) -> f64 = |left| left.yaw_nm;
+fn sensor_faults_and_inertia_are_explained_in_their_balance() {
+    let side: fn(&BalanceResidual) -> f64 = |residual| residual.side_n;
+    let along: fn(&BalanceResidual) -> f64 = |residual| residual.along_n;
+    let yaw: fn(&BalanceResidual) -> f64 = |residual| residual.yaw_nm;
     let own = "[effects.mine]\nvalue = 1.0\n";
-    // Filters and differences leave this much where nothing is hidden.
-    let [nothing, _] = left_with_and_without("");
+    // Residual of filters and differences without a hidden effect.
+    let [baseline, _] = residuals_with_and_without("");
     for (tables, balance, share) in [
         (
             "[effects.yaw-rate-scale]\nfactor = 0.1".to_owned(),
@@ -92,7 +93,7 @@ fn every_channels_fault_and_the_inertia_are_explained_in_the_balance_where_they_
             side,
             0.02,
         ),
-        // A lag is taken out to first order in its time only.
+        // A lag is corrected only to first order in its time.
         ("[effects.steer-lag]\ntime_s = 0.03".to_owned(), side, 0.25),
         (
             "[effects.speed-scale]\nfactor = 0.05".to_owned(),
@@ -120,11 +121,15 @@ fn every_channels_fault_and_the_inertia_are_explained_in_the_balance_where_they_
             0.1,
         ),
     ] {
-        let [explained, unexplained] = left_with_and_without(&tables).map(|left| balance(&left));
-        println!("{tables}: {explained:.3} with it, {unexplained:.3} without");
-        assert!(unexplained > 2.0, "{tables} does nothing: {unexplained}");
+        let [explained, unexplained] =
+            residuals_with_and_without(&tables).map(|residual| balance(&residual));
+        println!("{tables}: {explained:.3} with the effect, {unexplained:.3} without");
         assert!(
-            explained < balance(&nothing) + share * unexplained,
+            unexplained > 2.0,
+            "{tables} has no influence: {unexplained}"
+        );
+        assert!(
+            explained < balance(&baseline) + share * unexplained,
             "{tables}: {explained} against {unexplained}"
         );
     }
@@ -150,9 +155,9 @@ fn longitudinal_effects_and_the_slope_change_the_speed() {
             end(table)
         );
     }
-    // An effect bound to another track does nothing here.
-    let elsewhere = end("[effects.slope]\noffset_rad = -0.005\ntrack = \"east\"");
-    assert_eq!(elsewhere.to_bits(), base.to_bits());
+    // An effect bound to another track has no influence.
+    let other_track = end("[effects.slope]\noffset_rad = -0.005\ntrack = \"east\"");
+    assert_eq!(other_track.to_bits(), base.to_bits());
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! The one-track sled against identities, closed forms, a real car and its own simulation; bad
-//! files are refused by name.
+//! The one-track sled against identities, closed forms, a real car and its own simulation; refusal
+//! of faulty files.
 
 mod align;
 mod effects_in_commands;

@@ -1,4 +1,4 @@
-//! A real race car (KUFE_DATA): reader, slips at the axles and lateral stiffness per mass.
+//! A real race car (KUFE_DATA): reader, slips at the axles and cornering stiffness per mass.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use kufe_sled::{Conditions, Entry, Model, OnGaps, derivative, low_pass, read_run
 const G: f64 = 9.81;
 
 #[test]
-fn axle_stiffness_per_mass_of_the_race_car_with_intervals() {
+fn race_car_axle_stiffness_per_mass_is_plausible() {
     let Some(data) = std::env::var_os("KUFE_DATA") else {
         kufe_outside::not_here("KUFE_DATA is not set");
         return;
@@ -44,12 +44,12 @@ fn axle_stiffness_per_mass_of_the_race_car_with_intervals() {
     assert_eq!(run.len(), 27_501);
     assert!((run.rate_hz() - 50.0).abs() < 1e-6);
 
-    // Distances from the centre of gravity as stated with the data; slip is measured there. No
-    // mass: forces per mass.
+    // Distances from the centre of gravity as stated with the data; the slip is measured there. The
+    // mass is not stated: forces are per mass.
     let mut sled = Model::published().sled;
     (sled.l_f_m, sled.l_r_m, sled.slip_x_m) = (1.33, 1.07, 0.0);
     let wheelbase = sled.wheelbase_m();
-    // J_zz / m of a car is close to l_f l_r; it enters through the yaw acceleration alone.
+    // J_zz / m of a car is close to l_f l_r; it enters only through the yaw acceleration.
     let inertia = sled.l_f_m * sled.l_r_m;
     let smooth = |name: &str| low_pass(run.column(name).unwrap(), run.rate_hz(), 5.0);
     let (ay, yaw, v) = (smooth("ay_mps2"), smooth("yaw_rate_radps"), smooth("v_mps"));
@@ -85,12 +85,11 @@ fn axle_stiffness_per_mass_of_the_race_car_with_intervals() {
         assert!(low < k.value && k.value < high && low > 0.0);
         // Within 30 %: ten-second clusters of a nine-minute record.
         assert!(high - low < 0.6 * k.value);
-        // A race car of a tonne has some 50 to 200 kN/rad an axle.
+        // A race car of 1000 kg has some 50 to 200 kN/rad per axle.
         assert!((30.0..300.0).contains(&k.value), "{axle}: {}", k.value);
         stiffness.push((fit, samples));
     }
-    // The curve explains the lateral acceleration far better than no model: half its variance at
-    // the very least.
+    // The curve explains at least half the variance of the lateral acceleration.
     for (fit, samples) in &stiffness {
         let power = samples.iter().map(|s| s.fy * s.fy).sum::<f64>() / samples.len() as f64;
         assert!(fit.residual_rms_n.powi(2) < 0.5 * power);

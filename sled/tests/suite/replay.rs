@@ -1,4 +1,4 @@
-//! A run driven again by the model: what comes back, what does not, and where.
+//! Replay of a run by the model: agreement, differences and their position.
 
 use std::process::Command;
 
@@ -20,15 +20,15 @@ fn options(rate_hz: f64) -> SimulateOptions {
     }
 }
 
-/// A run of a clumsy driver with perfect sensors.
-fn a_run(vehicle: &Vehicle, track: &Track, options: &SimulateOptions) -> Run {
+/// A run of an unskilled driver with perfect sensors.
+fn simulated_run(vehicle: &Vehicle, track: &Track, options: &SimulateOptions) -> Run {
     let driver = Driver::of_skill(0.6);
     let simulated = simulate(vehicle, &TrackShape::new(track), &driver, options).unwrap();
     let entry = simulated_entry("r", track, "d", options.conditions);
     record(&simulated, vehicle, None, entry, 1)
 }
 
-fn again(run: &Run, vehicle: &Vehicle, track: &Track) -> Replay {
+fn replay_of(run: &Run, vehicle: &Vehicle, track: &Track) -> Replay {
     let inputs = Inputs::of(run, vehicle, track.s_m[0]).unwrap();
     replay(&inputs, vehicle, &TrackShape::new(track), &options(500.0)).unwrap()
 }
@@ -39,17 +39,17 @@ fn rms(replay: &Replay, column: &str) -> f64 {
 }
 
 #[test]
-fn a_simulated_run_comes_back_from_its_steering() {
+fn a_replay_reproduces_the_simulated_run() {
     let (vehicle, track) = (vehicle(), sample_track("west"));
-    let run = a_run(&vehicle, &track, &options(500.0));
-    let back = again(&run, &vehicle, &track);
+    let run = simulated_run(&vehicle, &track, &options(500.0));
+    let back = replay_of(&run, &vehicle, &track);
     assert!(
         back.stopped.is_none() && back.sections.is_empty(),
         "{back:?}"
     );
     assert!(back.to_m > 1499.0, "{}", back.to_m);
-    // The low pass at 20 Hz bends the first samples, which moves the start by 2e-5 s; steps of 1 ms
-    // err less.
+    // The low-pass filter at 20 Hz changes the first samples, which shifts the start by 2e-5 s. The
+    // error of steps of 1 ms is smaller.
     for (column, most) in [
         ("t_s", 4e-5),
         ("v_mps", 4e-6),
@@ -68,7 +68,7 @@ fn a_simulated_run_comes_back_from_its_steering() {
 }
 
 #[test]
-fn the_noise_of_the_first_reading_does_not_set_the_start() {
+fn the_start_is_averaged_over_several_readings() {
     let (vehicle, track, noise) = (vehicle(), sample_track("west"), 0.3);
     let shape = TrackShape::new(&track);
     let driven = simulate(&vehicle, &shape, &Driver::of_skill(0.6), &options(100.0)).unwrap();
@@ -82,12 +82,11 @@ fn the_noise_of_the_first_reading_does_not_set_the_start() {
         let entry = simulated_entry("r", &track, "d", options(100.0).conditions);
         let run = record(&driven, &vehicle, Some(&sensors), entry, seed);
         let inputs = Inputs::of(&run, &vehicle, track.s_m[0]).unwrap();
-        let back = again(&run, &vehicle, &track);
+        let back = replay_of(&run, &vehicle, &track);
         first += (inputs.readings[0].values[0] - truth).powi(2) / 12.0;
         started += (back.simulated.instants[0].state.v_mps - truth).powi(2) / 12.0;
     }
-    // Half a second holds twenty values that know nothing of one another, each of the root of 0.4
-    // of the noise.
+    // Half a second has twenty independent values, each with the root of 0.4 of the noise.
     assert!(first.sqrt() > 0.5 * noise, "{first}");
     assert!(
         started.sqrt() < 2.0 * noise * (0.4_f64 / 20.0).sqrt(),
@@ -95,7 +94,7 @@ fn the_noise_of_the_first_reading_does_not_set_the_start() {
     );
 }
 
-/// A straight of constant slope.
+/// A straight track of constant slope.
 fn slide(slope: f64) -> Track {
     let s_m: Vec<f64> = (0..=60).map(|i| 10.0 * f64::from(i)).collect();
     let all = |value: f64| vec![value; s_m.len()];
@@ -110,16 +109,16 @@ fn slide(slope: f64) -> Track {
 }
 
 #[test]
-fn a_tenth_more_friction_parts_the_speeds_as_a_constant_force_does() {
+fn ten_percent_more_friction_equals_a_constant_force() {
     let (slope, mu, v0) = (0.08_f64, 0.008, 10.0_f64);
     let mut vehicle = vehicle();
     vehicle.sled.cda_m2 = 0.0;
-    let rubbing = |vehicle: &mut Vehicle, mu| {
+    let set_friction = |vehicle: &mut Vehicle, mu| {
         for runner in [&mut vehicle.front, &mut vehicle.rear] {
             runner.longitudinal = RunnerLaw::Fixed(mu);
         }
     };
-    rubbing(&mut vehicle, mu);
+    set_friction(&mut vehicle, mu);
     let track = slide(slope);
     let driver = Driver {
         noise_rad: 0.0,
@@ -129,13 +128,13 @@ fn a_tenth_more_friction_parts_the_speeds_as_a_constant_force_does() {
     let simulated = simulate(&vehicle, &TrackShape::new(&track), &driver, &options(500.0)).unwrap();
     let entry = simulated_entry("r", &track, "d", options(500.0).conditions);
     let run = record(&simulated, &vehicle, None, entry, 1);
-    rubbing(&mut vehicle, 1.1 * mu);
-    let back = again(&run, &vehicle, &track);
+    set_friction(&mut vehicle, 1.1 * mu);
+    let back = replay_of(&run, &vehicle, &track);
     // v^2 = v0^2 + 2 g s (sin(slope) - mu cos(slope))
     let speed = |mu: f64, s: f64| {
         (v0 * v0 + 2.0 * kufe_sled::GRAVITY * s * (slope.sin() - mu * slope.cos())).sqrt()
     };
-    // The start has the run's energy in the mean over half a second.
+    // The start has the mean energy of the run over half a second.
     let early: Vec<f64> = back.compared.iter().map(|at| at.s_m).take(51).collect();
     let more = early
         .iter()
@@ -144,10 +143,11 @@ fn a_tenth_more_friction_parts_the_speeds_as_a_constant_force_does() {
     for at in back.compared.iter().skip(20) {
         let [measured, model] = at.values[0];
         let expected = speed(mu, at.s_m) - (speed(1.1 * mu, at.s_m).powi(2) + more).sqrt();
-        // The low pass extends the record's ends oddly, which a parabola feels: 1e-5 of the speed.
+        // The low-pass filter extends the record by odd reflection. The error for a parabola is
+        // 1e-5 of the speed.
         assert!(
             (measured - model - expected).abs() < 2e-4,
-            "at {} m: {} against {expected}",
+            "at {} m: {}, expected {expected}",
             at.s_m,
             measured - model
         );
@@ -158,12 +158,12 @@ fn a_tenth_more_friction_parts_the_speeds_as_a_constant_force_does() {
         "{}",
         back.mean_force_n
     );
-    // It lacks the same everywhere: no place stands out.
+    // The missing force is the same everywhere: no section differs significantly.
     assert!(back.sections.is_empty(), "{:?}", back.sections);
 }
 
 #[test]
-fn a_push_that_the_model_does_not_know_is_found_where_it_was() {
+fn an_unmodelled_push_is_located() {
     let (vehicle, track) = (vehicle(), sample_track("west"));
     let pushed = SimulateOptions {
         contacts: vec![WallContact {
@@ -174,7 +174,7 @@ fn a_push_that_the_model_does_not_know_is_found_where_it_was() {
         }],
         ..options(500.0)
     };
-    let back = again(&a_run(&vehicle, &track, &pushed), &vehicle, &track);
+    let back = replay_of(&simulated_run(&vehicle, &track, &pushed), &vehicle, &track);
     for column in ["alpha_rad", "yaw_rate_radps"] {
         let first = back.sections.iter().find(|s| s.column == column).unwrap();
         assert!(
@@ -185,9 +185,9 @@ fn a_push_that_the_model_does_not_know_is_found_where_it_was() {
 }
 
 #[test]
-fn only_the_steering_is_bridged_and_only_what_is_used_counts() {
+fn gaps_of_the_steering_are_bridged_and_unused_columns_ignored() {
     let (vehicle, track) = (vehicle(), sample_track("east"));
-    let mut run = a_run(&vehicle, &track, &options(200.0));
+    let mut run = simulated_run(&vehicle, &track, &options(200.0));
     let folder = tempfile::tempdir().unwrap();
     run.entry.file = folder.path().join("r.csv");
     let written = |run: &Run| {
@@ -200,10 +200,10 @@ fn only_the_steering_is_bridged_and_only_what_is_used_counts() {
     assert!(whole.gaps.is_none(), "{:?}", whole.gaps);
 
     run.columns.get_mut("delta_rad").unwrap()[2000..2040].fill(f64::NAN);
-    let back = again(&written(&run).unwrap(), &vehicle, &track);
+    let back = replay_of(&written(&run).unwrap(), &vehicle, &track);
     assert_eq!(back.taking_part.gaps.missing["delta_rad"], 40);
     assert_eq!(back.pieces.len(), 2);
-    // 0.2 s and what the filter loses on either side, at the speed there.
+    // 0.2 s plus the samples that the filter loses on either side, at the speed there.
     let speed = run.columns["v_mps"][2020];
     assert!(
         back.bridged_m > 0.2 * speed && back.bridged_m < 0.6 * speed,
@@ -234,7 +234,7 @@ fn only_the_steering_is_bridged_and_only_what_is_used_counts() {
     for name in ["alpha_rad", "yaw_rate_radps", "gamma_rad", "s_m"] {
         run.columns.remove(name);
     }
-    let least = again(&written(&run).unwrap(), &vehicle, &track);
+    let least = replay_of(&written(&run).unwrap(), &vehicle, &track);
     let compared: Vec<&str> = least
         .differences
         .iter()
@@ -250,9 +250,9 @@ fn only_the_steering_is_bridged_and_only_what_is_used_counts() {
 }
 
 #[test]
-fn a_run_that_begins_off_the_track_is_refused_with_its_place() {
+fn a_run_that_starts_off_the_track_is_refused_with_its_position() {
     let (vehicle, track) = (vehicle(), sample_track("east"));
-    let mut run = a_run(&vehicle, &track, &options(200.0));
+    let mut run = simulated_run(&vehicle, &track, &options(200.0));
     for s in run.columns.get_mut("s_m").unwrap() {
         *s += 2000.0;
     }
@@ -265,7 +265,7 @@ fn a_run_that_begins_off_the_track_is_refused_with_its_place() {
     );
 }
 
-/// The same equations, written down again and solved by SciPy's Runge-Kutta of order 8.
+/// The same equations, written independently and solved by SciPy's Runge-Kutta method of order 8.
 const SCIPY: &str = r#"
 import json, sys, numpy as np
 from bisect import bisect_right
@@ -363,10 +363,10 @@ print(solved.t_events[0][0], v, alpha, y[5])
 "#;
 
 #[test]
-fn the_model_driven_again_equals_scipys_solve_ivp() {
+fn a_replay_equals_scipy_solve_ivp() {
     let track = sample_track("east");
     let vehicle = vehicle();
-    let run = a_run(&vehicle, &track, &options(100.0));
+    let run = simulated_run(&vehicle, &track, &options(100.0));
     let folder = tempfile::tempdir().unwrap();
     let (run_file, track_file) = (folder.path().join("r.csv"), folder.path().join("t.csv"));
     write_run(
@@ -379,11 +379,11 @@ fn the_model_driven_again_equals_scipys_solve_ivp() {
         .write_csv(std::fs::File::create(&track_file).unwrap())
         .unwrap();
     let (sled, friction) = (&vehicle.sled, Model::published().friction);
-    // A model that is not the one driven with, so that the run itself cannot be what comes out.
+    // The model differs from the one that was driven: the result cannot be the recorded run.
     let mut heavier = vehicle.clone();
     heavier.sled.mass_kg *= 1.1;
     heavier.rear.lateral.k_n_per_rad *= 0.8;
-    let ours = again(&run, &heavier, &track);
+    let ours = replay_of(&run, &heavier, &track);
     let law = |law: kufe_sled::friction::MagicFormula| [law.mu_zeta, law.c, law.e, law.k_n_per_rad];
     let to_m = 500.0;
     let parameters = serde_json::json!({
@@ -426,12 +426,13 @@ fn the_model_driven_again_equals_scipys_solve_ivp() {
         between(&|at| at.values[1][1]),
         between(&|at| at.values[2][1]),
     ];
-    println!("ours {values:?}\ntheirs {theirs:?}");
-    // The straight line between samples bends by 1e-5; the low pass takes as much off the steering.
+    println!("kufe {values:?}\nSciPy {theirs:?}");
+    // Linear interpolation between samples has an error of 1e-5; the low-pass filter changes the
+    // steering by as much.
     for (ours, (theirs, most)) in values
         .iter()
         .zip(theirs.iter().zip([2e-5, 1e-4, 5e-5, 2e-4]))
     {
-        assert!((ours - theirs).abs() < most, "{ours} against {theirs}");
+        assert!((ours - theirs).abs() < most, "kufe {ours}, SciPy {theirs}");
     }
 }

@@ -1,12 +1,12 @@
-//! Transfer of accelerations, rotations and slips against a moving rigid body computed
-//! independently.
+//! Transfer of accelerations, rotations and slips against an independent computation for a moving
+//! rigid body.
 
 use kufe_sled::one_track::{body_to_front, front_to_body};
 use kufe_sled::{GRAVITY, Model, slips, to_centre_of_gravity};
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 
-/// Attitude over time: three rotations about fixed body axes in turn, each an arbitrary smooth
+/// Attitude over time [rad]: three successive rotations about body axes, each an arbitrary smooth
 /// function.
 fn attitude(t: f64, k: &[f64; 6]) -> Rotation3<f64> {
     let angle = |a: f64, w: f64, phase: f64| a * (w * t + phase).sin();
@@ -23,7 +23,7 @@ fn centre(t: f64, k: &[f64; 6]) -> Vector3<f64> {
     )
 }
 
-/// Second derivative by an eighth-order central difference, first by the same.
+/// First and second derivative by eighth-order central differences.
 fn differences<T>(f: impl Fn(f64) -> T, t: f64, h: f64) -> (T, T)
 where
     T: std::ops::Mul<f64, Output = T>
@@ -58,13 +58,13 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn transfer_equals_a_moving_points_second_difference(
+    fn transferred_acceleration_equals_the_second_difference_of_a_point(
         k in prop::array::uniform6(-1.0..1.0f64),
         r in prop::array::uniform3(-1.0..1.0f64),
         t in 0.0..3.0f64,
     ) {
-        // Eighth order: truncation h^8 f^(10) / 3150 and rounding 1e-15 / h^2 are both below 1e-10
-        // here.
+        // The truncation error h^8 f^(10) / 3150 and the rounding error 1e-15 / h^2 are both below
+        // 1e-10.
         let h = 0.008;
         let up = Vector3::new(0.0, 0.0, GRAVITY);
         let point = |t: f64| centre(t, &k) - Vector3::new(30.0 * t, 0.0, 0.0) + attitude(t, &k) * Vector3::from(r);
@@ -103,16 +103,16 @@ proptest! {
 }
 
 #[test]
-fn slips_at_the_axles_are_those_of_the_points_velocities() {
+fn slips_at_the_axles_equal_those_of_the_velocities_there() {
     let sled = Model::published().sled;
-    // Velocity at the slip sensor and yaw rate; at small angles v_y(x) = v_y(x_s) + yaw (x - x_s).
+    // Velocity at the slip sensor and yaw rate. For small angles v_y(x) = v_y(x_s) + yaw (x - x_s).
     let (v, alpha, yaw, delta) = (30.0, 0.01, -0.2, 0.03);
     let found = slips(&sled, alpha, yaw, v, delta);
     let at = |x: f64| {
         let vy = -v * f64::tan(alpha) + yaw * (x - sled.slip_x_m);
         -vy.atan2(v)
     };
-    // The format's formula is linear in the angles: the residual is of their third power.
+    // The formula of the format is linear in the angles. The residual is of third order.
     let cubic = 0.03_f64.powi(3);
     assert!((found.cog - at(0.0)).abs() < cubic);
     assert!((found.front - at(sled.l_f_m) - delta).abs() < cubic);
@@ -122,8 +122,8 @@ fn slips_at_the_axles_are_those_of_the_points_velocities() {
 }
 
 #[test]
-fn paper_matrix_is_the_same_rigid_body() {
-    // The paper's acceleration matrix, written out.
+fn transfer_equals_the_acceleration_matrix_of_the_paper() {
+    // The acceleration matrix of the paper, written out.
     let (w, d, r) = ([0.4, -1.3, 0.7], [3.0, -2.0, 1.5], [-0.35, 0.07, 0.12]);
     let [p, q, y] = w;
     let [dp, dq, dy] = d;

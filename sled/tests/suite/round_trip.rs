@@ -1,4 +1,4 @@
-//! Simulated with known friction, recorded with noise, fitted: the friction must come back.
+//! Runs simulated with known friction and recorded with noise: the fit recovers the friction.
 
 use kufe_sled::friction::{LateralFit, MagicFormula};
 use kufe_sled::one_track::inverse;
@@ -8,7 +8,7 @@ use kufe_sled::{
     record, simulate, simulated_entry,
 };
 
-/// Eight runs of a driver who steers hard, on a track without walls.
+/// Eight runs of a driver with large steering angles, on a track without walls.
 fn runs(model: &Model, seed: u64) -> Vec<Run> {
     let vehicle = Vehicle::new(model).unwrap();
     let track = sample_track("west");
@@ -40,11 +40,11 @@ fn runs(model: &Model, seed: u64) -> Vec<Run> {
 
 #[test]
 #[ignore = "slow study: .ci/slow"]
-fn twenty_seeds_return_product_and_stiffness_within_five_percent_and_their_intervals() {
+fn fits_of_twenty_seeds_are_within_five_percent_and_intervals_cover() {
     let mut model = Model::published();
-    // Every lever arm at work.
+    // All lever arms are nonzero.
     model.sled.accel_y_m = 0.05;
-    // The fit starts from another sled's friction: only the data may know the truth.
+    // The fit starts from the friction of another sled, so the result depends on the data alone.
     let mut start = model.clone();
     start.friction.front = MagicFormula {
         mu_zeta: 1.0,
@@ -130,7 +130,8 @@ fn measured_forces_are_within_one_percent_without_noise() {
     let simulated = simulate(&vehicle, &shape, &driver, &options).unwrap();
     let entry = simulated_entry("r", &track, "d", options.conditions);
     let run = record(&simulated, &vehicle, None, entry, 1);
-    // The whole chain: low pass, down-sampling, 20 Hz, derivatives, transfer, inverse.
+    // The complete processing: low-pass filter, down-sampling, 20 Hz, derivatives, transfer,
+    // inverse.
     let prepared = prepare_all(&[run], &vehicle, None, &PrepareOptions::default()).unwrap();
     let instants = prepared[0].states.iter().zip(&prepared[0].motions);
     let measured = instants.map(|(state, motion)| inverse(&vehicle, state, motion));

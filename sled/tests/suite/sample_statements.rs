@@ -1,4 +1,4 @@
-//! What the paper says of its runs, on the sample data.
+//! Statements of the paper about its runs, verified on the sample data.
 
 use std::sync::LazyLock;
 
@@ -41,7 +41,7 @@ static SAMPLE: LazyLock<Sample> = LazyLock::new(|| {
     }
 });
 
-fn unseen() -> Vec<Prepared> {
+fn held_out_runs() -> Vec<Prepared> {
     let seen = |run: &&Prepared| !SAMPLE.fit.runs.contains(&run.entry.run);
     SAMPLE.prepared.iter().filter(seen).cloned().collect()
 }
@@ -53,7 +53,7 @@ fn fitted_vehicle() -> Vehicle {
 }
 
 #[test]
-fn forty_four_runs_of_five_drivers_on_two_tracks() {
+fn the_sample_has_44_runs_of_five_drivers_on_two_tracks() {
     assert_eq!(SAMPLE.prepared.len(), 44);
     for (driver, count) in [("A1", 9), ("A2", 12), ("A3", 7), ("B1", 12), ("C1", 4)] {
         let runs = SAMPLE
@@ -66,7 +66,7 @@ fn forty_four_runs_of_five_drivers_on_two_tracks() {
 }
 
 #[test]
-fn fit_of_the_sample_data_is_its_truth_within_five_percent() {
+fn fit_of_the_sample_data_recovers_the_truth_within_five_percent() {
     let truth = &SAMPLE.model.friction;
     for (fit, truth) in [
         (&SAMPLE.fit.front, truth.front),
@@ -77,9 +77,9 @@ fn fit_of_the_sample_data_is_its_truth_within_five_percent() {
     }
 }
 
-/// As of a slip sensor and a steering sensor that are mounted anew for each session.
+/// Offsets as after a new installation of the slip sensor and the steering sensor for each session.
 #[test]
-fn zero_offsets_of_sessions_are_found_and_do_not_change_the_fit() {
+fn zero_offsets_of_sessions_are_estimated_and_do_not_change_the_fit() {
     let offsets = [
         ("d1", 1.2e-3, 0.0),
         ("d2", -0.8e-3, 1.0e-3),
@@ -105,7 +105,7 @@ fn zero_offsets_of_sessions_are_found_and_do_not_change_the_fit() {
         let k = fit.k_n_per_rad.value;
         assert!((k / truth.k_n_per_rad - 1.0).abs() < 0.05, "{k}");
     }
-    // Contacts are found in the runs with the offsets subtracted.
+    // Wall contacts are detected in the runs after the offsets are subtracted.
     let [found, expected] = [&fit, &SAMPLE.fit].map(|fit| fit.excluded_contacts as f64);
     assert!((found / expected - 1.0).abs() < 0.05, "{found} {expected}");
     let [found, expected] = [&fit, &SAMPLE.fit].map(|fit| fit.balances_left_rms.side_n);
@@ -127,7 +127,7 @@ fn zero_offsets_of_sessions_are_found_and_do_not_change_the_fit() {
 fn a_fit_that_fails_with_the_offsets_subtracted_is_an_error() {
     let mut runs = SAMPLE.prepared.clone();
     for run in &mut runs {
-        // More than the slips, less than the offset.
+        // The standard deviation is larger than the slips and smaller than the offset.
         run.slip_sd_rad = [0.01; 2];
         for state in &mut run.states {
             state.alpha_r_rad += 0.02;
@@ -140,7 +140,7 @@ fn a_fit_that_fails_with_the_offsets_subtracted_is_an_error() {
 }
 
 #[test]
-fn offsets_are_found_with_the_laws_that_are_given() {
+fn offsets_are_estimated_with_given_laws() {
     assert!(slip_offsets(&SAMPLE.prepared, &fitted_vehicle()).is_empty());
     let mut runs = SAMPLE.prepared.clone();
     for state in runs.iter_mut().flat_map(|run| &mut run.states) {
@@ -155,8 +155,8 @@ fn offsets_are_found_with_the_laws_that_are_given() {
 }
 
 #[test]
-fn fitted_model_beats_braghin_on_an_unseen_track_and_on_unseen_runs() {
-    let runs = validate(&unseen(), &fitted_vehicle());
+fn fitted_model_has_a_lower_error_than_braghin_on_held_out_runs() {
+    let runs = validate(&held_out_runs(), &fitted_vehicle());
     for run in &runs {
         assert!(run.rmse_n < run.rmse_braghin_n, "{}", run.run);
     }
@@ -172,8 +172,8 @@ fn fitted_model_beats_braghin_on_an_unseen_track_and_on_unseen_runs() {
 }
 
 #[test]
-fn wall_contact_raises_the_error_where_it_happens() {
-    let runs = validate(&unseen(), &fitted_vehicle());
+fn wall_contact_raises_the_error_at_its_position() {
+    let runs = validate(&held_out_runs(), &fitted_vehicle());
     let rmse = |track: &str| {
         by_track(&runs)
             .iter()
@@ -198,14 +198,14 @@ fn wall_contact_raises_the_error_where_it_happens() {
             .unwrap()
             .options
             .contacts;
-        // The two largest disagreements lie within 15 m of a wall contact that was driven.
+        // The two largest differences are within 15 m of a simulated wall contact.
         for disagreement in run.largest.iter().take(2) {
             let near = contacts
                 .iter()
                 .any(|c| (disagreement.s_m - c.s_m - 0.5 * c.length_m).abs() < 15.0);
             assert!(
                 near,
-                "{}: {disagreement:?} is at none of {contacts:?}",
+                "{}: {disagreement:?} is near none of {contacts:?}",
                 run.run
             );
         }
@@ -221,17 +221,17 @@ fn group<'a>(groups: &'a [Group], by: &str, name: &str) -> &'a Group {
 }
 
 #[test]
-fn top_drivers_lose_less_than_advanced_and_those_less_than_juniors() {
+fn losses_increase_from_class_a_to_class_c() {
     let runs: Vec<RunEvaluation> = evaluate(&SAMPLE.prepared, &SAMPLE.vehicle);
     let groups = groups(&runs, 1);
     let class = |name| group(&groups, "class", name).increase_total;
     assert!(class("A").high.unwrap() < class("B").low.unwrap());
     assert!(class("B").mean < class("C").low.unwrap());
-    // Two styles: A2 steers more and loses more at the front than A1, and less than B1 in all.
+    // Two styles: A2 steers more than A1 and loses more at the front.
     let driver = |name| group(&groups, "driver", name);
     assert!(driver("A2").steering_above_2deg.mean > driver("A1").steering_above_2deg.mean);
     assert!(driver("A2").increase_front.mean > driver("A1").increase_front.mean);
-    // The junior steers least at high angles, never beyond 4 degrees, and slips most at the rear.
+    // Driver C1 steers least above 2 degrees, never above 4 degrees, and slips most at the rear.
     for other in ["A1", "A2", "A3", "B1"] {
         assert!(driver("C1").steering_above_2deg.mean < driver(other).steering_above_2deg.mean);
         assert!(driver("C1").slip_rear_above_2deg.mean > driver(other).slip_rear_above_2deg.mean);
@@ -241,8 +241,8 @@ fn top_drivers_lose_less_than_advanced_and_those_less_than_juniors() {
 }
 
 #[test]
-fn increases_are_those_of_an_independent_integration() {
-    // Simpson's rule on the energies of one run, from the forces by hand.
+fn loss_increases_equal_an_independent_integration() {
+    // Reference: Simpson's rule over the powers of the forces of one run.
     let run = &SAMPLE.prepared[0];
     let vehicle = &SAMPLE.vehicle;
     let evaluated = &evaluate(std::slice::from_ref(run), vehicle)[0];

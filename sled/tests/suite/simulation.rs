@@ -1,4 +1,4 @@
-//! The simulator against energy, time steps, the inverse model and the clock.
+//! The simulator against energy conservation, step refinement, the inverse model and repeatability.
 
 use kufe_sled::RunnerLaw;
 use kufe_sled::one_track::inverse;
@@ -22,7 +22,7 @@ fn driven(vehicle: &Vehicle, track: &Track, options: &SimulateOptions) -> Simula
     .unwrap()
 }
 
-/// Hills and valleys without turns, whose curvature is the slope's.
+/// Hills and valleys without turns. The vertical curvature is the derivative of the slope.
 fn rolling_track() -> Track {
     let s_m: Vec<f64> = (0..=800).map(f64::from).collect();
     let k = std::f64::consts::TAU / 160.0;
@@ -37,7 +37,7 @@ fn rolling_track() -> Track {
 }
 
 #[test]
-fn speed_follows_from_altitude_when_nothing_rubs() {
+fn speed_without_friction_follows_from_altitude() {
     let mut vehicle = vehicle();
     vehicle.sled.cda_m2 = 0.0;
     for runner in [&mut vehicle.front, &mut vehicle.rear] {
@@ -53,7 +53,7 @@ fn speed_follows_from_altitude_when_nothing_rubs() {
     )
     .unwrap();
     assert!(run.energy.relative_error() < 1e-9, "{:?}", run.energy);
-    // Independently: altitude by Simpson's rule on the formula itself.
+    // Reference: altitude by Simpson's rule over the formula of the slope.
     let last = run.instants.last().unwrap().state;
     let slope = |s: f64| 0.06 + 0.08 * (std::f64::consts::TAU / 160.0 * s).sin();
     let n = 20_000;
@@ -74,7 +74,7 @@ fn speed_follows_from_altitude_when_nothing_rubs() {
 }
 
 #[test]
-fn gravitys_work_is_that_of_the_altitude_whatever_way_the_sled_takes() {
+fn work_of_gravity_depends_on_altitude_only() {
     let track = sample_track("east");
     let shape = TrackShape::new(&track);
     let cross = 0.25;
@@ -85,12 +85,12 @@ fn gravitys_work_is_that_of_the_altitude_whatever_way_the_sled_takes() {
     let run = driven(&vehicle(), &track, &options);
     let (end, n) = (run.instants.last().unwrap(), run.offset_m.last().unwrap());
     let s = end.state.s_m;
-    let aside = run
+    let offset = run
         .offset_m
         .iter()
         .fold(0.0, |most: f64, n| most.max(n.abs()));
-    assert!(aside > 0.2, "the sled stays within {aside} m of the line");
-    // By the midpoint rule along the line, then across an arc of the radius 1 / cross.
+    assert!(offset > 0.2, "the sled stays within {offset} m of the line");
+    // Midpoint rule along the line, then across an arc of radius 1 / cross.
     let (from, cells) = (track.s_m[0], 200_000);
     let h = (s - from) / f64::from(cells);
     let fall: f64 = (0..cells)
@@ -108,7 +108,7 @@ fn gravitys_work_is_that_of_the_altitude_whatever_way_the_sled_takes() {
 }
 
 #[test]
-fn work_and_energy_balance_with_everything_on() {
+fn energy_balance_with_friction_drag_and_wall_contact() {
     let options = SimulateOptions {
         contacts: vec![WallContact {
             s_m: 480.0,
@@ -137,7 +137,7 @@ fn time_steps_converge_with_order_four() {
         driven(&vehicle(), &track, &options).instants
     };
     let fine = drive(0.000_25);
-    // Root mean square over the run of the rear slip angle, relative to the slip's own.
+    // RMS error of the rear slip angle over the run, relative to the RMS slip angle.
     let error = |step: f64| {
         let squares =
             |pick: &dyn Fn(usize) -> f64| (0..fine.len()).map(|i| pick(i).powi(2)).sum::<f64>();
@@ -154,9 +154,9 @@ fn time_steps_converge_with_order_four() {
     assert!(real_time < 1e-6, "1 kHz differs from 4 kHz by {real_time}");
 }
 
-/// A short sled of little yaw inertia answers within less than a step of 1 ms.
+/// A short sled with little yaw inertia: its time constant is below the step of 1 ms.
 #[test]
-fn a_stiff_sled_is_driven_in_smaller_steps() {
+fn a_stiff_sled_is_integrated_with_smaller_steps() {
     let track = sample_track("west");
     let mut stiff = vehicle();
     stiff.sled.j_zz_kgm2 = 1.0;
@@ -177,7 +177,7 @@ fn a_stiff_sled_is_driven_in_smaller_steps() {
     };
     let slips = [&usual, &fine].map(slip);
     assert!((slips[0] / slips[1] - 1.0).abs() < 0.01, "{slips:?}");
-    // No step is small enough for less inertia still.
+    // With still less inertia no permitted step is stable.
     stiff.sled.j_zz_kgm2 = 1e-3;
     let options = SimulateOptions::default();
     let driver = Driver::of_skill(0.9);
@@ -222,13 +222,13 @@ fn recorded(
 }
 
 #[test]
-fn inverse_recovers_the_simulated_forces_from_clean_sensors() {
+fn inverse_recovers_the_simulated_forces_from_noise_free_sensors() {
     let mut model = Model::published();
     model.sled.accel_y_m = 0.07;
     let vehicle = Vehicle::new(&model).unwrap();
     let track = sample_track("east");
     let simulated = driven(&vehicle, &track, &SimulateOptions::default());
-    // With the simulator's own accelerations the two directions are each other's inverse.
+    // With the simulator's own accelerations the inverse model is exact.
     for instant in &simulated.instants {
         let back = inverse(&vehicle, &instant.state, &instant.motion);
         for (found, truth) in back
@@ -271,8 +271,8 @@ fn inverse_recovers_the_simulated_forces_from_clean_sensors() {
             for (i, force) in forces.iter().enumerate().skip(4).take(forces.len() - 8) {
                 let off = (pick(force) - pick(&simulated.instants[i].forces)).abs() / scale;
                 worst = worst.max(off);
-                // The residual is the derivative across kinks in the track's third derivative, at
-                // each metre of its table.
+                // The residual comes from the derivative across the kinks in the track's third
+                // derivative, at each metre of its table.
                 assert!(
                     off < 5e-3,
                     "{name} axis {axis} at sample {i}: {off:.1e} of {scale:.0} N"

@@ -1,5 +1,5 @@
-//! Runners whose coefficient of friction is looked up over load, curvature, speed and temperature
-//! of the ice.
+//! Runners whose friction coefficient is interpolated in a table over load, curvature, speed and
+//! ice temperature.
 
 use std::path::Path;
 
@@ -11,8 +11,8 @@ use kufe_sled::{
     outside_tables, simulate,
 };
 
-/// Powers of load and speed and an exponential of the temperature, which the smooth mode looks up
-/// exactly.
+/// Powers of load and speed and an exponential of the temperature, which the smooth mode
+/// interpolates exactly.
 fn law(fz: f64, speed: f64, ice_c: f64) -> f64 {
     1.5e-3 * (fz / 1000.0).powf(-0.2) * speed.powf(0.35) * (-0.03 * ice_c).exp()
 }
@@ -65,7 +65,7 @@ fn model(folder: &Path, longitudinal: &str) -> Result<Model, kufe_sled::Error> {
 const TABLES: &str = "front_table = \"mu.lut\"\nrear_table = \"mu.lut\"\n";
 
 #[test]
-fn a_table_over_the_ice_is_not_asked_without_its_temperature() {
+fn a_table_over_ice_temperature_needs_the_temperature() {
     let folder = tempfile::tempdir().unwrap();
     write_table(&folder.path().join("mu.lut"), 50.0, true);
     let vehicle = Vehicle::new(&model(folder.path(), TABLES).unwrap()).unwrap();
@@ -88,7 +88,7 @@ fn driven(vehicle: &Vehicle, ice_c: f64) -> Simulated {
 }
 
 #[test]
-fn each_runner_has_the_coefficient_of_its_load_the_speed_and_the_ice() {
+fn friction_coefficients_follow_load_speed_and_ice_temperature() {
     let folder = tempfile::tempdir().unwrap();
     write_table(&folder.path().join("mu.lut"), 50.0, true);
     for (further, factor) in [("", 1.0), ("zeta = 1.25\n", 1.25)] {
@@ -126,7 +126,7 @@ fn each_runner_has_the_coefficient_of_its_load_the_speed_and_the_ice() {
 }
 
 #[test]
-fn a_simulated_run_loses_more_on_ice_of_more_friction_and_instants_outside_are_counted() {
+fn simulated_friction_follows_the_table_and_instants_outside_are_counted() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("mu.lut");
     write_table(&file, 50.0, true);
@@ -147,25 +147,25 @@ fn a_simulated_run_loses_more_on_ice_of_more_friction_and_instants_outside_are_c
     // The same law in a table that ends at 20 m/s.
     write_table(&file, 20.0, true);
     let slow = Vehicle::new(&model).unwrap();
-    let beyond = states.clone().filter(|state| state.v_mps > 20.0).count();
+    let above = states.clone().filter(|state| state.v_mps > 20.0).count();
     let outside = outside_tables(&slow, states.clone());
-    assert!(beyond > 1000);
+    assert!(above > 1000);
     assert_eq!(outside.len(), 2);
     for (outside, runner) in outside.iter().zip(["front", "rear"]) {
         assert_eq!(
             (outside.runner.as_str(), outside.samples, outside.of),
-            (runner, beyond, states.clone().count())
+            (runner, above, states.clone().count())
         );
         assert!(outside.to_string().contains("mu.lut"));
     }
 }
 
 #[test]
-fn the_effect_film_puts_the_tables_law_in_the_place_of_a_constant_by_its_share() {
+fn the_film_effect_blends_a_constant_with_the_table_by_its_share() {
     let folder = tempfile::tempdir().unwrap();
     write_table(&folder.path().join("mu.lut"), 50.0, true);
-    // The mean over the nodes of the table: 2 loads, the same at both curvatures, 3 speeds, 3
-    // temperatures.
+    // The mean over the nodes of the table: 2 loads, 3 speeds, 3 temperatures. Both curvatures have
+    // the same values.
     let mut mean = 0.0;
     for fz in [50.0, 20_000.0] {
         for speed in [0.5, 8.0, 50.0] {
@@ -207,7 +207,7 @@ fn the_effect_film_puts_the_tables_law_in_the_place_of_a_constant_by_its_share()
 }
 
 #[test]
-fn tables_that_do_not_do_are_refused_by_name() {
+fn invalid_tables_are_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("mu.lut");
     let reported = |longitudinal: &str| {
@@ -232,7 +232,7 @@ fn tables_that_do_not_do_are_refused_by_name() {
 }
 
 #[test]
-fn a_model_with_tables_can_be_written_elsewhere() {
+fn a_model_with_tables_can_be_written_to_another_folder() {
     let folder = tempfile::tempdir().unwrap();
     write_table(&folder.path().join("mu.lut"), 50.0, true);
     let model = model(folder.path(), TABLES).unwrap();

@@ -1,11 +1,11 @@
-//! Whatever patch and conditions: an answer within the accuracy, finite, in balance.
+//! Random patches and conditions: the result is finite, in balance and within the accuracy.
 
 use super::patches::{WATER, rounding, strip};
 use kufe_sled::friction::film::{BoundaryContact, FilmConditions, FilmOptions, Strip, film};
 use proptest::prelude::*;
 
-/// The shapes of patches: even, round at both ends, ice that yields up to a pointed end, pressure
-/// that falls in steps.
+/// Patch shapes: uniform, round at both ends, yielding ice with a pointed end, stepwise decreasing
+/// pressure.
 fn patch(shape: usize, length: f64, n: usize, width: f64, p: f64) -> Strip {
     match shape {
         0 => strip(length, n, |_| width, |_| p),
@@ -25,7 +25,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_patch_has_a_film_in_balance(
+    fn film_of_random_patches_is_in_balance(
         shape in 0_usize..5,
         n in 2_usize..120,
         length in -3.0_f64..0.0,

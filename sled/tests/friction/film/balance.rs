@@ -1,10 +1,10 @@
-//! Heat and water that come in go out; what more speed, cold, load and viscosity do.
+//! Heat and water balances; the influence of speed, temperature, load and viscosity.
 
 use super::patches::{STEEL_INSULATED, WATER, hertz, solved, strip};
 use kufe_sled::friction::film::{FilmConditions, FilmOptions, HeatIntoIce, Strip, film};
 
 #[test]
-fn friction_heat_is_what_melts_and_what_the_walls_take_to_one_in_a_million() {
+fn heat_balance_within_1e_6() {
     for (v, ice) in [(30.0, -5.0), (3.0, -15.0), (30.0, 0.0)] {
         let conditions = FilmConditions {
             steel_c: -12.0,
@@ -14,8 +14,8 @@ fn friction_heat_is_what_melts_and_what_the_walls_take_to_one_in_a_million() {
         let strip = Strip::uniform(0.06, width, pressure).expect("a strip");
         let film = solved(&strip, &conditions, &WATER);
         let totals = film.totals;
-        // Water that leaves: sideways, and at the trailing edge with half the speed. It was not
-        // summed with the heat.
+        // Outflow of water: sideways, and at the trailing edge with half the speed. It is computed
+        // independently of the heat.
         let carried = 0.5 * v * width * film.stations[0].thickness;
         let melting = WATER.heat_of_water() * (totals.squeezed_out + carried);
         let walls = totals.into_ice + totals.into_steel;
@@ -34,7 +34,7 @@ fn friction_heat_is_what_melts_and_what_the_walls_take_to_one_in_a_million() {
 #[test]
 fn totals_are_the_integrals_of_the_stations() {
     let conditions = FilmConditions::new(20.0, -5.0);
-    // Stations even in sqrt(xi), where everything is smooth.
+    // Stations uniform in sqrt(xi), in which all quantities are smooth.
     let n = 2000;
     let (length, width): (f64, f64) = (0.05, 0.9e-3);
     let xi: Vec<f64> = (0..=n)
@@ -52,8 +52,8 @@ fn totals_are_the_integrals_of_the_stations() {
             .map(|k| weight(k) * of(k) * 2.0 * film.stations[k].xi.sqrt() * width * ends)
             .sum()
     };
-    // At the leading edge shear and heat times sqrt(xi) are finite: half a step of the first
-    // station's is their value there.
+    // Shear and heat times sqrt(xi) are finite at the leading edge. Half a step with the value of
+    // the first station covers the edge.
     let edge = |of: f64| of * film.stations[0].xi.sqrt() * width * ends;
     let drag = sum(&|k| film.stations[k].shear) + edge(film.stations[0].shear);
     assert!(
@@ -74,7 +74,7 @@ fn totals_are_the_integrals_of_the_stations() {
 }
 
 #[test]
-fn more_speed_viscosity_and_cold_change_the_film_the_way_they_must() {
+fn film_depends_on_speed_viscosity_and_temperature_with_the_right_sign() {
     let strip = hertz(0.06, 60, 1.0e-3, 18.0e6);
     let at = |conditions: FilmConditions| solved(&strip, &conditions, &WATER).totals;
     let base = FilmConditions::new(20.0, -5.0);
@@ -113,7 +113,7 @@ fn more_speed_viscosity_and_cold_change_the_film_the_way_they_must() {
 }
 
 #[test]
-fn slow_film_on_cold_ice_is_thinner_than_a_molecule_and_never_gone() {
+fn slow_film_on_cold_ice_is_below_a_nanometre_and_positive() {
     let strip = Strip::uniform(0.03, 1.0e-3, 12.0e6).expect("a strip");
     let mut last = f64::INFINITY;
     for v in [1.0, 0.1, 0.01, 1.0e-3] {
@@ -126,9 +126,8 @@ fn slow_film_on_cold_ice_is_thinner_than_a_molecule_and_never_gone() {
 }
 
 #[test]
-fn film_freezes_where_the_pressure_falls_and_the_melting_point_rises() {
-    // Half way the pressure drops to a tenth, so that the surface has to be 1 K warmer from there
-    // on.
+fn film_freezes_where_the_pressure_decreases() {
+    // In the middle the pressure drops to a tenth: the surface is 1 K warmer behind it.
     let fall = |at: f64| if at < 0.5 { 16.0e6 } else { 1.6e6 };
     let film = solved(
         &strip(0.04, 200, |_| 1.0e-3, fall),
@@ -146,7 +145,7 @@ fn film_freezes_where_the_pressure_falls_and_the_melting_point_rises() {
 }
 
 #[test]
-fn heat_into_ice_follows_the_melting_point_that_was() {
+fn heat_into_ice_depends_on_the_history_of_the_melting_point() {
     let conditions = FilmConditions::new(20.0, -5.0);
     let even = Strip::uniform(0.05, 1.0e-3, 10.0e6).expect("a strip");
     let kappa = WATER.ice_diffusivity();
@@ -155,8 +154,8 @@ fn heat_into_ice_follows_the_melting_point_that_was() {
     for xi in [0.0, 1.0e-4, 0.05] {
         assert!((heat.scaled(xi) / plain(5.0 - 0.74) - 1.0).abs() < 1e-12);
     }
-    // A surface that warms in proportion to the distance takes k b 2 sqrt(xi): twice what its
-    // temperature alone says.
+    // A surface temperature proportional to the distance, b xi, gives a heat flux proportional to 2
+    // b sqrt(xi): twice that of a constant surface temperature of the same value.
     let falling = Strip::new(vec![0.0, 0.05], vec![1.0e-3; 2], vec![10.0e6, 0.0]).expect("a strip");
     let heat = HeatIntoIce::new(&falling, &conditions, &WATER);
     for xi in [0.01, 0.02, 0.05] {
@@ -166,7 +165,7 @@ fn heat_into_ice_follows_the_melting_point_that_was() {
 }
 
 #[test]
-fn steel_matters_early_and_slow_only() {
+fn heat_into_steel_matters_only_at_low_speed_and_short_times() {
     let strip = Strip::uniform(0.05, 1.0e-3, 15.0e6).expect("a strip");
     let share = |v: f64, sliding_time: f64| {
         let conditions = FilmConditions {

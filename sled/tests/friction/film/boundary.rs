@@ -1,4 +1,4 @@
-//! Mixed lubrication: its limits, its balances, and a plain integration of its equations.
+//! Mixed lubrication: limits, balances, and an independent integration of the equations.
 
 use super::closed_form::cold_friction;
 use super::groove::groove;
@@ -12,7 +12,8 @@ fn rough(v: f64, ice: f64, roughness: f64, shear: f64) -> FilmConditions {
     }
 }
 
-/// Share of a Gaussian surface outside `z` standard deviations, by Simpson's rule over its density.
+/// Fraction of a Gaussian surface beyond `z` standard deviations, by Simpson's rule over its
+/// density.
 fn outside(z: f64) -> f64 {
     if z > 8.0 {
         return 0.0;
@@ -31,42 +32,47 @@ fn outside(z: f64) -> f64 {
 }
 
 #[test]
-fn without_roughness_or_shear_the_film_is_alone_to_the_bit() {
+fn zero_roughness_or_shear_is_identical_to_no_boundary_contact() {
     let strip = hertz(0.06, 40, 1.0e-3, 18.0e6);
     for (v, ice) in [(1.0, -5.0), (30.0, -1.0)] {
-        let alone = solved(&strip, &FilmConditions::new(v, ice), &WATER);
+        let film_only = solved(&strip, &FilmConditions::new(v, ice), &WATER);
         let smooth = solved(&strip, &rough(v, ice, 0.0, 60e3), &WATER);
-        assert!(smooth == alone, "{:?} {:?}", smooth.totals, alone.totals);
+        assert!(
+            smooth == film_only,
+            "{:?} {:?}",
+            smooth.totals,
+            film_only.totals
+        );
         let frictionless = solved(&strip, &rough(v, ice, 0.5e-6, 0.0), &WATER);
-        assert_eq!(frictionless.totals.friction, alone.totals.friction);
+        assert_eq!(frictionless.totals.friction, film_only.totals.friction);
         assert_eq!(frictionless.totals.boundary_friction, 0.0);
         let thickness = |film: &kufe_sled::friction::film::Film| -> Vec<u64> {
             let bits = film.stations.iter().map(|s| s.thickness.to_bits());
             bits.collect()
         };
-        assert_eq!(thickness(&frictionless), thickness(&alone));
+        assert_eq!(thickness(&frictionless), thickness(&film_only));
     }
 }
 
 #[test]
 fn film_far_thicker_than_the_roughness_has_no_boundary_part() {
     let strip = Strip::uniform(0.06, 1.0e-3, 10.0e6).expect("a strip");
-    let alone = solved(&strip, &FilmConditions::new(30.0, 0.0), &INSULATED).totals;
+    let film_only = solved(&strip, &FilmConditions::new(30.0, 0.0), &INSULATED).totals;
     let film = solved(&strip, &rough(30.0, 0.0, 5.0e-9, 100e3), &INSULATED).totals;
-    // Only the start, where the film grows from nothing, is thinner: h < 3 sigma over less than a
+    // Only the start is thinner, where the film grows from 0: h < 3 sigma over less than a
     // thousandth of the patch.
     assert!(film.boundary_friction < 1e-3 * film.friction, "{film:?}");
-    assert!((film.friction / alone.friction - 1.0).abs() < 1e-3);
+    assert!((film.friction / film_only.friction - 1.0).abs() < 1e-3);
 }
 
 #[test]
-fn film_far_thinner_than_the_roughness_leaves_boundary_shear_on_the_whole_patch() {
+fn film_far_thinner_than_the_roughness_has_boundary_shear_on_the_whole_patch() {
     for (v, shear) in [(1.0, 20e3), (5.0, 60e3)] {
         let strip = hertz(0.06, 40, 1.0e-3, 18.0e6);
         let film = solved(&strip, &rough(v, -5.0, 1.0e-3, shear), &WATER);
         let totals = film.totals;
         let all = shear * totals.area / totals.load;
-        // erfc falls by sqrt(2/pi) h/sigma, and h is below 1 µm.
+        // erfc decreases by sqrt(2/pi) h/sigma, and h is below 1 µm.
         assert!((totals.boundary_friction / all - 1.0).abs() < 1e-3, "{v}");
         assert!((totals.boundary_share - 1.0).abs() < 1e-3);
         for station in &film.stations {
@@ -77,11 +83,12 @@ fn film_far_thinner_than_the_roughness_leaves_boundary_shear_on_the_whole_patch(
 }
 
 #[test]
-fn slow_runner_on_cold_ice_gives_its_heat_to_the_ice_whichever_friction_supplies_it() {
+fn slow_runner_on_cold_ice_heats_the_ice_for_any_boundary_share() {
     let (v, ice, p, length) = (1.0e-3, -10.0, 10.0e6, 0.05);
     let strip = Strip::uniform(length, 1.0e-3, p).expect("a strip");
     let cold = cold_friction(length, p, &FilmConditions::new(v, ice), &STEEL_INSULATED);
-    // Shear stress that the ice's heat asks for at the trailing edge, where it is least.
+    // Shear stress that supplies the heat flux into the ice at the trailing edge, where the flux is
+    // smallest.
     let least = 0.5 * cold * p;
     for part in [0.1, 0.5, 0.9] {
         let conditions = rough(v, ice, 1.0e-6, part * least);
@@ -93,7 +100,7 @@ fn slow_runner_on_cold_ice_gives_its_heat_to_the_ice_whichever_friction_supplies
 }
 
 #[test]
-fn both_kinds_of_friction_are_what_melts_and_what_the_walls_take_to_one_in_a_million() {
+fn heat_balance_with_boundary_friction_within_1e_6() {
     for (v, ice, sigma, shear) in [
         (30.0, -5.0, 0.5e-6, 60e3),
         (3.0, -15.0, 0.3e-6, 100e3),
@@ -113,27 +120,27 @@ fn both_kinds_of_friction_are_what_melts_and_what_the_walls_take_to_one_in_a_mil
 }
 
 #[test]
-fn boundary_friction_thickens_the_film_and_does_not_simply_add() {
+fn boundary_friction_thickens_the_film_and_is_not_additive() {
     let strip = strip(
         0.065,
         60,
         |at| 1.05e-3 * rounding(0.5 * (1.0 + at)),
         |_| 17.7e6,
     );
-    let alone = solved(&strip, &FilmConditions::new(5.0, -5.0), &WATER).totals;
+    let film_only = solved(&strip, &FilmConditions::new(5.0, -5.0), &WATER).totals;
     let both = solved(&strip, &rough(5.0, -5.0, 0.5e-6, 60e3), &WATER).totals;
-    assert!(both.mean_thickness > 1.1 * alone.mean_thickness);
-    assert!(both.viscous_drag < 0.95 * alone.viscous_drag);
-    assert!(both.friction > alone.friction);
-    assert!(both.friction < alone.friction + both.boundary_friction);
+    assert!(both.mean_thickness > 1.1 * film_only.mean_thickness);
+    assert!(both.viscous_drag < 0.95 * film_only.viscous_drag);
+    assert!(both.friction > film_only.friction);
+    assert!(both.friction < film_only.friction + both.boundary_friction);
 }
 
-/// Friction of the film and of the boundary on a strip, by a Runge-Kutta method of tiny steps in
-/// `s = sqrt(xi)` from an almost closed film.
+/// Friction of the film and of the boundary contact on a strip, by a Runge-Kutta method of small
+/// steps in `s = sqrt(xi)` from an almost closed film.
 ///
-/// All is written here anew: the equations, the heat into the ice by its integral over the
-/// stations' slopes, and the Gaussian surface.
-fn plain(strip: &Strip, v: f64, ice: f64, sigma: f64, shear: f64) -> [f64; 2] {
+/// Independent of the library: the equations, the heat into the ice by its integral over the slopes
+/// of the stations, and the Gaussian surface.
+fn independent_friction(strip: &Strip, v: f64, ice: f64, sigma: f64, shear: f64) -> [f64; 2] {
     let (xi, w, p) = (strip.xi(), strip.width(), strip.pressure());
     let pi = std::f64::consts::PI;
     let (mu, latent) = (1.79e-3, 999.8 * 3.34e5);
@@ -165,13 +172,13 @@ fn plain(strip: &Strip, v: f64, ice: f64, sigma: f64, shear: f64) -> [f64; 2] {
     };
     let end = strip.length().sqrt();
     let mut s = 1.0e-4 * end;
-    // Friction heat alone would make h = s sqrt(4 mu V/latent); the true start is thinner, and is
-    // soon met from there.
+    // Friction heat alone would give h = s sqrt(4 mu V/latent). The true start is thinner, and the
+    // solution approaches it quickly.
     let mut h = s * (4.0 * mu * v / latent).sqrt();
     let mut drags = [0.0; 2];
     let mut load = 0.0;
     while s < end {
-        // As short as the film is stiff: the rate that friction heat has towards its balance.
+        // The step follows the stiffness: the rate at which friction heat approaches its balance.
         let stiff = 4.0 * s / (v * latent) * mu * v * v / (h * h);
         let step = (0.5 / stiff).min(0.02 * s).min(2.0e-4 * end).min(end - s);
         let k1 = slope(s, h);
@@ -197,7 +204,7 @@ fn bob() -> Strip {
 }
 
 #[test]
-fn plain_integration_agrees_within_half_a_percent() {
+fn independent_integration_agrees_within_half_a_percent() {
     for (v, sigma, shear) in [
         (2.4, 0.3e-6, 60e3),
         (5.0, 0.5e-6, 60e3),
@@ -205,18 +212,18 @@ fn plain_integration_agrees_within_half_a_percent() {
         (30.0, 0.5e-6, 60e3),
     ] {
         let totals = solved(&bob(), &rough(v, -5.0, sigma, shear), &WATER).totals;
-        let [viscous, boundary] = plain(&bob(), v, -5.0, sigma, shear);
-        println!("{v} m/s: {totals:?}, plainly {viscous:.4e} {boundary:.4e}");
+        let [viscous, boundary] = independent_friction(&bob(), v, -5.0, sigma, shear);
+        println!("{v} m/s: {totals:?}, independent {viscous:.4e} {boundary:.4e}");
         let friction = totals.friction;
         assert!((totals.viscous_friction - viscous).abs() < 5e-3 * friction);
         assert!((totals.boundary_friction - boundary).abs() < 5e-3 * friction);
     }
 }
 
-/// Friction in thousandths of a prototype (96 x 40 cells, its own heat conduction), with its
-/// boundary part where it is known, and the mean film [nm].
+/// Friction of a prototype [1e-3] (96 x 40 cells, its own heat conduction), its boundary part where
+/// available, and the mean film thickness [nm].
 #[test]
-fn boundary_friction_of_a_bob_is_that_of_the_prototype_within_its_accuracy() {
+fn boundary_friction_of_a_bob_agrees_with_the_prototype() {
     let table = [
         (1.0, 0.3e-6, 60e3, 2.00),
         (5.0, 0.3e-6, 60e3, 0.88),
@@ -236,7 +243,7 @@ fn boundary_friction_of_a_bob_is_that_of_the_prototype_within_its_accuracy() {
             1e3 * totals.viscous_friction,
             1e9 * totals.mean_thickness
         );
-        // The prototype's grid leaves its patch uncertain by a tenth, and its figures have two
+        // The grid of the prototype leaves its patch uncertain by a tenth, and its values have two
         // digits.
         assert!((boundary - prototype).abs() < 0.1 * prototype + 0.05);
     }

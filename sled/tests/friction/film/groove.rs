@@ -1,11 +1,11 @@
-//! A bob runner's groove, as a strip written down from its measures.
+//! The groove of a bob runner as a strip, from its dimensions.
 
 use super::patches::{WATER, solved};
 use kufe_sled::friction::film::{FilmConditions, Strip};
 
-/// Ice that yields at `h` [Pa] in front of the lowest point and springs back behind it: a section
-/// of radius `r` as deep as the groove, its width that of the chord; behind, the full width under a
-/// pressure that falls as Hertz's.
+/// Ice that yields at `h` [Pa] ahead of the lowest point and recovers elastically behind it. Ahead,
+/// the width is the chord of a section of radius `r` at the depth of the groove. Behind, the width
+/// is the full width and the pressure decreases as in a Hertzian contact.
 pub fn groove(front: f64, back: f64, depth: f64, r: f64, h: f64) -> Strip {
     let n = 60;
     let widest = (8.0 * r * depth).sqrt();
@@ -27,7 +27,7 @@ pub fn groove(front: f64, back: f64, depth: f64, r: f64, h: f64) -> Strip {
 }
 
 #[test]
-fn strip_carries_the_runners_load_and_has_the_friction_of_a_bob() {
+fn strip_carries_the_load_and_has_the_friction_of_a_bob() {
     // Rocker 30 m, section 4 mm, 950 N, ice of 17.7 MPa: 48.7 mm ahead of and 16.7 mm behind the
     // lowest point, 34.8 µm deep.
     let strip = groove(48.7e-3, 16.7e-3, 34.8e-6, 4.0e-3, 17.7e6);

@@ -1,4 +1,4 @@
-//! Hardness over temperature and contact time.
+//! Ice hardness as a function of temperature and contact time.
 
 use super::patches::WATER;
 use kufe_sled::Error;
@@ -6,14 +6,14 @@ use kufe_sled::friction::film::{
     HARDNESS_EXPONENT, IceHardness, Properties, pressure_melting_bound,
 };
 
-/// No pressure melting, so that creep alone shows.
+/// Without pressure melting: the hardness is that of creep alone.
 const NO_MELTING: Properties = Properties {
     melting_slope: 0.0,
     ..WATER
 };
 
 #[test]
-fn anchor_is_met_and_time_enters_by_the_power_law() {
+fn hardness_equals_the_reference_and_follows_the_power_law_in_time() {
     let hardness = IceHardness::new(17.7e6, -5.0, 2.0e-3).expect("an anchor");
     let at = |t: f64, time: f64| hardness.at(t, time, &NO_MELTING).expect("a hardness");
     assert!((at(-5.0, 2.0e-3) / 17.7e6 - 1.0).abs() < 1e-14);
@@ -22,7 +22,7 @@ fn anchor_is_met_and_time_enters_by_the_power_law() {
 }
 
 #[test]
-fn slopes_over_inverse_temperature_are_the_two_activation_energies() {
+fn arrhenius_slopes_are_the_two_activation_energies() {
     let hardness = IceHardness::new(15.0e6, -8.0, 1.0e-3).expect("an anchor");
     let at = |t: f64| hardness.at(t, 1.0e-3, &NO_MELTING).expect("a hardness");
     let energy = |warm: f64, cold: f64| {
@@ -36,7 +36,7 @@ fn slopes_over_inverse_temperature_are_the_two_activation_energies() {
 }
 
 #[test]
-fn no_ice_bears_more_than_melts_it() {
+fn hardness_is_at_most_the_melting_pressure() {
     let hardness = IceHardness::new(17.7e6, -5.0, 2.0e-3).expect("an anchor");
     let bound = pressure_melting_bound(-0.5, &WATER);
     assert!((bound / (0.5 / 7.4e-8) - 1.0).abs() < 1e-12);
@@ -50,7 +50,7 @@ fn no_ice_bears_more_than_melts_it() {
 }
 
 #[test]
-fn numbers_out_of_range_are_named() {
+fn values_out_of_range_are_named() {
     let name = |result: Result<f64, Error>| match result {
         Err(Error::OutOfRange { name, .. }) => name,
         other => panic!("{other:?}"),

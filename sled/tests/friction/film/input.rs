@@ -1,4 +1,4 @@
-//! Input that is not what it must be is answered with an error that names it.
+//! Invalid input of the film is refused with an error that names the quantity.
 
 use super::patches::{WATER, strip};
 use super::pressure_map::PressureMap;
@@ -16,7 +16,7 @@ fn named<T: std::fmt::Debug>(result: Result<T, Error>) -> &'static str {
 }
 
 #[test]
-fn strips_that_are_none_are_refused() {
+fn invalid_strips_are_refused() {
     let of = |xi: &[f64], w: &[f64], p: &[f64]| Strip::new(xi.to_vec(), w.to_vec(), p.to_vec());
     assert_eq!(named(of(&[0.0], &[1.0], &[1.0])), "too few");
     assert_eq!(named(of(&[0.0, 1.0], &[1.0], &[1.0, 1.0])), "too few");
@@ -137,7 +137,7 @@ fn conditions_properties_and_accuracy_out_of_range_are_named() {
 }
 
 #[test]
-fn maps_become_strips_that_carry_the_same_load() {
+fn strips_of_maps_carry_the_same_load() {
     let row = [0.0, 2.0e6, 4.0e6, 0.0];
     let mut cells = vec![0.0; 4];
     cells.extend(row);
@@ -162,7 +162,7 @@ fn maps_become_strips_that_carry_the_same_load() {
 }
 
 #[test]
-fn coarser_strip_keeps_its_ends() {
+fn coarser_strip_retains_its_ends() {
     let fine = strip(0.05, 11, |_| 1.0e-3, |at| 1.0e7 * (1.0 + at));
     let coarse = fine.every_second().expect("stations enough");
     assert_eq!(coarse.xi().len(), 7);

@@ -1,4 +1,4 @@
-//! Closed forms: melting against squeeze-out, cold and slow ice, the start at the leading edge.
+//! Closed forms: melting against squeeze-out, cold ice at low speed, the start at the leading edge.
 
 use super::closed_form::{
     cold_friction, film_pressure, melt_and_squeeze_friction, melt_and_squeeze_thickness,
@@ -23,7 +23,8 @@ fn long_insulated_strip_melts_against_squeeze_out_within_one_percent() {
         assert!((end / thickness - 1.0).abs() < 1e-6, "{end} {thickness}");
         let friction = melt_and_squeeze_friction(width, pressure, &conditions, &INSULATED);
         let error = film.totals.friction / friction - 1.0;
-        // The start, thinner than what follows, adds what the melt length of some mm is of a metre.
+        // The start is thinner. It adds the ratio of the melt length (some mm) to the length of 1
+        // m.
         assert!((0.0..0.01).contains(&error), "{error}");
     }
 }
@@ -43,8 +44,8 @@ fn closed_forms_of_melting_and_squeezing_balance_heat_and_water() {
 
 #[test]
 fn insulated_hertz_patch_has_the_friction_of_the_beta_function_within_one_percent() {
-    // Of each place melting against squeeze-out: the drag goes as p^(1/4) w^(1/2), both (1 -
-    // X^2)^(1/2) of their middle.
+    // Melting balances squeeze-out at each position. The drag is proportional to p^(1/4) w^(1/2),
+    // with both p and w proportional to (1 - X^2)^(1/2).
     let (length, width, peak) = (2.0, 1.0e-3, 20.0e6);
     let conditions = FilmConditions::new(20.0, 0.0);
     let film = solved(&hertz(length, 200, width, peak), &conditions, &INSULATED);
@@ -62,7 +63,7 @@ fn insulated_hertz_patch_has_the_friction_of_the_beta_function_within_one_percen
 }
 
 #[test]
-fn slow_runner_on_cold_ice_gives_its_heat_to_the_ice_within_one_percent() {
+fn slow_runner_on_cold_ice_heats_the_ice_within_one_percent() {
     for (v, ice, length) in [
         (1.0e-3, -10.0, 0.05),
         (1.0e-3, -30.0, 0.1),
@@ -88,11 +89,11 @@ fn slow_runner_on_cold_ice_gives_its_heat_to_the_ice_within_one_percent() {
 }
 
 #[test]
-fn without_squeeze_out_the_start_goes_on_for_ever() {
+fn film_without_squeeze_out_is_self_similar() {
     for (v, ice) in [(30.0, -5.0), (0.5, -20.0), (20.0, 0.0)] {
         let conditions = FilmConditions::new(v, ice);
-        // A strip a kilometre wide squeezes nothing out; at 0 C its pressure melts, and the ice
-        // gives heat.
+        // A strip 1 km wide has no squeeze-out. At 0 C the pressure lowers the melting point, and
+        // the ice supplies heat.
         let strip = Strip::new(
             vec![0.0, 1.0e-6, 0.01, 0.06],
             vec![1.0e3; 4],
@@ -111,7 +112,7 @@ fn without_squeeze_out_the_start_goes_on_for_ever() {
 }
 
 #[test]
-fn film_of_a_runner_starts_as_the_closed_form_says() {
+fn film_of_a_runner_starts_with_the_closed_form() {
     let conditions = FilmConditions::new(30.0, -5.0);
     let strip = Strip::new(
         vec![0.0, 1.0e-6, 1.0e-5, 0.06],
@@ -122,12 +123,12 @@ fn film_of_a_runner_starts_as_the_closed_form_says() {
     let a = self_similar_start(17.7e6, &conditions, &WATER);
     let ratio = film.stations[0].thickness / (a * 1.0e-3);
     assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
-    // Squeeze-out thins it further in.
+    // Further along, squeeze-out reduces the thickness.
     assert!(film.stations[2].thickness < 0.5 * a * 0.06_f64.sqrt());
 }
 
 #[test]
-fn start_is_met_by_its_own_equation() {
+fn closed_form_of_the_start_satisfies_the_film_equation() {
     for ice in [-40.0, -5.0, 0.0] {
         let conditions = FilmConditions {
             viscosity_factor: 3.0,
@@ -147,7 +148,7 @@ fn start_is_met_by_its_own_equation() {
 }
 
 #[test]
-fn pressure_across_a_long_strip_averages_to_what_squeezes_it() {
+fn mean_film_pressure_across_a_strip_equals_the_contact_pressure() {
     let (h, w, mu, p) = (0.7e-6, 1.4e-3, 1.79e-3, 13.0e6);
     let s = squeeze_out_rate(p, h, w, mu);
     let n = 2000;
@@ -162,7 +163,7 @@ fn pressure_across_a_long_strip_averages_to_what_squeezes_it() {
 }
 
 #[test]
-fn radau_agrees_with_a_runge_kutta_method_of_tiny_steps() {
+fn radau_agrees_with_runge_kutta_of_small_steps() {
     let conditions = FilmConditions {
         steel_c: -9.0,
         ..FilmConditions::new(15.0, -6.0)

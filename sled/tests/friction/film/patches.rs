@@ -1,18 +1,18 @@
-//! Conditions, materials and patches that the tests share.
+//! Conditions, materials and patches shared by the tests.
 
 use kufe_sled::friction::film::{Film, FilmConditions, FilmOptions, Properties, Strip, film};
 
 /// Water and ice.
 pub const WATER: Properties = Properties::WATER_AND_ICE;
 
-/// Walls that take no heat.
+/// Ice and steel without heat conduction.
 pub const INSULATED: Properties = Properties {
     ice_conductivity: 0.0,
     steel_conductivity: 0.0,
     ..WATER
 };
 
-/// Ice as it is, steel that takes no heat.
+/// Real ice, and steel without heat conduction.
 pub const STEEL_INSULATED: Properties = Properties {
     steel_conductivity: 0.0,
     ..WATER
@@ -23,8 +23,8 @@ pub fn solved(strip: &Strip, conditions: &FilmConditions, properties: &Propertie
     film(strip, conditions, properties, &FilmOptions::default()).expect("a film")
 }
 
-/// A strip of `n` segments, closer towards both ends, with width and pressure as functions of the
-/// share of the length.
+/// A strip of `n` segments, refined towards both ends; width and pressure are functions of the
+/// relative position.
 pub fn strip(
     length: f64,
     n: usize,
@@ -43,12 +43,12 @@ pub fn strip(
     .expect("a strip")
 }
 
-/// The rounding of an ellipse: 0 at both ends, 1 in the middle.
+/// The relative half-width of an ellipse: 0 at both ends, 1 in the middle.
 pub fn rounding(share: f64) -> f64 {
     (4.0 * share * (1.0 - share)).max(0.0).sqrt()
 }
 
-/// A Hertzian patch: `width` in the middle, mean pressure `pi/4` of `peak` there.
+/// A Hertzian patch: the middle has the width `width` and the mean pressure `pi/4 peak`.
 pub fn hertz(length: f64, n: usize, width: f64, peak: f64) -> Strip {
     let mean = 0.25 * std::f64::consts::PI * peak;
     strip(

@@ -1,5 +1,4 @@
-//! The film on a patch by the Reynolds equation in both directions, which checks the strip's
-//! closure.
+//! The film on a patch with the two-dimensional Reynolds equation, a check of the strip closure.
 
 use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
@@ -12,42 +11,42 @@ use kufe_sled::friction::film::{
 
 use super::pressure_map::PressureMap;
 
-/// Most passes between film and Reynolds equation.
+/// Maximum number of iterations between film and Reynolds equation.
 const MOST_PASSES: usize = 100;
 
-/// The film on a pressure map, its own pressure from the Reynolds equation.
+/// The film on a pressure map, with its pressure from the Reynolds equation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReynoldsFilm {
     /// The film along the rows of the map.
     pub film: Film,
-    /// The strip that the map is.
+    /// The strip of the map.
     pub strip: Strip,
-    /// Pressure of the film on the cells of the map, all rows [Pa].
+    /// Film pressure on all cells of the map [Pa].
     pub pressure: Vec<f64>,
-    /// Water that each row loses, over what the closure of a long strip says.
+    /// Outflow of each row relative to that of the closure for a long strip.
     pub outflow_factor: Vec<f64>,
-    /// Passes between film and Reynolds equation.
+    /// Number of iterations between film and Reynolds equation.
     pub passes: usize,
 }
 
-/// The melt film on `map` with the two-dimensional Reynolds equation in place of the closure of a
+/// The melt film on `map` with the two-dimensional Reynolds equation instead of the closure for a
 /// long strip.
 ///
-/// Thickness `h(xi)` is even across each row, melts and freezes as in
-/// [`film`](kufe_sled::friction::film::film), and carries each row's load:
+/// The thickness `h(xi)` is uniform across each row, melts and freezes as in
+/// [`film`](kufe_sled::friction::film::film), and carries the load of each row:
 ///
 /// ```text
 /// div( h^3/(12 mu) grad p_f ) = (V/2) dh/dxi - (rho_i/rho_w) v_m,   p_f = 0 at the rim,   mean of p_f = mean of p in each row
 /// ```
 ///
-/// Finite volumes on the map's cells. For given `h` the water that each row has to lose follows
-/// from the loads by a linear system; with it the film is integrated anew, until it stays. Memory
-/// and time grow with cells times rows; meant for checks, on patches at least as many cells long as
-/// wide.
+/// Finite volumes on the cells of the map. For given `h` the outflow of each row follows from the
+/// loads by a linear system. The film is integrated again with this outflow until it converges.
+/// Memory and time grow with cells times rows. Intended for checks on patches with at least as many
+/// cells along as across.
 ///
 /// # Errors
-/// As [`film`](kufe_sled::friction::film::film); [`Error::NotConverged`] also where film and
-/// pressure do not settle.
+/// As [`film`](kufe_sled::friction::film::film); also [`Error::NotConverged`] if film and pressure
+/// do not converge.
 pub fn reynolds_film(
     map: &PressureMap,
     conditions: &FilmConditions,
@@ -68,8 +67,8 @@ pub fn reynolds_film(
             change = changes.fold(0.0, f64::max);
         }
         for row in 0..rows {
-            // What a long strip would need to lose as much: s = p h^3/(mu w^2), the viscosity being
-            // not in `losses`.
+            // Outflow of a long strip with the same load: s = p h^3/(mu w^2), without the
+            // viscosity, which is not in `losses`.
             outflow[row + 1] = losses.rate[row] * strip.width()[row + 1].powi(2) / h[row].powi(3);
         }
         for (end, row) in [(0, 1), (rows + 1, rows)] {
@@ -98,11 +97,11 @@ pub fn reynolds_film(
     })
 }
 
-/// What each row loses so that the film carries its load.
+/// Outflow of each row for which the film carries the load of the row.
 struct Losses {
-    /// Volume a unit area and time of each row, times the viscosity [Pa m].
+    /// Volume per unit area and time of each row, times the viscosity [Pa m].
     rate: Vec<f64>,
-    /// The film's pressure on all cells of the map [Pa].
+    /// Film pressure on all cells of the map [Pa].
     pressure: Vec<f64>,
 }
 
@@ -111,7 +110,7 @@ impl Losses {
     fn of(map: &PressureMap, h: &[f64], mean: &[f64]) -> Result<Self, Error> {
         let cells = Cells::of(map);
         let (n, rows) = (cells.row.len(), h.len());
-        // Thickness and areas enter as shares, so that the matrix has entries near 1.
+        // Thickness and areas are relative, so that the matrix has entries near 1.
         let scale = h.iter().copied().fold(0.0, f64::max);
         let share: Vec<f64> = h.iter().map(|h| h / scale).collect();
         let matrix = cells.matrix(map, &share)?;
@@ -137,8 +136,8 @@ impl Losses {
         for (cell, &place) in cells.place.iter().enumerate() {
             pressure[place] = solved[(cell, 0)];
         }
-        // Matrix: 12 mu times the outflow of a cell over its dy/dx and scale^3; source: the same
-        // over the cell's area.
+        // Matrix: 12 mu times the outflow of a cell, divided by dy/dx and scale^3. Source: the same
+        // divided by the area of the cell.
         let unit = scale.powi(3) / (12.0 * map.dx() * map.dx());
         Ok(Losses {
             rate: (0..rows).map(|row| sources[(row, 0)] * unit).collect(),
@@ -149,11 +148,11 @@ impl Losses {
 
 /// The cells in contact.
 struct Cells {
-    /// Row of each cell among those in contact.
+    /// Row of each cell, among the rows in contact.
     row: Vec<usize>,
-    /// Place of each cell in the map.
+    /// Index of each cell in the map.
     place: Vec<usize>,
-    /// Cell at each place of the rows in contact.
+    /// Cell at each index of the rows in contact.
     number: Vec<Option<usize>>,
     /// Cells of each row.
     count: Vec<usize>,
@@ -182,9 +181,9 @@ impl Cells {
         cells
     }
 
-    /// Outflow of each cell by the pressures, for thicknesses `h` of the rows; lower triangle.
-    /// Halfway to a cell without contact the pressure is 0; through the leading edge, where the
-    /// film begins, nothing flows.
+    /// Outflow of each cell as a function of the pressures, for thicknesses `h` of the rows; lower
+    /// triangle. The pressure is 0 halfway to a cell without contact. There is no flow through the
+    /// leading edge, where the film begins.
     fn matrix(&self, map: &PressureMap, h: &[f64]) -> Result<SparseColMat<usize, f64>, Error> {
         let columns = map.columns();
         let stretch = (map.dx() / map.dy()).powi(2);

@@ -1,11 +1,11 @@
-//! A contact patch as a map of pressures, and the strip that it is.
+//! Pressure map of a contact patch and its conversion to a strip.
 
 use kufe_sled::Error;
 use kufe_sled::friction::film::Strip;
 
-/// Pressures of a contact patch on even cells; a cell is in contact where its pressure is above 0.
+/// Pressures of a contact patch on a regular grid. A cell is in contact if its pressure is above 0.
 ///
-/// Rows follow the sliding direction, the leading edge first; the cells of a row lie across it.
+/// Rows follow the sliding direction, the leading edge first; the cells of a row are across it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressureMap {
     dx: f64,
@@ -17,8 +17,8 @@ pub struct PressureMap {
 }
 
 impl PressureMap {
-    /// A map of cells `dx` long and `dy` wide [m], with `columns` cells a row, `pressure` row by
-    /// row [Pa]; at least two rows are in contact, without a gap between them.
+    /// A map of cells `dx` long and `dy` wide [m], with `columns` cells per row and `pressure` row
+    /// by row [Pa]. At least two rows are in contact, without a gap between them.
     pub fn new(dx: f64, dy: f64, columns: usize, pressure: Vec<f64>) -> Self {
         let touches = |row: &[f64]| row.iter().any(|p| *p > 0.0);
         let in_contact: Vec<bool> = pressure.chunks_exact(columns).map(touches).collect();
@@ -44,45 +44,47 @@ impl PressureMap {
         self.dy
     }
 
-    /// Cells of a row.
+    /// Number of cells per row.
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// Rows in contact, counted from the leading edge.
+    /// Number of rows in contact, from the leading edge.
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Pressures of all rows, one after the other [Pa].
+    /// Pressures of all rows, row by row [Pa].
     pub fn pressure(&self) -> &[f64] {
         &self.pressure
     }
 
-    /// Rows before the first in contact.
+    /// Number of rows ahead of the first row in contact.
     pub fn rows_before(&self) -> usize {
         self.first
     }
 
-    /// Pressures of row `row` of those in contact [Pa].
+    /// Pressures of row `row` of the rows in contact [Pa].
     ///
     /// # Panics
-    /// Where there is no such row.
+    ///
+    /// If there is no such row.
     pub fn row(&self, row: usize) -> &[f64] {
         assert!(row < self.rows, "row {row} of {}", self.rows);
         let at = (self.first + row) * self.columns;
         &self.pressure[at..at + self.columns]
     }
 
-    /// The strip: a station in the middle of each row, the leading edge before and the trailing
-    /// edge behind them.
+    /// The strip: a station in the middle of each row, and the leading and trailing edges.
     ///
-    /// A row's width is that of its cells in contact, whether or not they lie together; its
-    /// pressure is averaged over them, so that every row's load is kept. At the two edges pressure
-    /// and squared width follow the line through the two nearest rows, not below 0.
+    /// The width of a row is that of its cells in contact, contiguous or not. Its pressure is the
+    /// mean over these cells, so that the load of every row is the same. At the two edges pressure
+    /// and squared width are extrapolated linearly from the two nearest rows, with 0 as the
+    /// minimum.
     ///
     /// # Errors
-    /// As [`Strip::new`], which a map that is in contact without a gap does not meet.
+    ///
+    /// As [`Strip::new`]; none for a map in contact without gaps.
     pub fn strip(&self) -> Result<Strip, Error> {
         let (mut xi, mut squared, mut pressure) = (vec![0.0], vec![0.0], vec![0.0]);
         for row in 0..self.rows {

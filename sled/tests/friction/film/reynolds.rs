@@ -1,4 +1,4 @@
-//! The two-dimensional Reynolds equation beside the closure of a long strip.
+//! The closure for a long strip against the two-dimensional Reynolds equation.
 
 use super::closed_form::{film_pressure, squeeze_out_rate};
 use super::patches::{WATER, rounding};
@@ -8,8 +8,8 @@ use kufe_sled::friction::film::{FilmConditions, FilmOptions, film};
 
 const OPTIONS: FilmOptions = FilmOptions { accuracy: 1e-6 };
 
-/// A rectangle of `rows` by `columns` cells whose pressure rises and falls as a parabola along it,
-/// even across.
+/// A rectangle of `rows` by `columns` cells. The pressure is a parabola along it and uniform
+/// across.
 fn rectangle(length: f64, width: f64, rows: usize, columns: usize, peak: f64) -> PressureMap {
     let at = |row: usize| (row as f64 + 0.5) / rows as f64;
     let pressure = (0..rows * columns).map(|k| peak * rounding(at(k / columns)).powi(2));
@@ -21,7 +21,7 @@ fn rectangle(length: f64, width: f64, rows: usize, columns: usize, peak: f64) ->
     )
 }
 
-/// An ellipse with Hertz's pressures.
+/// An ellipse with Hertzian pressures.
 fn ellipse(length: f64, width: f64, rows: usize, columns: usize, peak: f64) -> PressureMap {
     let at = |i: usize, n: usize| (2.0 * i as f64 + 1.0) / n as f64 - 1.0;
     let pressure = (0..rows * columns).map(|k| {
@@ -36,10 +36,10 @@ fn ellipse(length: f64, width: f64, rows: usize, columns: usize, peak: f64) -> P
     )
 }
 
-/// Friction and mean thickness of the strip over those of the plane film, less 1, extrapolated to
-/// cells of no width: the error of cells across falls with the square of their width (the last
-/// test), and would hide that of the closure.
-fn off(map: impl Fn(usize) -> PressureMap, columns: usize) -> [f64; 2] {
+/// Relative errors of friction and mean thickness of the strip against the plane film, extrapolated
+/// to cells of zero width. The discretisation error across is of second order (last test) and
+/// larger than the error of the closure.
+fn closure_error(map: impl Fn(usize) -> PressureMap, columns: usize) -> [f64; 2] {
     let conditions = FilmConditions::new(25.0, -5.0);
     let ratio = |columns: usize| {
         let plane = reynolds_film(&map(columns), &conditions, &WATER, &OPTIONS).expect("a film");
@@ -54,9 +54,9 @@ fn off(map: impl Fn(usize) -> PressureMap, columns: usize) -> [f64; 2] {
 }
 
 #[test]
-fn strip_closure_is_off_by_less_than_a_thousandth_at_aspect_20_and_a_millionth_at_400() {
+fn strip_closure_error_is_below_1e_3_at_aspect_20_and_2e_6_at_400() {
     let at = |aspect: f64, rows: usize| {
-        off(
+        closure_error(
             |columns| rectangle(1.0e-3 * aspect, 1.0e-3, rows, columns, 18.0e6),
             12,
         )
@@ -68,14 +68,14 @@ fn strip_closure_is_off_by_less_than_a_thousandth_at_aspect_20_and_a_millionth_a
         assert!(friction.abs() < 5e-4 && thickness.abs() < 1e-3);
         frictions.push(friction);
     }
-    // Flow along the patch goes as the inverse square of the aspect; the thin start, where it
-    // matters most, brings it to 3/2.
+    // Flow along the patch is of order aspect^-2. The thin start, where it has most influence,
+    // reduces the order to 3/2.
     for pair in frictions[..3].windows(2) {
         let order = (pair[0] / pair[1]).log2();
         assert!((1.3..2.1).contains(&order), "{frictions:?}");
     }
     assert!(frictions[3].abs() < 2e-6, "{frictions:?}");
-    // Rows twice as short change what is found by a small part of it.
+    // Rows half as long change the result by a small fraction of it.
     let [finer, _] = at(20.0, 160);
     println!("rectangle 20, rows half as long: {finer:.2e}");
     assert!(
@@ -85,9 +85,9 @@ fn strip_closure_is_off_by_less_than_a_thousandth_at_aspect_20_and_a_millionth_a
 }
 
 #[test]
-fn strip_closure_of_a_hertzian_ellipse_is_off_by_half_a_thousandth_at_most() {
+fn strip_closure_error_of_a_hertzian_ellipse_is_at_most_5e_4() {
     for aspect in [20.0, 60.0, 400.0] {
-        let [friction, thickness] = off(
+        let [friction, thickness] = closure_error(
             |columns| ellipse(1.0e-3 * aspect, 1.0e-3, 80, columns, 18.0e6),
             24,
         );
@@ -97,7 +97,7 @@ fn strip_closure_of_a_hertzian_ellipse_is_off_by_half_a_thousandth_at_most() {
 }
 
 #[test]
-fn film_carries_the_load_of_each_row_in_a_parabola() {
+fn film_pressure_carries_each_row_and_is_a_parabola() {
     let conditions = FilmConditions::new(25.0, -5.0);
     let columns = 24;
     let map = rectangle(0.4, 1.0e-3, 60, columns, 18.0e6);
@@ -118,7 +118,7 @@ fn film_carries_the_load_of_each_row_in_a_parabola() {
 }
 
 #[test]
-fn pressure_and_thickness_meet_the_reynolds_equation() {
+fn pressure_and_thickness_satisfy_the_reynolds_equation() {
     let conditions = FilmConditions::new(25.0, -5.0);
     let (rows, columns) = (200, 24);
     let map = rectangle(0.02, 1.0e-3, rows, columns, 18.0e6);
@@ -145,11 +145,11 @@ fn pressure_and_thickness_meet_the_reynolds_equation() {
 }
 
 #[test]
-fn more_columns_bring_the_closure_of_an_even_strip_to_one() {
-    // Cells across see the parabola's mean with an error of the second order: the residual of a
-    // long strip.
+fn strip_closure_converges_with_columns_at_order_two() {
+    // The mean of the parabola over the cells across has an error of second order: the residual of
+    // a long strip.
     let conditions = FilmConditions::new(25.0, -5.0);
-    let off = |columns: usize| {
+    let closure_error = |columns: usize| {
         let plane = reynolds_film(
             &rectangle(0.4, 1.0e-3, 40, columns, 18.0e6),
             &conditions,
@@ -158,7 +158,7 @@ fn more_columns_bring_the_closure_of_an_even_strip_to_one() {
         );
         plane.expect("a film").outflow_factor[20] - 1.0
     };
-    let (coarse, middle, fine) = (off(8), off(16), off(32));
+    let (coarse, middle, fine) = (closure_error(8), closure_error(16), closure_error(32));
     let order = ((coarse - middle) / (middle - fine)).log2();
     assert!((order - 2.0).abs() < 0.1, "{coarse} {middle} {fine}");
     let extrapolated = fine + (fine - middle) / 3.0;

@@ -1,4 +1,4 @@
-//! Faulty files are refused with the file, the place, what was found and what was expected.
+//! Faulty files are refused with the file, the place, the value found and the value expected.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use kufe_sled::{
     COLUMNS, Error, Needs, OnGaps, Track, read_good_runs, read_index, read_run, read_runs,
 };
 
-/// A plausible run of `samples` samples at 100 Hz; `spoil` may change any cell of it.
+/// Writes a plausible run of `samples` samples at 100 Hz; `spoil` may change any cell of it.
 fn run_file(folder: &Path, name: &str, samples: usize, spoil: &dyn Fn(usize, &str, f64) -> String) {
     let mut text = format!("t_s,{}\n", COLUMNS.join(","));
     for i in 0..samples {
@@ -49,7 +49,7 @@ fn index(folder: &Path, rows: &[(&str, &str)]) -> PathBuf {
     path
 }
 
-/// The message about one spoilt run.
+/// The error message for a spoilt run.
 fn reported(samples: usize, spoil: &dyn Fn(usize, &str, f64) -> String) -> String {
     let folder = tempfile::tempdir().unwrap();
     run_file(folder.path(), "bad", samples, spoil);
@@ -69,7 +69,7 @@ fn has(message: &str, parts: &[&str]) {
 }
 
 #[test]
-fn a_good_file_is_accepted_and_extra_columns_are_kept() {
+fn a_valid_file_is_accepted_and_extra_columns_are_retained() {
     let folder = tempfile::tempdir().unwrap();
     run_file(folder.path(), "good", 200, &plain);
     let path = folder.path().join("good.csv");
@@ -99,7 +99,7 @@ fn a_good_file_is_accepted_and_extra_columns_are_kept() {
 }
 
 #[test]
-fn a_missing_column_is_named_with_those_that_are_there() {
+fn a_missing_column_is_reported_with_the_present_ones() {
     let folder = tempfile::tempdir().unwrap();
     run_file(folder.path(), "bad", 200, &plain);
     let path = folder.path().join("bad.csv");
@@ -120,7 +120,7 @@ fn a_missing_column_is_named_with_those_that_are_there() {
 }
 
 #[test]
-fn wrong_units_are_told_by_their_range() {
+fn wrong_units_are_detected_by_their_range() {
     for (column, factor, parts) in [
         (
             "alpha_rad",
@@ -154,7 +154,7 @@ fn wrong_units_are_told_by_their_range() {
 }
 
 #[test]
-fn irregular_time_and_clock_jumps_are_placed() {
+fn irregular_time_and_clock_jumps_are_reported_with_their_row() {
     let message = reported(200, &|i, name, value| {
         (if name == "t_s" && i == 57 {
             value + 0.002
@@ -185,7 +185,7 @@ fn irregular_time_and_clock_jumps_are_placed() {
 }
 
 #[test]
-fn places_are_lines_of_the_file_with_blank_lines_counted() {
+fn row_numbers_count_blank_lines() {
     for (column, faulty, parts) in [
         ("t_s", "0.5", ["row 104", "backwards"]),
         ("v_mps", "", ["row 104", "missing"]),
@@ -199,7 +199,7 @@ fn places_are_lines_of_the_file_with_blank_lines_counted() {
         });
         has(&message, &parts);
     }
-    // A row without a time is a line, too.
+    // A row without a time counts as a line.
     let folder = tempfile::tempdir().unwrap();
     run_file(
         folder.path(),
@@ -221,10 +221,10 @@ fn places_are_lines_of_the_file_with_blank_lines_counted() {
 }
 
 #[test]
-fn bursts_of_nan_are_counted_and_placed_and_never_filled() {
+fn bursts_of_nan_are_reported_and_never_filled() {
     let message = reported(300, &|i, name, value| {
-        let gone = name == "az_mps2" && ((40..75).contains(&i) || i == 200);
-        if gone {
+        let missing = name == "az_mps2" && ((40..75).contains(&i) || i == 200);
+        if missing {
             "NaN".to_string()
         } else {
             value.to_string()
@@ -260,7 +260,7 @@ fn bursts_of_nan_are_counted_and_placed_and_never_filled() {
 }
 
 #[test]
-fn text_in_any_column_of_a_run_is_refused_and_other_words_for_no_value_are_not() {
+fn text_is_refused_except_for_words_that_mean_no_value() {
     let with = |word: &'static str| {
         move |i: usize, name: &str, value: f64| {
             if name == "gamma_rad" && i == 150 {
@@ -274,7 +274,7 @@ fn text_in_any_column_of_a_run_is_refused_and_other_words_for_no_value_are_not()
     run_file(folder.path(), "bad", 300, &with("abc"));
     let path = index(folder.path(), &[("K1", "bad.csv")]);
     let entry = read_index(&path).unwrap().remove(0);
-    // Not among those that are required, but a column of a run.
+    // An optional column of a run.
     let error = read_run(entry.clone(), &["v_mps"], OnGaps::LeaveOut).unwrap_err();
     has(&error.to_string(), &["gamma_rad", "row 152", "\"abc\""]);
     for word in ["", "NA", "null", "nan"] {
@@ -297,7 +297,7 @@ fn text_in_any_column_of_a_run_is_refused_and_other_words_for_no_value_are_not()
 }
 
 #[test]
-fn three_samples_and_standstill_are_refused() {
+fn runs_of_three_samples_or_at_standstill_are_refused() {
     has(&reported(3, &plain), &["samples: 3", "at least 64"]);
     let message = reported(200, &|i, name, value| {
         (if name == "v_mps" && i < 20 {
@@ -311,7 +311,7 @@ fn three_samples_and_standstill_are_refused() {
 }
 
 #[test]
-fn runs_named_twice_or_copied_are_refused_and_can_be_left_out() {
+fn duplicate_runs_are_refused_and_can_be_excluded() {
     let folder = tempfile::tempdir().unwrap();
     run_file(folder.path(), "one", 200, &plain);
     run_file(folder.path(), "other", 200, &plain);
@@ -404,7 +404,7 @@ fn an_index_with_other_columns_or_values_is_refused() {
 }
 
 #[test]
-fn infinite_numbers_and_files_of_other_forms_are_refused_and_blank_lines_are_none() {
+fn infinite_numbers_and_other_formats_are_refused_and_blank_lines_ignored() {
     let infinite = |i: usize, column: &str, value: f64| match (i, column) {
         (70, "ay_mps2") => "inf".to_string(),
         _ => value.to_string(),
@@ -452,7 +452,7 @@ fn infinite_numbers_and_files_of_other_forms_are_refused_and_blank_lines_are_non
 }
 
 #[test]
-fn damaged_parquet_and_matlab_files_are_errors_and_no_panics() {
+fn damaged_parquet_and_matlab_files_are_errors_without_panics() {
     let folder = tempfile::tempdir().unwrap();
     let mut whole = Vec::new();
     let values: Vec<f64> = (0..300).map(f64::from).collect();

@@ -1,5 +1,5 @@
-//! Crews and weather as they are: a run's own mass, ice whose temperature is stated, not stated, or
-//! stated along the track.
+//! Conditions of a run: its mass, and its ice temperature stated, not stated, or measured along the
+//! track.
 
 use kufe_sled::sample_data::sample_track;
 use kufe_sled::{
@@ -7,7 +7,7 @@ use kufe_sled::{
     read_index, record, residuals, root_mean_square, simulate, simulated_entry, write_index,
 };
 
-/// The published sled with these lines behind.
+/// The published sled with these lines appended.
 fn model(more: &str) -> Model {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model.toml");
@@ -31,26 +31,26 @@ fn options() -> SimulateOptions {
     }
 }
 
-/// What the balances along and aside leave [N].
-fn left(run: &Run, vehicle: &Vehicle) -> [f64; 2] {
+/// Residuals of the longitudinal and the lateral force balance [N].
+fn balance_rms(run: &Run, vehicle: &Vehicle) -> [f64; 2] {
     let prepared = prepare(run, vehicle, None, &PrepareOptions::default()).unwrap();
-    let left = root_mean_square(&residuals(&prepared, vehicle));
-    [left.along_n, left.side_n]
+    let residuals = root_mean_square(&residuals(&prepared, vehicle));
+    [residuals.along_n, residuals.side_n]
 }
 
 #[test]
-fn a_run_is_weighed_with_its_own_crew() {
+fn forces_use_the_mass_of_the_run() {
     let vehicle = Vehicle::new(&Model::published()).unwrap();
     let mut heavy = vehicle.clone();
     heavy.sled.mass_kg = 450.0;
     let mut run = driven(&heavy, &options());
-    let [along, side] = left(&run, &vehicle);
-    // A drag that is not in proportion to the mass, and stiffnesses that do not grow with it, show
-    // 60 kg too few.
+    let [along, side] = balance_rms(&run, &vehicle);
+    // The drag is not proportional to the mass, and the stiffnesses do not grow with it. A mass
+    // that is 60 kg too small leaves a residual.
     assert!(along > 5.0 && side > 10.0, "{along} N, {side} N");
     run.entry.conditions.mass_kg = 450.0;
-    let own = left(&run, &vehicle);
-    let truth = left(&run, &heavy);
+    let own = balance_rms(&run, &vehicle);
+    let truth = balance_rms(&run, &heavy);
     for k in 0..2 {
         assert!(
             (own[k] - truth[k]).abs() < 1e-9,
@@ -58,20 +58,21 @@ fn a_run_is_weighed_with_its_own_crew() {
         );
     }
     assert!(own[0] < 0.2 * along && own[1] < 0.2 * side, "{own:?}");
-    // The simulator weighs it alike, bit by bit.
+    // The simulator uses the same mass: the results are identical bit for bit.
     let mut with = options();
     with.conditions.mass_kg = 450.0;
     assert_eq!(driven(&vehicle, &with).columns, run.columns);
-    // What an effect adds to the model's mass it adds to the run's.
+    // The effect adds the same mass to the run's mass as to the model's.
     let loaded = Vehicle::with_effects(&model("\n[effects.mass]\nexcess_kg = 10.0\n")).unwrap();
     assert_eq!(loaded.on_run("east", &with.conditions).sled.mass_kg, 460.0);
 }
 
 #[test]
-fn effects_that_give_no_number_or_stand_on_no_track_are_named() {
+fn effects_with_nan_or_an_unknown_track_are_named() {
     let vehicle = Vehicle::new(&Model::published()).unwrap();
     let run = driven(&vehicle, &options());
-    // The root of a negative number from 15 m/s on: of a friction and of a sensor.
+    // The square root of a negative number above 15 m/s, in a friction effect and in a sensor
+    // effect.
     for channel in ["friction", "sensor:yaw_rate_radps"] {
         let effect = format!(
             "\n[effects.mine]\nexpression = \"0.001 * sqrt(15.0 - v_mps)\"\nchannel = {channel:?}\nvalue = 1.0\n"
@@ -83,15 +84,15 @@ fn effects_that_give_no_number_or_stand_on_no_track_are_named() {
             assert!(error.contains(part), "{channel}: {error}");
         }
     }
-    let elsewhere = "\n[effects.temperature]\nslope_per_k = 0.02\ntrack = \"igls\"\n";
-    let elsewhere = Vehicle::with_effects(&model(elsewhere)).unwrap();
-    let reported = elsewhere.effects_elsewhere(&["east", "west"]);
+    let other_track = "\n[effects.temperature]\nslope_per_k = 0.02\ntrack = \"igls\"\n";
+    let other_track = Vehicle::with_effects(&model(other_track)).unwrap();
+    let reported = other_track.effects_elsewhere(&["east", "west"]);
     assert_eq!(reported.len(), 1);
     for part in ["[effects.temperature]", "\"igls\"", "east, west"] {
         assert!(reported[0].contains(part), "{reported:?}");
     }
-    assert!(elsewhere.effects_elsewhere(&["igls"]).is_empty());
-    // Two effects of one track are reported of in one line.
+    assert!(other_track.effects_elsewhere(&["igls"]).is_empty());
+    // Two effects of one track are reported in one line.
     let both = "\n[effects.temperature]\nslope_per_k = 0.02\ntrack = \"igls\"\n[effects.speed]\nexponent = 0.5\ntrack = \"igls\"\n";
     let both = Vehicle::with_effects(&model(both)).unwrap();
     let reported = both.effects_elsewhere(&["east"]);
@@ -116,7 +117,7 @@ fn a_track_in_kilometres_is_refused() {
 }
 
 #[test]
-fn ice_without_a_temperature_is_refused_only_by_what_asks_for_it() {
+fn a_missing_ice_temperature_is_an_error_only_where_needed() {
     let folder = tempfile::tempdir().unwrap();
     let index = folder.path().join("runs.csv");
     std::fs::write(
@@ -146,7 +147,7 @@ fn ice_without_a_temperature_is_refused_only_by_what_asks_for_it() {
     let vehicle = Vehicle::new(&Model::published()).unwrap();
     let mut run = driven(&vehicle, &options());
     run.entry.conditions.ice_c = f64::NAN;
-    let [along, _] = left(&run, &vehicle);
+    let [along, _] = balance_rms(&run, &vehicle);
     assert!(along.is_finite());
     let warm = Vehicle::with_effects(&model("\n[effects.temperature]\nslope_per_k = 0.02\n"));
     let warm = warm.unwrap();
@@ -163,13 +164,13 @@ fn ice_without_a_temperature_is_refused_only_by_what_asks_for_it() {
     let track = TrackShape::new(&sample_track("east"));
     let error = simulate(&warm, &track, &Driver::of_skill(0.9), &unknown).unwrap_err();
     assert!(error.to_string().contains("ice_c"), "{error}");
-    // Sample by sample in the run's file, as thermometers along the track give it.
+    // Sample by sample in the file of the run, as from thermometers along the track.
     let places = run.columns["s_m"].clone();
     let ice: Vec<f64> = places.iter().map(|s| -9.0 + 4.0 * s / 1250.0).collect();
     run.columns.insert("ice_c".to_string(), ice);
     let prepared = prepare(&run, &warm, None, &PrepareOptions::default()).unwrap();
     for state in &prepared.states {
-        // Straight in the place, which the low pass does not bend but at the very ends.
+        // Linear in the position. The low-pass filter changes a linear signal only at the ends.
         assert!(
             (state.conditions.ice_c - (-9.0 + 4.0 * state.s_m / 1250.0)).abs() < 1e-3,
             "{state:?}"

@@ -1,5 +1,5 @@
-//! What an examination says of gaps, drop-outs, jitter, end stops, steps and channels that stand
-//! still or are exchanged: each alone.
+//! Examination of runs with one fault each: gaps, drop-outs, jitter, saturation, quantisation,
+//! constant channels, exchanged channels.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use kufe_sled::{
     write_run,
 };
 
-/// A run with noise at 100 Hz.
+/// A run with sensor noise at 100 Hz.
 fn clean() -> Run {
     let model = Model::published();
     let vehicle = Vehicle::new(&model).unwrap();
@@ -33,8 +33,8 @@ fn clean() -> Run {
     record(&simulated, &vehicle, Some(&noise), entry, 1)
 }
 
-/// What is said of the run with its lines changed.
-fn said(run: &Run, lines: impl Fn(Vec<String>) -> Vec<String>) -> Examination {
+/// The examination of the run with the lines of its file changed.
+fn examine_lines(run: &Run, lines: impl Fn(Vec<String>) -> Vec<String>) -> Examination {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("r.csv");
     let mut file = std::fs::File::create(&path).unwrap();
@@ -42,23 +42,23 @@ fn said(run: &Run, lines: impl Fn(Vec<String>) -> Vec<String>) -> Examination {
     let text = std::fs::read_to_string(&path).unwrap();
     let lines = lines(text.lines().map(str::to_owned).collect());
     std::fs::write(&path, lines.join("\n") + "\n").unwrap();
-    one(folder.path())
+    examine_file(folder.path())
 }
 
-fn one(folder: &Path) -> Examination {
+fn examine_file(folder: &Path) -> Examination {
     let index = folder.join("runs.csv");
     std::fs::write(&index, "run,file\nr,r.csv\n").unwrap();
     examine(&index).unwrap().remove(0).0
 }
 
-/// The run with a column changed.
+/// The examination of the run with a column changed.
 fn changed(column: &str, change: impl Fn(usize, f64) -> f64) -> Examination {
     let mut run = clean();
     let values = run.columns.get_mut(column).unwrap();
     for (i, x) in values.iter_mut().enumerate() {
         *x = change(i, *x);
     }
-    said(&run, |lines| lines)
+    examine_lines(&run, |lines| lines)
 }
 
 fn notes(of: &Examination, column: &str) -> String {
@@ -69,8 +69,8 @@ fn notes(of: &Examination, column: &str) -> String {
 }
 
 #[test]
-fn of_a_clean_run_nothing_is_said() {
-    let clean = said(&clean(), |lines| lines);
+fn a_clean_run_has_no_findings() {
+    let clean = examine_lines(&clean(), |lines| lines);
     assert!(
         !clean.is_wrong() && clean.notes.is_empty(),
         "{:?}",
@@ -85,7 +85,7 @@ fn of_a_clean_run_nothing_is_said() {
 
 #[test]
 fn gaps_are_counted() {
-    let gaps = said(&clean(), |mut lines| {
+    let gaps = examine_lines(&clean(), |mut lines| {
         lines.drain(1000..1300);
         lines
     });
@@ -95,8 +95,8 @@ fn gaps_are_counted() {
 }
 
 #[test]
-fn drop_outs_are_counted_whether_they_last_a_sample_or_twenty() {
-    // At 3 m/s2 and more, far from the value that is sent where nothing is measured.
+fn drop_outs_of_one_and_of_twenty_samples_are_counted() {
+    // The measured values are above 3 m/s2, far from the drop-out value 0.
     let single = changed("az_mps2", |i, x| if i % 500 == 250 { 0.0 } else { x });
     let expected = (clean().len() - 251) / 500 + 1;
     assert_eq!(single.channels["az_mps2"].leaps, expected);
@@ -111,8 +111,8 @@ fn drop_outs_are_counted_whether_they_last_a_sample_or_twenty() {
 }
 
 #[test]
-fn jitter_is_told_in_shares_of_a_step() {
-    let jitter = said(&clean(), |lines| {
+fn jitter_is_reported_relative_to_the_step() {
+    let jitter = examine_lines(&clean(), |lines| {
         let moved = |(i, line): (usize, String)| match line.split_once(',') {
             Some((t, rest)) if i > 0 && i % 3 == 1 => {
                 format!("{},{rest}", t.parse::<f64>().unwrap() + 0.0025)
@@ -130,20 +130,20 @@ fn jitter_is_told_in_shares_of_a_step() {
 }
 
 #[test]
-fn an_end_stop_is_told_above_and_below_with_its_samples() {
+fn saturation_is_reported_at_both_ends_with_its_samples() {
     for (column, low, high) in [("az_mps2", 0.0, 14.0), ("yaw_rate_radps", -0.12, 9.0)] {
         let stopped = changed(column, |_, x| x.clamp(low, high));
         let stop = stopped.channels[column].saturation.unwrap();
         let run = clean();
-        let beyond = run.columns[column]
+        let clipped = run.columns[column]
             .iter()
             .filter(|x| **x <= low || **x >= high);
-        let beyond = beyond.count();
+        let clipped = clipped.count();
         assert!(stop.at == low || stop.at == high, "{stop:?}");
-        // Stretches of fewer than eight samples aside.
+        // Intervals shorter than eight samples do not count as saturated.
         assert!(
-            stop.samples <= beyond && 2 * stop.samples > beyond,
-            "{stop:?} of {beyond}"
+            stop.samples <= clipped && 2 * stop.samples > clipped,
+            "{stop:?} of {clipped}"
         );
         assert!(
             notes(&stopped, column).contains("saturated"),
@@ -154,7 +154,7 @@ fn an_end_stop_is_told_above_and_below_with_its_samples() {
 }
 
 #[test]
-fn the_step_of_a_converter_is_told() {
+fn quantisation_is_reported_with_its_step() {
     let step = 0.005;
     let coarse = changed("yaw_rate_radps", |_, x| (x / step).round() * step);
     let quantum = coarse.channels["yaw_rate_radps"].quantum.unwrap();
@@ -163,13 +163,13 @@ fn the_step_of_a_converter_is_told() {
 }
 
 #[test]
-fn a_channel_that_stands_still_is_told_for_a_while_and_wrong_throughout() {
-    let while_ = changed("yaw_rate_radps", |i, x| {
+fn a_constant_channel_is_noted_for_an_interval_and_a_fault_throughout() {
+    let interval = changed("yaw_rate_radps", |i, x| {
         if (1500..1600).contains(&i) { 0.125 } else { x }
     });
-    let still = while_.channels["yaw_rate_radps"].longest_still_s;
+    let still = interval.channels["yaw_rate_radps"].longest_still_s;
     assert!((still - 0.99).abs() < 0.011, "{still}");
-    assert!(notes(&while_, "yaw_rate_radps").contains("one value for 0.99 s"));
+    assert!(notes(&interval, "yaw_rate_radps").contains("one value for 0.99 s"));
     let throughout = changed("yaw_rate_radps", |_, _| 0.0);
     let fault = &throughout.faults[0];
     assert_eq!(fault.kind, FaultKind::Constant);
@@ -177,7 +177,7 @@ fn a_channel_that_stands_still_is_told_for_a_while_and_wrong_throughout() {
 }
 
 #[test]
-fn a_speed_that_leaps_for_a_while_or_is_frozen_is_told_with_place_and_evidence() {
+fn a_leap_or_frozen_interval_of_the_speed_is_reported_with_its_place() {
     let clean = clean();
     let s_m = clean.columns["v_mps"].iter().take(2000).sum::<f64>() * clean.dt_s;
     let doubled = |i: usize, x: f64| {
@@ -205,7 +205,7 @@ fn a_speed_that_leaps_for_a_while_or_is_frozen_is_told_with_place_and_evidence()
         reported.contains(still.trim_end_matches('0')) && reported.contains("frozen?"),
         "{reported}"
     );
-    // What reads runs for a computation says the same.
+    // `check_relations` reports the same faults.
     for (change, word) in [
         (&doubled as &dyn Fn(usize, f64) -> f64, "leaps off"),
         (&frozen, "frozen?"),
@@ -230,47 +230,47 @@ fn a_speed_that_leaps_for_a_while_or_is_frozen_is_told_with_place_and_evidence()
 }
 
 #[test]
-fn an_end_stop_beside_which_a_low_pass_overshot_is_told_as_one() {
-    let most = clean().columns["az_mps2"]
+fn saturation_with_filter_overshoot_is_reported_as_saturation() {
+    let peak = clean().columns["az_mps2"]
         .iter()
-        .fold(0.0, |most: f64, x| most.max(x.abs()));
+        .fold(0.0, |peak: f64, x| peak.max(x.abs()));
     let stopped = changed("az_mps2", |i, x| {
         if (1500..1600).contains(&i) {
-            0.99 * most
+            0.99 * peak
         } else {
             x
         }
     });
     assert!(stopped.channels["az_mps2"].saturation.is_none());
-    let told = notes(&stopped, "az_mps2");
+    let reported = notes(&stopped, "az_mps2");
     assert!(
-        told.contains("one value for 0.99 s, at the end of its range: saturated?"),
-        "{told}"
+        reported.contains("one value for 0.99 s, at the end of its range: saturated?"),
+        "{reported}"
     );
 }
 
 #[test]
-fn a_value_that_is_repeated_until_the_next_is_no_end_stop() {
-    let mut held = 0.0;
+fn repeated_samples_are_not_saturation() {
+    let mut last = 0.0;
     let mut run = clean();
     for (i, x) in run.columns.get_mut("v_mps").unwrap().iter_mut().enumerate() {
-        held = if i % 10 == 0 { *x } else { held };
-        *x = held;
+        last = if i % 10 == 0 { *x } else { last };
+        *x = last;
     }
     assert!(Saturation::of(&run.columns["v_mps"]).is_none());
 }
 
 #[test]
-fn a_lateral_force_is_not_late_for_want_of_a_slip_sensor() {
+fn no_delay_of_ay_is_estimated_without_a_slip_sensor() {
     let mut run = clean();
     run.columns.remove("alpha_rad");
-    let told = said(&run, |lines| lines);
-    assert!(told.channels["ay_mps2"].delay_s.is_none());
-    assert!(told.channels["yaw_rate_radps"].delay_s.is_some());
+    let reported = examine_lines(&run, |lines| lines);
+    assert!(reported.channels["ay_mps2"].delay_s.is_none());
+    assert!(reported.channels["yaw_rate_radps"].delay_s.is_some());
 }
 
 #[test]
-fn a_late_channel_has_its_delay_within_the_stated_error() {
+fn the_delay_of_a_late_channel_is_within_its_stated_error() {
     let clean = clean();
     for (column, most_error) in [("v_mps", 0.06), ("yaw_rate_radps", 0.02), ("az_mps2", 0.02)] {
         for rows in [10, 25, 60] {
@@ -287,8 +287,8 @@ fn a_late_channel_has_its_delay_within_the_stated_error() {
 }
 
 #[test]
-fn exchanged_channels_are_wrong_and_both_named() {
-    let exchanged = said(&clean(), |mut lines| {
+fn exchanged_channels_are_a_fault_that_names_both() {
+    let exchanged = examine_lines(&clean(), |mut lines| {
         lines[0] = lines[0]
             .replace("roll_rate", "?")
             .replace("pitch_rate", "roll_rate")
@@ -301,8 +301,8 @@ fn exchanged_channels_are_wrong_and_both_named() {
     assert!(fault.mend.contains("exchange"), "{}", fault.mend);
 }
 
-/// The run as a box records it whose axes are turned into the sled's by roll, pitch and yaw.
-fn in_a_box(name: &str, [roll, pitch, yaw]: [f64; 3]) -> Run {
+/// The run as a measuring box records it that is rotated by roll, pitch and yaw [rad].
+fn in_rotated_box(name: &str, [roll, pitch, yaw]: [f64; 3]) -> Run {
     let mut run = clean();
     run.entry.run = name.to_owned();
     for axes in [
@@ -326,7 +326,7 @@ fn in_a_box(name: &str, [roll, pitch, yaw]: [f64; 3]) -> Run {
 }
 
 #[test]
-fn a_box_that_is_turned_is_one_fault_with_its_rotation() {
+fn a_rotated_box_is_one_fault_with_its_rotation() {
     use std::f64::consts::{FRAC_PI_2, PI};
     for angles in [
         [PI, 0.0, 0.0],
@@ -336,7 +336,7 @@ fn a_box_that_is_turned_is_one_fault_with_its_rotation() {
         [0.3, -0.4, 2.0],
         [-2.5, 1.0, -0.7],
     ] {
-        let faults = find_faults(&[in_a_box("a", angles), in_a_box("b", angles)]);
+        let faults = find_faults(&[in_rotated_box("a", angles), in_rotated_box("b", angles)]);
         let runs: Vec<&str> = faults.iter().map(|fault| fault.run.as_str()).collect();
         assert_eq!(runs, ["a", "b"], "{angles:?}: {faults:#?}");
         for fault in &faults {
@@ -353,10 +353,10 @@ fn a_box_that_is_turned_is_one_fault_with_its_rotation() {
             }
         }
     }
-    // The rest of a quarter turn is no finding.
+    // A rotation near a quarter turn is reported as a quarter turn.
     let turned = find_faults(&[
-        in_a_box("a", [0.0, 0.0, FRAC_PI_2]),
-        in_a_box("b", [0.0, 0.0, FRAC_PI_2]),
+        in_rotated_box("a", [0.0, 0.0, FRAC_PI_2]),
+        in_rotated_box("b", [0.0, 0.0, FRAC_PI_2]),
     ]);
     assert!(
         turned[0]
@@ -365,23 +365,29 @@ fn a_box_that_is_turned_is_one_fault_with_its_rotation() {
         "{}",
         turned[0].mend
     );
-    // A box that is nearly aligned is advice.
+    // For a box that is nearly aligned the finding is a note.
     let slight = find_faults(&[
-        in_a_box("a", [0.0, 0.1, 0.0]),
-        in_a_box("b", [0.0, 0.1, 0.0]),
+        in_rotated_box("a", [0.0, 0.1, 0.0]),
+        in_rotated_box("b", [0.0, 0.1, 0.0]),
     ]);
     assert!(slight.iter().all(|fault| !fault.proven), "{slight:?}");
     assert_eq!(slight[0].kind, FaultKind::Rotation);
-    assert!(find_faults(&[in_a_box("a", [0.0, 0.0, 0.005]), in_a_box("b", [0.0; 3])]).is_empty());
-    // The usual accuracy of a mount is no other sign of a channel.
+    assert!(
+        find_faults(&[
+            in_rotated_box("a", [0.0, 0.0, 0.005]),
+            in_rotated_box("b", [0.0; 3])
+        ])
+        .is_empty()
+    );
+    // The usual mounting accuracy is no inverted sign of a channel.
     for pitch in [-0.045, -0.03, 0.03, 0.045] {
-        let mounted = ["a", "b"].map(|name| in_a_box(name, [0.0, pitch, 0.0]));
+        let mounted = ["a", "b"].map(|name| in_rotated_box(name, [0.0, pitch, 0.0]));
         assert_eq!(find_faults(&mounted), [], "{pitch}");
     }
 }
 
-/// The run under another name with its yaw rate times `sign`.
-fn turned(name: &str, sign: f64) -> Run {
+/// The run under another name with its yaw rate multiplied by `sign`.
+fn with_yaw_sign(name: &str, sign: f64) -> Run {
     let mut run = clean();
     run.entry.run = name.to_owned();
     let yaw = run.columns.get_mut("yaw_rate_radps").unwrap();
@@ -390,8 +396,8 @@ fn turned(name: &str, sign: f64) -> Run {
 }
 
 #[test]
-fn a_sign_is_proved_where_all_runs_agree_and_doubted_where_one_does_not() {
-    let mut mixed = [turned("a", 1.0), turned("b", -1.0)];
+fn a_sign_fault_is_proven_only_if_all_runs_agree() {
+    let mut mixed = [with_yaw_sign("a", 1.0), with_yaw_sign("b", -1.0)];
     let faults = find_faults(&mixed);
     assert!(
         faults
@@ -409,7 +415,7 @@ fn a_sign_is_proved_where_all_runs_agree_and_doubted_where_one_does_not() {
         "{:?}",
         mixed[1].remarks
     );
-    let mut all = [turned("a", -1.0), turned("b", -1.0)];
+    let mut all = [with_yaw_sign("a", -1.0), with_yaw_sign("b", -1.0)];
     let proven = find_faults(&all).iter().filter(|f| f.proven).count();
     assert_eq!(proven, 2);
     let message = check_relations(&mut all).unwrap_err().to_string();
@@ -417,7 +423,7 @@ fn a_sign_is_proved_where_all_runs_agree_and_doubted_where_one_does_not() {
 }
 
 #[test]
-fn a_speed_in_a_confused_unit_is_proved_with_its_unit() {
+fn a_speed_in_a_wrong_unit_is_proven_with_its_unit() {
     for (factor, unit) in [
         (1.609_344, "\"km/h\""),
         (1.852, "\"km/h\""),
@@ -433,8 +439,9 @@ fn a_speed_in_a_confused_unit_is_proved_with_its_unit() {
 }
 
 #[test]
-fn a_correction_is_not_proved_while_a_relation_disagrees() {
-    // No unit: as miles per hour the relation across is satisfied, that along the sled is not.
+fn a_correction_is_not_proven_if_a_relation_fails() {
+    // 2.5 is no unit factor. In miles per hour the lateral relation is satisfied, the longitudinal
+    // one is not.
     let faults = changed("v_mps", |_, v| 2.5 * v).faults;
     assert!(!faults.is_empty());
     assert!(faults.iter().all(|fault| !fault.proven), "{faults:#?}");
@@ -455,7 +462,7 @@ fn a_box_pitched_by_two_degrees_has_no_delays() {
         let turned = pairs().map(|(x, z)| sine * x + cosine * z).collect();
         run.columns.insert(up.to_owned(), turned);
     }
-    let pitched = said(&run, |lines| lines);
+    let pitched = examine_lines(&run, |lines| lines);
     let mut later = pitched
         .notes
         .iter()

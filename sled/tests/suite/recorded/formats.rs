@@ -9,7 +9,7 @@ use kufe_sled::{
     simulate, simulated_entry, write_run,
 };
 
-/// Runs a script; `None`, and says so, where the interpreter or a module is absent.
+/// Runs a Python script; prints a note and returns `None` without the interpreter or a module.
 fn python(modules: &[&str], script: &str, arguments: &[&Path]) -> Option<String> {
     let interpreter = kufe_outside::python(&modules.join(", "))?;
     let output = Command::new(&interpreter)
@@ -26,7 +26,7 @@ fn python(modules: &[&str], script: &str, arguments: &[&Path]) -> Option<String>
     Some(String::from_utf8(output.stdout).unwrap())
 }
 
-fn a_run(vehicle: &Vehicle) -> Run {
+fn simulated_run(vehicle: &Vehicle) -> Run {
     let track = kufe_sled::sample_data::sample_track("east");
     let options = SimulateOptions {
         most_s: 8.0,
@@ -69,7 +69,7 @@ fn entry(file: PathBuf) -> Entry {
 
 #[test]
 fn low_pass_equals_scipys_sosfiltfilt() {
-    let run = a_run(&Vehicle::new(&Model::published()).unwrap());
+    let run = simulated_run(&Vehicle::new(&Model::published()).unwrap());
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("r.parquet");
     write_run(
@@ -93,8 +93,8 @@ for corner in (20.0, 40.0, 3.0):
         let theirs: Vec<f64> = line.split(' ').map(|v| v.parse().unwrap()).collect();
         assert_eq!(ours.len(), theirs.len());
         for (a, b) in ours.iter().zip(&theirs) {
-            // Padding and initial state are SciPy's; rounding in the design of the poles is what
-            // differs.
+            // Padding and initial state are those of SciPy. The design of the poles differs by
+            // rounding.
             assert!((a - b).abs() < 1e-9, "{corner} Hz: {a} against {b}");
         }
     }
@@ -148,9 +148,9 @@ scipy.io.savemat(os.path.join(sys.argv[1], 'packed.mat'), {k: data[k][:, None] f
 }
 
 #[test]
-fn written_runs_read_back_and_csv_and_parquet_say_the_same() {
+fn runs_round_trip_through_csv_and_parquet() {
     let vehicle = Vehicle::new(&Model::published()).unwrap();
-    let run = a_run(&vehicle);
+    let run = simulated_run(&vehicle);
     let folder = tempfile::tempdir().unwrap();
     let mut prepared = Vec::new();
     for format in [RunFormat::Csv, RunFormat::Parquet] {
@@ -178,7 +178,7 @@ fn written_runs_read_back_and_csv_and_parquet_say_the_same() {
 }
 
 #[test]
-fn an_mdf4_log_is_refused_with_the_way_to_import_it() {
+fn an_mdf4_log_is_refused_with_the_import_command() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mf4");
     std::fs::write(&path, "MDF").unwrap();
@@ -186,7 +186,7 @@ fn an_mdf4_log_is_refused_with_the_way_to_import_it() {
     assert!(error.contains("kufe runs import"), "{error}");
 }
 
-/// A Parquet file of one row group; each column is written by its own closure.
+/// A Parquet file with one row group; a closure writes each column.
 fn parquet_file(
     schema: &str,
     columns: &[&dyn Fn(&mut parquet::file::writer::SerializedColumnWriter)],
@@ -282,7 +282,7 @@ fn parquet_columns_are_read_by_their_logical_types() {
 }
 
 #[test]
-fn files_that_unpack_to_gigabytes_are_refused() {
+fn files_that_decompress_to_gigabytes_are_refused() {
     use parquet::data_type::DoubleType;
     let constant = |column: &mut parquet::file::writer::SerializedColumnWriter| {
         let batch = vec![1.0; 1 << 20];
@@ -329,7 +329,7 @@ fn words(values: &[u32]) -> Vec<u8> {
     values.iter().flat_map(|v| v.to_le_bytes()).collect()
 }
 
-/// An array of a MATLAB file: class, dimensions, how its numbers are stored, and they.
+/// An array of a MATLAB file: class, dimensions, storage type of the numbers, numbers.
 fn matrix(name: &str, class: u32, dimensions: &[u32], kind: u32, data: &[u8]) -> Vec<u8> {
     let parts = [
         element(6, &words(&[class, 0])),
@@ -357,7 +357,7 @@ fn matlab_file(variables: &[&[u8]]) -> Vec<u8> {
 }
 
 #[test]
-fn matlab_files_with_tables_and_text_give_their_vectors_and_remarks() {
+fn matlab_files_with_tables_and_text_give_vectors_and_remarks() {
     let doubles: Vec<u8> = [0.0_f64, 0.5, 1.0]
         .iter()
         .flat_map(|v| v.to_le_bytes())

@@ -1,4 +1,4 @@
-//! Runs with gaps: what stands beside a gap takes no part, and all else is as it was.
+//! Runs with gaps: samples next to a gap are excluded, all others are unchanged.
 
 use std::sync::LazyLock;
 
@@ -8,8 +8,8 @@ use kufe_sled::{
     prepare, prepare_all, read_run, validate, write_run,
 };
 
-/// Samples of a state, and states next to a gap that are excluded: two periods of 20 Hz at 100 Hz and
-/// the derivative's three.
+/// Samples per state, and number of states excluded on either side of a gap: two periods of 20 Hz
+/// at 100 Hz, and three for the derivative.
 const RATIO: usize = 5;
 const MARGIN: usize = 13;
 
@@ -31,7 +31,7 @@ fn prepared(runs: &[Run]) -> Vec<Prepared> {
     .unwrap()
 }
 
-/// The run as it is read back once a stretch of rows and some values are gone.
+/// The run written without these rows and values, and read again.
 fn damaged(
     run: &Run,
     rows: &[std::ops::Range<usize>],
@@ -40,25 +40,24 @@ fn damaged(
     let folder = tempfile::tempdir().unwrap();
     let mut bytes = Vec::new();
     let mut spoilt = run.clone();
-    for (column, gone) in values {
-        spoilt.columns.get_mut(*column).unwrap()[gone.clone()].fill(f64::NAN);
+    for (column, removed) in values {
+        spoilt.columns.get_mut(*column).unwrap()[removed.clone()].fill(f64::NAN);
     }
     write_run(&spoilt, &mut bytes, RunFormat::Csv).unwrap();
     let text = String::from_utf8(bytes).unwrap();
-    let kept = text
-        .lines()
-        .enumerate()
-        .filter(|(line, _)| *line == 0 || !rows.iter().any(|gone| gone.contains(&(line - 1))));
-    let lines: Vec<&str> = kept.map(|(_, line)| line).collect();
+    let retained = text.lines().enumerate().filter(|(line, _)| {
+        *line == 0 || !rows.iter().any(|removed| removed.contains(&(line - 1)))
+    });
+    let lines: Vec<&str> = retained.map(|(_, line)| line).collect();
     let mut entry = run.entry.clone();
     entry.file = folder.path().join("run.csv");
     std::fs::write(&entry.file, lines.join("\n") + "\n").unwrap();
     read_run(entry, &kufe_sled::COLUMNS, OnGaps::LeaveOut).unwrap()
 }
 
-/// The same rows and values as a small generator of its own draws them, about a twentieth of the
-/// run.
-fn a_twentieth_gone(run: &Run, seed: u64) -> Run {
+/// The run without random rows and values, about a twentieth of it. The generator is independent of
+/// the library.
+fn with_a_twentieth_missing(run: &Run, seed: u64) -> Run {
     let mut state = seed;
     let mut draw = |below: usize| {
         state = state
@@ -66,8 +65,8 @@ fn a_twentieth_gone(run: &Run, seed: u64) -> Run {
             .wrapping_add(1);
         (state >> 33) as usize % below
     };
-    let (mut rows, mut values, mut gone) = (Vec::new(), Vec::new(), 0);
-    while 20 * gone < run.len() {
+    let (mut rows, mut values, mut removed) = (Vec::new(), Vec::new(), 0);
+    while 20 * removed < run.len() {
         let length = 20 + draw(400);
         let from = draw(run.len() - length);
         if draw(2) == 0 {
@@ -75,25 +74,25 @@ fn a_twentieth_gone(run: &Run, seed: u64) -> Run {
         } else {
             values.push((kufe_sled::COLUMNS[draw(10)], from..from + length));
         }
-        gone += length;
+        removed += length;
     }
     damaged(run, &rows, &values)
 }
 
 #[test]
-fn fits_of_runs_with_a_twentieth_gone_agree_with_those_of_whole_ones_within_their_intervals() {
+fn fits_with_a_twentieth_missing_agree_within_the_intervals() {
     let vehicle = Vehicle::new(&Model::published()).unwrap();
     let holed: Vec<Run> = (1..)
         .zip(RUNS.iter())
-        .map(|(k, run)| a_twentieth_gone(run, k))
+        .map(|(k, run)| with_a_twentieth_missing(run, k))
         .collect();
     let (whole, holed) = (prepared(&RUNS), prepared(&holed));
     let of = |runs: &[Prepared]| fit(runs, &vehicle, true).unwrap();
     let (clean, gaps) = (of(&whole), of(&holed));
     for (a, b) in [(&clean.front, &gaps.front), (&clean.rear, &gaps.rear)] {
         for (a, b) in [(a.k_n_per_rad, b.k_n_per_rad), (a.mu_zeta_c, b.mu_zeta_c)] {
-            // Nine tenths of the samples are the same, so the two differ by less than either's own
-            // interval.
+            // Nine tenths of the samples are the same: the difference is less than either
+            // confidence interval.
             let ends = |of: kufe_sled::friction::Interval| [of.low.unwrap(), of.high.unwrap()];
             let ([low, high], [b_low, b_high]) = (ends(a), ends(b));
             assert!((low..high).contains(&b.value), "{a:?} {b:?}");
@@ -101,7 +100,7 @@ fn fits_of_runs_with_a_twentieth_gone_agree_with_those_of_whole_ones_within_thei
             assert!((0.7..1.5).contains(&wider), "{wider}");
         }
     }
-    // What evaluation and validation say of a run is that of most of it.
+    // Evaluation and validation of a run with gaps are close to those of the whole run.
     let scores = |runs: &[Prepared]| evaluate(runs, &vehicle);
     for (a, b) in scores(&whole).iter().zip(&scores(&holed)) {
         assert!(
@@ -110,8 +109,8 @@ fn fits_of_runs_with_a_twentieth_gone_agree_with_those_of_whole_ones_within_thei
             a.time_s,
             b.time_s
         );
-        // A share of what was lost: a tenth of the run less moves it by a tenth of its spread along
-        // the run at most.
+        // A relative loss: removing a tenth of the run changes it by at most a tenth of its spread
+        // along the run.
         assert!((a.increase_total / b.increase_total - 1.0).abs() < 0.1);
     }
     for (a, b) in validate(&whole, &vehicle)
@@ -138,60 +137,59 @@ fn fits_of_runs_with_a_twentieth_gone_agree_with_those_of_whole_ones_within_thei
                 .unwrap();
             assert!(
                 at >= piece.start + 25 && at + 25 <= piece.end,
-                "a window over a gap"
+                "the window spans a gap"
             );
         }
     }
 }
 
 #[test]
-fn each_stretch_is_prepared_as_a_run_of_its_own_and_its_margins_are_left_out() {
-    // The slow plain version: the stretch alone, prepared as a whole run, without the samples next to
-    // the gap.
+fn each_stretch_equals_a_separate_run_without_its_margins() {
+    // Reference: the stretch alone, prepared as a whole run, without the samples next to the gap.
     let run = &RUNS[0];
-    let gone = [4000..4100, 9000..9995];
-    let holed = &prepared(&[damaged(run, &gone, &[])])[0];
-    let kept = [0..4000, 4100..9000, 9995..run.len()];
+    let removed = [4000..4100, 9000..9995];
+    let holed = &prepared(&[damaged(run, &removed, &[])])[0];
+    let retained = [0..4000, 4100..9000, 9995..run.len()];
     assert_eq!(holed.pieces.len(), 3);
-    for (number, (kept, piece)) in kept.iter().zip(&holed.pieces).enumerate() {
-        let mut alone = run.clone();
-        for column in alone.columns.values_mut() {
-            // What a file holds, nine decimals.
-            *column = column[kept.clone()]
+    for (number, (retained, piece)) in retained.iter().zip(&holed.pieces).enumerate() {
+        let mut separate = run.clone();
+        for column in separate.columns.values_mut() {
+            // A file stores nine decimals.
+            *column = column[retained.clone()]
                 .iter()
                 .map(|x| (x * 1e9).round() / 1e9)
                 .collect();
         }
-        alone.gaps = Gaps::none(kept.len());
-        alone.t0_s = kept.start as f64 * run.dt_s;
-        let alone = &prepared(&[alone])[0];
+        separate.gaps = Gaps::none(retained.len());
+        separate.t0_s = retained.start as f64 * run.dt_s;
+        let separate = &prepared(&[separate])[0];
         let from = if number == 0 { 0 } else { MARGIN };
-        let to = alone.states.len() - if number == 2 { 0 } else { MARGIN };
+        let to = separate.states.len() - if number == 2 { 0 } else { MARGIN };
         assert_eq!(piece.len(), to - from);
         for (a, b) in holed.states[piece.clone()]
             .iter()
-            .zip(&alone.states[from..to])
+            .zip(&separate.states[from..to])
         {
             assert!((a.t_s - b.t_s).abs() < 1e-9, "{} {}", a.t_s, b.t_s);
-            // The same arithmetic but for the time, which no channel is made of; NaN where nothing
-            // states a value.
+            // The arithmetic is identical except for the time, which enters no channel. Values that
+            // are not stated are NaN, hence the comparison as text.
             let channels = |state: &State| format!("{:?}", State { t_s: 0.0, ..*state });
             assert_eq!(channels(a), channels(b));
         }
     }
     let marked = (0..run.len()).step_by(RATIO).filter(|sample| {
-        let beside = |gone: &std::ops::Range<usize>| {
-            // A state takes part where the gap begins and ends more than the margin away.
+        let near = |removed: &std::ops::Range<usize>| {
+            // A state is retained if the gap is more than the margin away.
             let reach = MARGIN * RATIO;
-            sample + reach >= gone.start && *sample < gone.end + reach
+            sample + reach >= removed.start && *sample < removed.end + reach
         };
-        !gone.iter().any(beside)
+        !removed.iter().any(near)
     });
     assert_eq!(holed.states.len(), marked.count());
 }
 
 #[test]
-fn a_filter_beside_a_gap_is_that_of_the_whole_run_within_a_hundredth() {
+fn filtered_values_near_a_gap_agree_with_the_whole_run_within_one_percent() {
     let run = &RUNS[0];
     let whole = &prepared(std::slice::from_ref(run))[0];
     let holed = &prepared(&[damaged(run, std::slice::from_ref(&(6000..6100)), &[])])[0];
@@ -223,20 +221,20 @@ fn a_filter_beside_a_gap_is_that_of_the_whole_run_within_a_hundredth() {
 }
 
 #[test]
-fn distance_without_a_column_of_its_own_goes_on_across_a_gap_of_the_speed() {
+fn integrated_distance_continues_across_a_gap_of_the_speed() {
     let mut run = RUNS[0].clone();
     let truth = run.columns["s_m"].clone();
     run.columns.remove("s_m");
-    let gone = 6000..6500;
-    let holed = &prepared(&[damaged(&run, &[], &[("v_mps", gone.clone())])])[0];
+    let removed = 6000..6500;
+    let holed = &prepared(&[damaged(&run, &[], &[("v_mps", removed.clone())])])[0];
     let s = |i: usize| truth[RATIO * i] - truth[0];
     let last = holed.states.last().unwrap();
-    // A straight line across a second misses (largest change of the acceleration) T^2 / 12, here
-    // below 0.5 m; noise of the speed and the trapezoidal rule stay far below that.
+    // A straight line across T = 1 s has an error of at most (change of the acceleration) T^2 / 12,
+    // here below 0.5 m. Noise of the speed and the trapezoidal rule contribute far less.
     let at = (last.t_s * 100.0).round() as usize;
     assert!((last.s_m - s(at)).abs() < 0.5, "{} {}", last.s_m, s(at));
-    // A gap of another channel costs no distance at all.
-    let other = &prepared(&[damaged(&run, &[], &[("ay_mps2", gone)])])[0];
+    // A gap in another channel does not change the distance.
+    let other = &prepared(&[damaged(&run, &[], &[("ay_mps2", removed)])])[0];
     let whole = &prepared(&[run])[0];
     let (a, b) = (
         other.states.last().unwrap().s_m,
@@ -246,7 +244,7 @@ fn distance_without_a_column_of_its_own_goes_on_across_a_gap_of_the_speed() {
 }
 
 #[test]
-fn standstill_and_missing_values_at_the_ends_are_cut_off_and_the_clock_starts_after() {
+fn standstill_and_missing_values_at_the_ends_are_cut_off() {
     let mut run = RUNS[0].clone();
     let len = run.len();
     let v = run.columns.get_mut("v_mps").unwrap();

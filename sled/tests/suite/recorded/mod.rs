@@ -1,5 +1,5 @@
-//! Files of runs: good ones come back, faulty ones are refused by name, and what has gaps is used
-//! without them.
+//! Files of recorded runs: valid files are read, faulty files are refused by name, gaps are
+//! excluded.
 
 mod bad_input;
 mod conditions;

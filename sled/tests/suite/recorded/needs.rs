@@ -1,4 +1,5 @@
-//! What a computation does not use may be absent, and what it uses is named where it is.
+//! Columns that a computation does not need may be absent. A missing column is reported with the
+//! computation that needs it.
 
 use std::path::Path;
 
@@ -9,8 +10,8 @@ use kufe_sled::{
     read_index, read_runs, record, simulate, simulated_entry, write_index, write_run,
 };
 
-/// Two runs in a folder without the columns named, and the index with this text before their rows'
-/// names.
+/// Writes two runs to a folder, without the columns `without`, and an index with `rows` appended to
+/// each row.
 fn written(folder: &Path, without: &[&str], header: &str, rows: &str) {
     let (vehicle, track) = (vehicle(""), sample_track("west"));
     for seed in 1..=2 {
@@ -47,7 +48,7 @@ fn prepared(folder: &Path, vehicle: &Vehicle) -> Result<Vec<Prepared>, Error> {
 }
 
 #[test]
-fn a_lateral_fit_is_the_same_without_what_it_does_not_use() {
+fn a_lateral_fit_does_not_depend_on_unused_columns() {
     let folder = tempfile::tempdir().unwrap();
     let fitted = |without: &[&str], header: &str, rows: &str| {
         written(folder.path(), without, header, rows);
@@ -66,20 +67,20 @@ fn a_lateral_fit_is_the_same_without_what_it_does_not_use() {
 }
 
 #[test]
-fn what_a_computation_lacks_is_named_with_the_computation() {
+fn missing_columns_are_reported_with_the_computation() {
     let folder = tempfile::tempdir().unwrap();
     let reported = |vehicle: &Vehicle| prepared(folder.path(), vehicle).unwrap_err().to_string();
     written(folder.path(), &["gamma_rad"], "run,file", "");
     let index = folder.path().join("runs.csv");
     let error = read_runs(&index, &Needs::FORCES, OnGaps::LeaveOut).unwrap_err();
-    let said = error.to_string();
+    let message = error.to_string();
     assert!(
-        said.contains(
+        message.contains(
             "1.csv: column gamma_rad is missing, which is needed for the forces on the runners"
         ),
-        "{said}"
+        "{message}"
     );
-    // Whoever checks the runs first learns of it there, though nothing in the run is wrong.
+    // The examination notes the missing column, although the run has no fault.
     let examined = examine(&index).unwrap();
     let noted = |run: &Examination| {
         run.notes
@@ -88,7 +89,7 @@ fn what_a_computation_lacks_is_named_with_the_computation() {
     };
     let (first, _) = &examined[0];
     assert!(!first.is_wrong() && noted(first));
-    // A place along the track asks for no roll split, and for no weather.
+    // The position along the track needs no roll split and no weather.
     let runs = read_runs(&index, &Needs::PLACE, OnGaps::LeaveOut).unwrap();
     let options = PrepareOptions {
         needs: Needs::PLACE,
@@ -96,29 +97,32 @@ fn what_a_computation_lacks_is_named_with_the_computation() {
     };
     prepare(&runs[0], &vehicle(""), None, &options).unwrap();
     written(folder.path(), &["ax_mps2"], "run,file", "");
-    let said = reported(&vehicle(""));
+    let message = reported(&vehicle(""));
     assert!(
-        said.contains("air_c, which the drag of sled.cda_m2 = 0.28 needs, is not stated"),
-        "{said}"
+        message.contains("air_c, which the drag of sled.cda_m2 = 0.28 needs, is not stated"),
+        "{message}"
     );
     let mut flat = vehicle("");
     flat.sled.cda_m2 = 0.0;
     let runs = prepared(folder.path(), &flat).unwrap();
     assert!(runs[0].states.iter().all(|state| state.fz_r_n.is_finite()));
-    // An effect over what was not recorded is refused by its name.
-    let said = reported(&vehicle(
+    // An effect of a column that was not recorded is refused by its name.
+    let message = reported(&vehicle(
         "\n[effects.own]\nexpression = \"ax_mps2\"\nchannel = \"lateral\"\nvalue = 1e-3\n",
     ));
-    assert!(said.contains("own") && said.contains("ax_mps2"), "{said}");
+    assert!(
+        message.contains("own") && message.contains("ax_mps2"),
+        "{message}"
+    );
 }
 
 #[test]
-fn the_ice_of_a_place_acts_there() {
+fn ice_temperatures_along_the_track_act_at_their_positions() {
     let folder = tempfile::tempdir().unwrap();
     let header = "run,file,track,ice_c,air_c,air_pa";
     written(folder.path(), &[], header, ",west,-8,0,95000");
     let grip = vehicle("\n[effects.temperature-grip]\nslope_per_k = -0.01\n");
-    let ices = |at: &[(f64, f64)]| {
+    let check_ice = |at: &[(f64, f64)]| {
         for run in prepared(folder.path(), &grip).unwrap() {
             for state in &run.states {
                 let ice = IceAlong::new(at.iter().map(|(s, c)| [*s, *c]));
@@ -131,15 +135,15 @@ fn the_ice_of_a_place_acts_there() {
             }
         }
     };
-    ices(&[(0.0, -8.0)]);
-    // The track's table, with a sensor in two of its rows.
+    check_ice(&[(0.0, -8.0)]);
+    // The table of the track, with thermometers in two of its rows.
     let track = "s_m,slope_rad,curvature_1pm,bank_rad,ice_c\n0,0.1,0,0,\n200,0.1,0,0,-9\n800,0.1,0,0,-5\n1500,0.1,0,0,\n";
     std::fs::write(folder.path().join("track_west.csv"), track).unwrap();
-    ices(&[(200.0, -9.0), (800.0, -5.0)]);
-    // Sensors of the run's own stand before the track's.
+    check_ice(&[(200.0, -9.0), (800.0, -5.0)]);
+    // Thermometers in the index take precedence over those of the track.
     let header = "run,file,track,ice_c,air_c,air_pa,ice_c@1000,ice_c@100";
     written(folder.path(), &[], header, ",west,-8,0,95000,-2,-12");
-    ices(&[(100.0, -12.0), (1000.0, -2.0)]);
+    check_ice(&[(100.0, -12.0), (1000.0, -2.0)]);
     let entries = read_index(&folder.path().join("runs.csv")).unwrap();
     let mut back = Vec::new();
     write_index(&mut back, &entries).unwrap();
@@ -151,7 +155,7 @@ fn the_ice_of_a_place_acts_there() {
         "{back}"
     );
     assert!(back.contains(",-8,0,95000,-12,-2"), "{back}");
-    // Driven on, too: with friction over the temperature only the places' own count.
+    // The simulation uses the local ice temperature, not that of the conditions.
     let warm = vehicle("\n[effects.temperature]\nslope_per_k = -0.02\n");
     let mut track = sample_track("west");
     let finish = |ice: IceAlong, ice_c: f64, track: &mut kufe_sled::Track| {
