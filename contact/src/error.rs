@@ -94,7 +94,7 @@ pub enum Error {
     /// The load exceeds the hull's capacity at this hardness: at rest that of the whole underside,
     /// in sliding that of the part ahead of its lowest point and a little behind.
     #[error(
-        "a load of {fz} N needs more than the {capacity} N that the hull bears on ice of this hardness"
+        "a load of {fz} N is not below the {capacity} N that the hull bears on ice of this hardness"
     )]
     LoadExceedsHardness {
         /// Normal force [N].

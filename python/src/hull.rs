@@ -183,7 +183,7 @@ impl Hull {
     /// Writes the hull as .obj, .glb or .stl, in metres; a file is written completely or not at
     /// all.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        let format = HullFormat::of(&path).map_err(bad_input)?;
+        let format = HullFormat::of_output(&path).map_err(bad_input)?;
         let hull = self.hull.clone();
         work(py, None, move |_, _| {
             write_whole(&path, |writer| format.write(&hull, writer))

@@ -226,7 +226,7 @@ pub fn slip_offsets_text(offsets: &[SlipOffset]) -> String {
     let one = |one: &SlipOffset| {
         let (session, runner) = (&one.session, one.runner.name());
         let [offset, half_width] = [one.offset_rad, 1.96 * one.error_rad].map(|rad| 1e3 * rad);
-        format!("session {session}, {runner}: {offset:.2} ± {half_width:.2} mrad")
+        format!("session {session}, {runner}: {offset:.3} ± {half_width:.3} mrad")
     };
     offsets.iter().map(one).collect::<Vec<_>>().join("; ")
 }

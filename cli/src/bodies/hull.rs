@@ -116,7 +116,7 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         edge_length_m,
     } = out;
     let refuse = |error: MeshError| Failure::BadInput(format!("kufe hull {name}: {error}"));
-    let format = HullFormat::of(file).in_file(file)?;
+    let format = HullFormat::of_output(file).in_file(file)?;
     let swept = swept.map_err(refuse)?;
     let outputs = std::slice::from_ref(file);
     let files = OutputFiles::begin("hull", points.as_slice(), outputs, global.force)?;

@@ -30,8 +30,9 @@ const MU: &str = "coefficient of friction mu [1e-3]";
 /// Searches for the lowest friction, prints the result and writes the files.
 ///
 /// # Errors
-/// [`Failure::Usage`] for several cases, speeds or temperatures and for invalid bounds; otherwise
-/// as [`optimise`].
+/// [`Failure::Usage`] for several cases, speeds or temperatures and for invalid bounds;
+/// [`Failure::NotConverged`], after the files are written, where a runner does not reach its
+/// accuracy; otherwise as [`optimise`].
 pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
     let ([path], &[v_mps], &[ice_c]) = (&args.cases[..], &args.v_mps[..], &args.ice_c[..]) else {
         let text = "--optimise: expected one case, one --v-mps and one --ice-c";
@@ -46,12 +47,15 @@ pub fn run(args: &Args, global: &Global) -> Result<(), Failure> {
         global.watched(|watch| optimise(&loaded, [v_mps, ice_c], &parameters, watch, &options))?;
     let result = &found.result;
     let text = text(result)?;
-    let Some(output) = output else {
-        return global.print(result, || text);
-    };
-    output.write("friction.csv", |file| write_csv(file, &found))?;
-    output.picture("friction.png", &picture(&found))?;
-    output.finish("friction.json", result, global, || text)
+    match output {
+        None => global.print(result, || text)?,
+        Some(output) => {
+            output.write("friction.csv", |file| write_csv(file, &found))?;
+            output.picture("friction.png", &picture(&found))?;
+            output.finish("friction.json", result, global, || text)?;
+        }
+    }
+    found.short.map_or(Ok(()), Err)
 }
 
 /// Parses `KEY=LOW:HIGH`.

@@ -33,7 +33,7 @@ pub struct Args {
     #[arg(long, conflicts_with_all = BY_LAW)]
     pub groove: bool,
     /// With --groove, one speed and one case: find the shape with the least friction over one or
-    /// two parameters within bounds, as rocker_radius_m=15:60,section_radius_m=0.004:0.008
+    /// two parameters within bounds, as rocker_radius_m=15:60,section_radius_m=0.005:0.008
     #[arg(long, value_name = "KEY=LOW:HIGH", value_delimiter = ',')]
     pub optimise: Vec<String>,
     /// With --groove: folder for friction.csv, friction.json and friction.png

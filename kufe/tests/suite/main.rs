@@ -2,5 +2,6 @@
 
 mod case_page;
 mod effects;
+mod optimum;
 mod page;
 mod picture;

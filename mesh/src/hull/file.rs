@@ -44,6 +44,19 @@ impl HullFormat {
         }
     }
 
+    /// The format that the ending of an output file names; glTF is written as `.glb`.
+    ///
+    /// # Errors
+    /// [`MeshError::Invalid`] for `.gltf` and unknown endings.
+    pub fn of_output(path: &Path) -> Result<Self, MeshError> {
+        match (Self::of(path)?, ending(path).as_str()) {
+            (_, "gltf") => Err(MeshError::Invalid(
+                "the ending \"gltf\": expected obj, glb or stl to write a hull".into(),
+            )),
+            (format, _) => Ok(format),
+        }
+    }
+
     /// Writes `hull` in this format; glTF is written as GLB.
     ///
     /// # Errors

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 
 use kufe_contact::{PressureMap, Solution, pressure_maps};
@@ -50,7 +50,12 @@ impl NewFiles {
         if !is_plain(name) {
             return Err("it is not the plain name of a file").writable(&path);
         }
-        let file = File::create_new(self.hidden.join(name)).writable(&path)?;
+        let file = File::create_new(self.hidden.join(name));
+        let exists = |error: &io::Error| error.kind() == io::ErrorKind::AlreadyExists;
+        if file.as_ref().is_err_and(exists) {
+            return Err("another file of this result has the same name").writable(&path);
+        }
+        let file = file.writable(&path)?;
         write(&file).writable(&path)?;
         file.sync_all().writable(&path)
     }

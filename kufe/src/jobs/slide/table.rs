@@ -130,6 +130,8 @@ pub struct Optimum {
     /// Relative difference of mu to its minimum below which two runners cannot be distinguished:
     /// the relative error of mu at the optimum plus the relative scatter of the response.
     pub relative_resolution: f64,
+    /// The first failure to reach the requested accuracy; `None` where all runners reached it.
+    pub short: Option<Failure>,
 }
 
 /// Least friction at one speed [m/s] on ice of one temperature [C] over one or two parameters of
@@ -172,9 +174,11 @@ pub fn optimise(
         progress: None,
         ..*watch
     };
-    let friction = |runner: &LoadedCase| -> Result<FrictionRow, Failure> {
+    let mut short = None;
+    let mut friction = |runner: &LoadedCase| -> Result<FrictionRow, Failure> {
         let mut solved = friction_table(runner, &[v_mps], &[ice_c], &quiet, options)?;
-        solved.short.map_or(Ok(solved.points.remove(0)), Err)
+        short = short.take().or(solved.short);
+        Ok(solved.points.remove(0))
     };
     let (mut points, mut solved) = (Vec::new(), Vec::new());
     let count = runners.len();
@@ -226,6 +230,7 @@ pub fn optimise(
         points,
         response,
         relative_resolution,
+        short,
     })
 }
 
