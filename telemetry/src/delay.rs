@@ -89,37 +89,42 @@ pub(crate) fn align(
     for (name, clock) in &clocks {
         add(name, clock.delay_s, &mut known);
     }
-    // A logger without a relation to a known one may be related to one that becomes known here.
+    // The clock with the smallest error first: other loggers may have a closer relation to it than
+    // to those that are known already.
     while !open.is_empty() {
-        let mut reasons = Vec::new();
-        let before = open.len();
-        let mut still = Vec::new();
-        for name in open {
-            let late: Vec<&Series> = series.iter().filter(|own| own.logger == name).collect();
-            match delay(&late, &known, &place, mapping.logger[name].largest_delay_s) {
-                Ok((clock, odd)) => {
-                    add(name, clock.delay_s, &mut known);
-                    let named = |text| format!("run {}: logger {name}: {text}", planned.name);
-                    remarks.extend(odd.into_iter().map(named));
-                    clocks.insert(name.to_string(), clock);
-                }
-                Err(reason) => {
-                    reasons.push(reason);
-                    still.push(name);
-                }
+        let estimate = |name: &&str| {
+            let late: Vec<&Series> = series.iter().filter(|own| own.logger == **name).collect();
+            delay(&late, &known, &place, mapping.logger[*name].largest_delay_s)
+        };
+        let (mut found, mut reasons) = (Vec::new(), Vec::new());
+        for (at, estimate) in open.iter().map(estimate).enumerate() {
+            match estimate {
+                Ok((clock, odd)) => found.push((at, clock, odd)),
+                Err(reason) => reasons.push(reason),
             }
         }
-        if still.len() == before {
+        let by_error = |a: &LoggerClock, b: &LoggerClock| {
+            let error = |clock: &LoggerClock| clock.delay_sd_s.unwrap_or(f64::INFINITY);
+            error(a).total_cmp(&error(b))
+        };
+        let best = found
+            .into_iter()
+            .min_by(|(_, a, _), (_, b, _)| by_error(a, b));
+        let Some((at, clock, odd)) = best else {
             return Err(Error::Clock {
                 run: planned.name.clone(),
-                logger: still[0].to_string(),
+                logger: open[0].to_string(),
                 reason: format!(
                     "{}; expected a channel that another logger has too (logger.{}.also), its delay_s, or clock = \"shared\"",
-                    reasons[0], still[0]
+                    reasons[0], open[0]
                 ),
             });
-        }
-        open = still;
+        };
+        let name = open.remove(at);
+        add(name, clock.delay_s, &mut known);
+        let named = |text| format!("run {}: logger {name}: {text}", planned.name);
+        remarks.extend(odd.into_iter().map(named));
+        clocks.insert(name.to_string(), clock);
     }
     Ok((clocks, remarks))
 }

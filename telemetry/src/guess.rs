@@ -173,13 +173,21 @@ fn split_names(files: &[(PathBuf, Log)]) -> (Vec<(String, String)>, String) {
         return (distinct(names.collect()), stems[0].clone());
     }
     let first: Vec<char> = stems[0].chars().collect();
-    let shared = |of: fn(&str, &str) -> bool, part: &dyn Fn(usize) -> String| {
-        let in_all = |p: &String| stems.iter().all(|s| of(s, p) && s.len() > p.len());
-        let parts = (1..first.len()).map(part).filter(in_all);
+    // The longest part that all names share; no word or number is cut.
+    let shared = |cut: fn(&str, &str) -> Option<usize>, part: &dyn Fn(usize) -> String| {
+        let in_all = |p: &String| {
+            let cuts_no_word = |s: &String| cut(s, p).is_some_and(|at| is_boundary(s, at));
+            stems.iter().all(cuts_no_word)
+        };
+        let parts = (0..=first.len()).map(part).filter(in_all);
         parts.max_by_key(String::len).unwrap_or_default()
     };
-    let prefix = shared(|s, p| s.starts_with(p), &|n| first[..n].iter().collect());
-    let suffix = shared(|s, p| s.ends_with(p), &|n| first[n..].iter().collect());
+    let prefix = shared(|s, p| s.starts_with(p).then_some(p.len()), &|n| {
+        first[..n].iter().collect()
+    });
+    let suffix = shared(|s, p| s.ends_with(p).then(|| s.len() - p.len()), &|n| {
+        first[n..].iter().collect()
+    });
     let bare = |text: &str| text.trim_matches(['_', '-', '.', ' ']).to_string();
     let by_suffix = bare(&suffix).len() >= bare(&prefix).len();
     let run = bare(if by_suffix { &suffix } else { &prefix });
@@ -195,6 +203,18 @@ fn split_names(files: &[(PathBuf, Log)]) -> (Vec<(String, String)>, String) {
         (logger_name(own, i), format!("{before}{after}{}", ending(i)))
     });
     (distinct(names.collect()), run.clone())
+}
+
+/// Whether a word, a number or the text ends or begins at this byte.
+fn is_boundary(text: &str, at: usize) -> bool {
+    let (before, after) = text.split_at(at);
+    let (Some(before), Some(after)) = (before.chars().next_back(), after.chars().next()) else {
+        return true;
+    };
+    !before.is_alphanumeric()
+        || !after.is_alphanumeric()
+        || before.is_numeric() != after.is_numeric()
+        || (before.is_lowercase() && after.is_uppercase())
 }
 
 /// A name for the table of the i-th logger, from a part of its file's path.

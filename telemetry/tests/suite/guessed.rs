@@ -241,6 +241,46 @@ fn files_of_one_name_in_two_folders_are_two_loggers() {
 }
 
 #[test]
+fn the_run_is_the_longest_part_of_the_names_that_cuts_no_word() {
+    let rows: String = (0..50).map(|i| format!("{i},{i}\n")).collect();
+    let text = format!("t_s,v_mps\n{rows}");
+    let log = || read_text(text.as_bytes(), TextOptions::default(), None, u64::MAX, "a").unwrap();
+    let cases: [(&[&str], &str, &[&str]); 5] = [
+        // The name of one file is the run's name alone.
+        (
+            &["imu_Ann_01.csv", "optik_Ann_01.txt", "Ann_01.mf4"],
+            "Ann_01",
+            &["imu_*.csv", "optik_*.txt", "*.mf4"],
+        ),
+        (
+            &["sled_01.csv", "imu_21.csv"],
+            "",
+            &["sled_01.csv", "imu_21.csv"],
+        ),
+        (
+            &["run7-gps.csv", "run7-gyro.csv"],
+            "run7",
+            &["*-gps.csv", "*-gyro.csv"],
+        ),
+        (
+            &["gpsRun3.csv", "imuRun3.csv"],
+            "Run3",
+            &["gps*.csv", "imu*.csv"],
+        ),
+        (&["gps12.csv", "imu12.csv"], "12", &["gps*.csv", "imu*.csv"]),
+    ];
+    for (names, run, patterns) in cases {
+        let files: Vec<(PathBuf, Log)> = names.iter().map(|name| (name.into(), log())).collect();
+        let text = guess_mapping(&files);
+        for pattern in patterns {
+            let line =
+                format!("files = {pattern:?}      # the * is the run's name, here {run:?}\n");
+            assert!(text.contains(&line), "{line:?} is not in:\n{text}");
+        }
+    }
+}
+
+#[test]
 fn the_faster_and_unsmoothed_channel_is_taken() {
     let mut text = String::from("t_s,GPS Lateral Acc [g],Acc Y [g],Lat Acc filtered [g]\n");
     for i in 0..400 {
