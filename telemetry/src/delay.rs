@@ -40,7 +40,8 @@ pub struct LoggerClock {
 /// a_z = g - q v - x dq/dt
 /// ```
 ///
-/// The stated error includes an unknown position (0.2 m divided by the speed) and unmeasured slip
+/// A rate or an acceleration in both may be of rotated sensors: the other axes are fitted too. The
+/// stated error includes an unknown position (0.2 m divided by the speed) and unmeasured slip
 /// (0.03 s).
 ///
 /// # Errors
@@ -235,13 +236,11 @@ fn delay(
     // A column with the opposite sign fits at no delay: it is reported.
     let same = pairs.iter().zip(&cutoffs);
     for (pair, cutoff) in same.filter(|(pair, _)| pair.kind == Kind::Same) {
-        let sides = pair.sides(first.min(*cutoff));
-        let rho =
-            sides.and_then(|sides| matched(&sides, clock.delay_s, SAMPLES_PER_CUTOFF * first));
-        if let Some(rho) = rho
-            .map(|both| both.correlation())
-            .filter(|rho| *rho < -MIN_OPPOSITE_CORRELATION)
-        {
+        let rho = pair.sides(first.min(*cutoff)).and_then(|sides| {
+            let both = matched(&sides, clock.delay_s, SAMPLES_PER_CUTOFF * first)?;
+            Some(both.correlation(sides.counted()))
+        });
+        if let Some(rho) = rho.filter(|rho| *rho < -MIN_OPPOSITE_CORRELATION) {
             remarks.push(format!(
                 "\"{}\" correlates by {rho:.2}: sign = -1 is missing in one of the two",
                 pair.name
@@ -421,7 +420,7 @@ impl Sampled {
             let count = ((span[1] - span[0]) / step) as usize + 1;
             (0..count).map(move |i| span[0] + i as f64 * step)
         };
-        let mut columns = vec![Vec::new(); side.columns()];
+        let mut columns = vec![Vec::new(); side.counted()];
         for t in times(lhs) {
             let values = side.lhs(t);
             for (k, column) in columns.iter_mut().enumerate() {
@@ -454,7 +453,8 @@ impl Sampled {
         }
         let column = |column: &Vec<f64>| [shared.iter().map(|j| column[at(j)]).collect(), vec![]];
         let rhs = shared.iter().map(|j| self.rhs[*j as usize]).collect();
-        let rho = Matched::new(self.lhs.iter().map(column).collect(), [rhs, vec![]]).correlation();
+        let lhs: Vec<_> = self.lhs.iter().map(column).collect();
+        let rho = Matched::new(lhs, [rhs, vec![]]).correlation(self.lhs.len());
         rho.is_finite().then_some((n, rho))
     }
 }
@@ -517,10 +517,11 @@ impl Matched {
         sum
     }
 
-    /// Correlation of the right side with its projection; signed with a single column.
-    fn correlation(&self) -> f64 {
+    /// Correlation of the right side with its projection onto the first `counted` columns; signed
+    /// with a single column.
+    fn correlation(&self, counted: usize) -> f64 {
         let rhs = &self.rhs[0];
-        let shares = self.lhs.iter().map(|[x, _]| dot(x, rhs));
+        let shares = self.lhs[..counted].iter().map(|[x, _]| dot(x, rhs));
         let shares: Vec<f64> = shares.collect();
         let size = match shares[..] {
             [share] => share,
@@ -533,7 +534,7 @@ impl Matched {
 /// Largest number of Newton steps, which converge quadratically.
 const MAX_STEPS: usize = 30;
 
-/// Time over which residuals are assumed to be correlated [s].
+/// Longest time over which residuals are assumed to be correlated [s].
 const CORRELATION_TIME_S: f64 = 2.0;
 
 /// The estimated delay of one relation.
@@ -547,7 +548,8 @@ struct DelayEstimate {
 /// Fits `lhs(t) = a + b rhs(t - ahead)` over a, b and the delay from an initial guess.
 ///
 /// The standard error accounts for the autocorrelation of the residuals (Newey and West 1987,
-/// Bartlett weights over 2 s). `None` if the fit departs from the guess by more than `reach_s`,
+/// Bartlett weights over 2 s or, where that error is larger, over a period of the cutoff
+/// frequency). `None` if the fit departs from the guess by more than `reach_s`,
 /// or too few samples overlap.
 fn refine(sides: &Sides, guess_s: f64, rate_hz: f64, reach_s: f64) -> Option<DelayEstimate> {
     let mut delay = guess_s;
@@ -579,7 +581,7 @@ fn refine(sides: &Sides, guess_s: f64, rate_hz: f64, reach_s: f64) -> Option<Del
 ///
 /// ```text
 /// change = a' . rhs' - |P rhs'|^2,   var(delay) = sum over lags of w(lag) u(t) u(t + lag) / change^2
-/// u = (rhs' - P rhs') (a - b rhs),   w = 1 - lag / (2 s) (Bartlett)
+/// u = (rhs' - P rhs') (a - b rhs),   w = 1 - lag / memory (Bartlett)
 /// ```
 ///
 /// The Newton steps end at a maximum of the product, where noise has increased `change`. Where
@@ -590,7 +592,7 @@ fn newton_step(sides: &Sides, delay: f64, rate_hz: f64) -> Option<DelayEstimate>
     let [rhs, slope] = &sums.rhs;
     let [near, near_slope] = sums.project(rhs);
     let [projected_slope, _] = sums.project(slope);
-    let correlation = sums.correlation();
+    let correlation = sums.correlation(sides.counted());
     let change = dot(&near_slope, slope) - dot(&projected_slope, &projected_slope);
     let slope_correlation =
         dot(&near_slope, slope) / (dot(&near_slope, &near_slope) * dot(slope, slope)).sqrt();
@@ -604,13 +606,15 @@ fn newton_step(sides: &Sides, delay: f64, rate_hz: f64) -> Option<DelayEstimate>
         .zip(&projected_slope)
         .map(|(d, projected)| d - projected);
     let scores: Vec<f64> = slopes.zip(&residual).map(|(d, e)| d * e).collect();
-    let memory = (CORRELATION_TIME_S * rate_hz) as usize;
-    let mut variance = 0.0;
-    for lag in 0..=memory.min(scores.len() - 1) {
-        let bartlett = 1.0 - lag as f64 / (memory + 1) as f64;
-        let product = dot(&scores, &scores[lag..]);
-        variance += if lag == 0 { 1.0 } else { 2.0 * bartlett } * product;
-    }
+    let of_memory = |memory: usize| -> f64 {
+        let lags = 1..=memory.min(scores.len() - 1);
+        let bartlett = |lag: usize| 1.0 - lag as f64 / (memory + 1) as f64;
+        let products = lags.map(|lag| 2.0 * bartlett(lag) * dot(&scores, &scores[lag..]));
+        dot(&scores, &scores) + products.sum::<f64>()
+    };
+    // Estimates over a long time are small by chance in short runs.
+    let long = (CORRELATION_TIME_S * rate_hz) as usize;
+    let variance = of_memory(long).max(of_memory(SAMPLES_PER_CUTOFF as usize));
     let shift = -dot(&residual, slope) / change;
     Some(DelayEstimate {
         // The shift moves `rhs`, which is early where the clock of `lhs` is late.

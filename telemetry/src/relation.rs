@@ -96,7 +96,8 @@ const SLIP_SD: f64 = 0.03;
 /// Kind of a relation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Kind {
-    /// The same column in both loggers.
+    /// The same column in both loggers. One sensor may be rotated against the other: `lhs` has the
+    /// other axes of a rate or an acceleration too.
     Same,
     /// `dv/dt` with `a_x` and the components of [`forward_axis`], of which gravity along the sled
     /// is a linear combination with constant coefficients.
@@ -160,11 +161,32 @@ pub(crate) fn pairs<'a>(
     let mut pairs = Vec::new();
     let in_late = |column: &str| late.iter().find(|s| s.column == column).copied();
     let in_known = |column: &str| known.iter().find(|s| s.column == column);
-    for own in late {
+    for own in late.iter().copied() {
         if let Some(other) = in_known(&own.column) {
             let name = format!("{} in both", own.column);
-            let lhs = vec![Cow::Borrowed(other)];
-            pairs.push(Pair::new(Kind::Same, name, lhs, own, false));
+            let others = other_axes(&own.column);
+            let usable = |axis: &&Series| Signal::of(axis, f64::INFINITY).is_some();
+            let [of_known, of_late]: [Vec<&Series>; 2] = [
+                others
+                    .iter()
+                    .filter_map(|axis| in_known(axis))
+                    .filter(usable)
+                    .collect(),
+                others
+                    .iter()
+                    .filter_map(|axis| in_late(axis))
+                    .filter(usable)
+                    .collect(),
+            ];
+            // The axes of one side suffice for the rotation of both.
+            let lhs_late = of_late.len() > of_known.len();
+            let [lhs, axes, main] = if lhs_late {
+                [vec![own], of_late, vec![other]]
+            } else {
+                [vec![other], of_known, vec![own]]
+            };
+            let lhs = lhs.into_iter().chain(axes).map(Cow::Borrowed).collect();
+            pairs.push(Pair::new(Kind::Same, name, lhs, main[0], lhs_late));
         }
     }
     for lhs_late in [false, true] {
@@ -221,6 +243,15 @@ pub(crate) fn pairs<'a>(
 
 /// Rates about the axes of the sled.
 const RATES: [&str; 3] = ["roll_rate_radps", "pitch_rate_radps", "yaw_rate_radps"];
+/// Accelerations along the axes of the sled.
+const ACCELERATIONS: [&str; 3] = ["ax_mps2", "ay_mps2", "az_mps2"];
+
+/// The columns of the other two axes of a rate or an acceleration; empty for other columns.
+fn other_axes(column: &str) -> Vec<&'static str> {
+    let groups = [RATES, ACCELERATIONS].into_iter();
+    let own = groups.filter(|axes| axes.contains(&column)).flatten();
+    own.filter(|axis| *axis != column).collect()
+}
 
 /// Components of the sled's forward axis in a non-rotating frame, integrated from the angular
 /// rates: `dR/dt = R w`. Gravity along the sled is a linear combination of them with constant
@@ -304,6 +335,15 @@ impl Sides<'_> {
     /// Number of columns of `lhs`.
     pub fn columns(&self) -> usize {
         self.lhs.len()
+    }
+
+    /// Number of the first columns of `lhs` whose correlation counts: the others are those of a
+    /// rotation.
+    pub fn counted(&self) -> usize {
+        match self.pair.kind {
+            Kind::Longitudinal => self.lhs.len(),
+            _ => 1,
+        }
     }
 
     /// Columns of `lhs` and their derivatives at a time `t` of its clock.
