@@ -35,7 +35,7 @@ pub struct LoggerClock {
 /// and the motion of a rigid body:
 ///
 /// ```text
-/// dv/dt = a_x + g_x                           g_x from the integrated rates
+/// dv/dt = a_x + g_x + x (q^2 + r^2) - z (dq/dt + p r)    g_x from the integrated rates, x and z fitted
 /// a_y = r v - d(alpha v)/dt + x dr/dt         x the position of the accelerometer
 /// a_z = g - q v - x dq/dt
 /// ```

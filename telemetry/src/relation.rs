@@ -90,7 +90,7 @@ impl Signal {
 const POSITION_SD: f64 = 0.2;
 
 /// Standard deviation of the time shift of a lateral acceleration by unmeasured slip: the ratio of
-/// slip angle to yaw rate [s].
+/// slip angle to yaw rate [s]; that of the longitudinal relation, which neglects slip, is similar.
 const SLIP_SD: f64 = 0.03;
 
 /// Kind of a relation.
@@ -99,8 +99,7 @@ pub(crate) enum Kind {
     /// The same column in both loggers. One sensor may be rotated against the other: `lhs` has the
     /// other axes of a rate or an acceleration too.
     Same,
-    /// `dv/dt` with `a_x` and the components of [`forward_axis`], of which gravity along the sled
-    /// is a linear combination with constant coefficients.
+    /// `dv/dt` with `a_x` and [`gravity_and_place`].
     Longitudinal,
     /// `a_y` with `r v - d(alpha v)/dt + x dr/dt`.
     Lateral,
@@ -200,12 +199,14 @@ pub(crate) fn pairs<'a>(
         let rates = RATES.map(|column| side(column, true));
         if let (Some(speed), Some(force), [Some(roll), Some(pitch), Some(yaw)]) =
             (side("v_mps", false), side("ax_mps2", true), rates)
-            && let Some(axis) = forward_axis([roll, pitch, yaw])
+            && let Some(others) = gravity_and_place([roll, pitch, yaw])
         {
             let lhs = [Cow::Borrowed(force)].into_iter();
-            let lhs = lhs.chain(axis.map(Cow::Owned)).collect();
+            let lhs = lhs.chain(others.map(Cow::Owned)).collect();
             let name = "dv/dt = ax + gravity along the sled".to_string();
-            pairs.push(Pair::new(Kind::Longitudinal, name, lhs, speed, lhs_late));
+            let mut pair = Pair::new(Kind::Longitudinal, name, lhs, speed, lhs_late);
+            pair.doubt_s = SLIP_SD;
+            pairs.push(pair);
         }
         for (kind, name, [acceleration, main]) in ACROSS {
             let (Some(lhs), Some(rhs)) = (side(acceleration, true), side(main, false)) else {
@@ -253,10 +254,11 @@ fn other_axes(column: &str) -> Vec<&'static str> {
     own.filter(|axis| *axis != column).collect()
 }
 
-/// Components of the sled's forward axis in a non-rotating frame, integrated from the angular
-/// rates: `dR/dt = R w`. Gravity along the sled is a linear combination of them with constant
-/// coefficients. `None` if the rates do not overlap in time.
-fn forward_axis(rates: [&Series; 3]) -> Option<[Series; 3]> {
+/// What a longitudinal accelerometer measures besides dv/dt, up to constant coefficients: the
+/// components of the sled's forward axis in a non-rotating frame, integrated from the angular rates
+/// (`dR/dt = R w`), for gravity; and `q^2 + r^2` and `dq/dt + p r` for a sensor ahead of or above
+/// the centre of gravity. `None` if the rates do not overlap in time.
+fn gravity_and_place(rates: [&Series; 3]) -> Option<[Series; 5]> {
     let [roll, pitch, yaw] = rates.map(|rate| Signal::of(rate, f64::INFINITY));
     let rates = [roll?, pitch?, yaw?];
     let span = |i: usize| rates.each_ref().map(|rate| rate.span()[i]).into_iter();
@@ -265,21 +267,27 @@ fn forward_axis(rates: [&Series; 3]) -> Option<[Series; 3]> {
         span(1).fold(f64::MAX, f64::min),
     );
     let step = rates[0].rate_hz.recip();
-    let mut axis: [Series; 3] = Default::default();
+    let mut columns: [Series; 5] = Default::default();
     let (mut rotation, mut rate) = (Rotation3::identity(), Vector3::zeros());
+    let mut pitch_acceleration = 0.0;
     for i in 0..((to - from) / step).max(0.0) as usize {
         let t = from + i as f64 * step;
-        for (component, series) in rotation.matrix().column(0).iter().zip(&mut axis) {
+        let axis = rotation.matrix().column(0);
+        let [p, q, r] = rate.into();
+        let ahead = q * q + r * r;
+        let values = [axis[0], axis[1], axis[2], ahead, pitch_acceleration + p * r];
+        for (value, series) in values.into_iter().zip(&mut columns) {
             series.time.push(t);
-            series.values.push(*component);
+            series.values.push(value);
         }
         // In a gap the last rates are used.
         if let [Some(p), Some(q), Some(r)] = rates.each_ref().map(|rate| rate.at(t + 0.5 * step)) {
             rate = Vector3::new(p[0], q[0], r[0]);
+            pitch_acceleration = q[1];
         }
         rotation *= Rotation3::from_scaled_axis(rate * step);
     }
-    (to > from).then_some(axis)
+    (to > from).then_some(columns)
 }
 
 fn mean(series: &Series) -> f64 {

@@ -36,16 +36,18 @@ pub fn sentence(report: &Report, account: &Account, nothing: &str) -> String {
         ", and more is missing"
     };
     let next = &report.next_experiment;
+    let depends = account
+        .depends
+        .iter()
+        .map(|one| format!("; {}", one.assumption));
+    let depends: String = depends.collect();
     match report.verdict {
-        Verdict::Law => format!("Outside the catalogue: {names}{more}.{misfit}"),
-        Verdict::Named => format!("Missing from the model: {names}{more}.{misfit}"),
+        Verdict::Law => format!("Outside the catalogue: {names}{more}{depends}.{misfit}"),
+        Verdict::Named => format!("Missing from the model: {names}{more}{depends}.{misfit}"),
         Verdict::OneOf => format!(
-            "Missing from the model: {names}{more}. These data do not distinguish an effect from those in its parentheses. To measure: {next}.{misfit}"
+            "Missing from the model: {names}{more}{depends}. These data do not distinguish an effect from those in its parentheses. To measure: {next}.{misfit}"
         ),
-        Verdict::DependsOn => {
-            let depends = account.depends.iter().map(|one| one.assumption.as_str());
-            format!("{names}; {}.{misfit}", depends.collect::<Vec<_>>().join("; "))
-        }
+        Verdict::DependsOn => format!("{names}{depends}.{misfit}"),
         Verdict::Located => "The residual is significant at the places listed, and no effect of the catalogue explains it.".to_owned(),
         Verdict::Inadequate => "Part of the misfit repeats from run to run, and no effect of the catalogue explains it.".to_owned(),
         Verdict::None if !nothing.is_empty() => nothing.to_owned(),

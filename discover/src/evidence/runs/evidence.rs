@@ -111,17 +111,10 @@ impl Evidence for Campaign<'_> {
             .extend(remarks_on_channels(self.model, self.used[0]));
         let start = self.started(&self.given)?;
         let rough = self.roughly_fitted(&self.with_discrepancy(start.clone()))?;
-        let pushed = self.mark_pushes(&rough.with_fixed(true));
-        if !pushed.is_empty() {
-            account.remarks.push(format!(
-                "single runs were pushed aside at places that others pass, possibly by a wall; their samples there are omitted: {}",
-                pushed.join(", ")
-            ));
-        }
-        let rough = if pushed.is_empty() {
-            rough
-        } else {
+        let rough = if self.mark_pushes(&rough.with_fixed(true), account) {
             self.roughly_fitted(&rough)?
+        } else {
+            rough
         };
         self.scale_places(&rough);
         let start = self.roughly_fitted(&start)?;

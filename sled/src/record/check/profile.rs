@@ -316,6 +316,9 @@ fn constant_stretches(x: &[f64]) -> Vec<OddSamples> {
     x.chunk_by(|a, b| a == b).map(stretch).collect()
 }
 
+/// Largest number of samples over which a filter blurs the end of a constant stretch.
+const BLURRED: usize = 30;
+
 /// Least number of changes in as many samples as a constant stretch, next to it on either side and
 /// in four of five stretches of that length: a channel that rests now and then does so again. 0 if
 /// the stretch is plausible.
@@ -333,9 +336,14 @@ fn implausible_changes(x: &[f64], constant: &Range<usize>) -> usize {
     if nearest < MIN_CHANGES {
         return 0;
     }
+    // The channel may have been filtered after it stood still, so that its ends are blurred.
     let smooth = MAX_SMOOTH_STEP * median_step(before, after, length);
-    let mut neighbours = [before.last(), after.first()].into_iter().flatten();
-    if neighbours.all(|next| (next - x[constant.start]).abs() <= smooth) {
+    let is_smooth = |(steps, next): (usize, &f64)| {
+        (next - x[constant.start]).abs() <= smooth * (1 + steps) as f64
+    };
+    let mut earlier_values = before.iter().rev().take(BLURRED).enumerate();
+    let mut later_values = after.iter().take(BLURRED).enumerate();
+    if earlier_values.all(is_smooth) && later_values.all(is_smooth) {
         return 0;
     }
     let mut all: Vec<usize> = earlier.chain(later).chain([nearest]).collect();

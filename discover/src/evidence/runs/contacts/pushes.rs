@@ -12,6 +12,7 @@ use crate::evidence::runs::contacts::run_contacts::{
 };
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
+use crate::procedure::evidence::Account;
 
 /// A push of one run.
 struct Push {
@@ -24,14 +25,16 @@ impl Campaign<'_> {
     /// Marks pushes that no other run shares; if contacts cannot be selected, also pushes that up
     /// to half of the runs of a track share.
     ///
-    /// Training samples there are excluded; the names of the runs with the places are returned.
-    /// Pushes of held-out runs, detected together with these, do not count in any comparison.
-    pub fn mark_pushes(&mut self, model: &ResidualModel) -> Vec<String> {
+    /// Training samples there are excluded, with a remark that names runs and places. Returns
+    /// whether there are any. Pushes of held-out runs, detected together with these, do not count
+    /// in any comparison.
+    pub fn mark_pushes(&mut self, model: &ResidualModel, account: &mut Account) -> bool {
         let Some(effect) = wall().filter(|_| self.used[1] && self.used[2] && !self.data.segmented)
         else {
-            return Vec::new();
+            return false;
         };
-        let is_selectable = self.find_contacts(model).is_some();
+        let found = self.find_contacts(model);
+        let is_selectable = found.as_ref().is_some_and(|found| found.is_between_runners);
         let learned = self.whole().len();
         let all: Vec<Frame> = self.whole().iter().chain(&self.held_out).cloned().collect();
         let residual = residuals_without(model, &all);
@@ -59,11 +62,17 @@ impl Campaign<'_> {
                 "{name} ({force_n:.0} N, s {from_m:.0}-{to_m:.0} m)"
             ));
         }
-        if !descriptions.is_empty() {
-            self.training = frames.iter().map(without_contacts).collect();
-            self.whole = frames;
+        if descriptions.is_empty() {
+            return false;
         }
-        descriptions
+        self.training = frames.iter().map(without_contacts).collect();
+        self.whole = frames;
+        account.unexplained = found.filter(|_| !is_selectable).map(|found| found.reason());
+        account.remarks.push(format!(
+            "single runs were pushed aside at places that others pass, possibly by a wall; their samples there are omitted: {}",
+            descriptions.join(", ")
+        ));
+        true
     }
 
     /// The pushes that too few of the first `learned` runs share to be learned from. `side` is the

@@ -36,10 +36,23 @@ pub struct FoundContacts {
     pub p_value: f64,
     /// Reduction of the lateral sum of squares, in units of its variance.
     pub gain: f64,
+    /// Whether they act between the runners. A force further out may be one of a runner.
+    pub is_between_runners: bool,
+}
+
+impl FoundContacts {
+    /// Why contacts near a runner or beyond it are not named.
+    pub fn reason(&self) -> String {
+        let lever_m = self.contacts.lever_m.value;
+        format!(
+            "several runs were pushed aside at {}, about {lever_m:.1} m in front of the centre of gravity, by a wall or by a force of a runner, which marks on the wall or a video would distinguish",
+            places_in_words(&self.contacts)
+        )
+    }
 }
 
 impl Campaign<'_> {
-    /// The contacts of the training runs given a model.
+    /// The significant contacts of the training runs given a model.
     pub fn find_contacts(&self, model: &ResidualModel) -> Option<FoundContacts> {
         let lateral = self.used[1] && self.used[2];
         if !lateral || model.contacts.is_some() || self.data.segmented {
@@ -71,10 +84,7 @@ impl Campaign<'_> {
         let yaw = subtract_side_noise(&residual, shared_m);
         let by_yaw = yaw_p_value(&frames, &yaw, TRIALS, self.options.seed);
         let p_value = combined_p_value(hit.p_value, by_yaw);
-        if !inside.contains(&lever_m.value)
-            || hit.p_value > rules.contacts.met_by_chance
-            || p_value > rules.contacts.alpha
-        {
+        if hit.p_value > rules.contacts.met_by_chance || p_value > rules.contacts.alpha {
             return None;
         }
         let mut friction = ratio(0);
@@ -97,6 +107,7 @@ impl Campaign<'_> {
             frames,
             p_value,
             gain,
+            is_between_runners: inside.contains(&lever_m.value),
         })
     }
 
@@ -164,7 +175,7 @@ impl Campaign<'_> {
         // The first base was biased by the contacts; places are searched for again with an unbiased
         // one, unless so many runs differ that a whole track is excluded.
         let again = self.find_contacts(&base.residual_model);
-        let again = again.filter(|again| again.gain > 0.5 * found.gain);
+        let again = again.filter(|again| again.is_between_runners && again.gain > 0.5 * found.gain);
         let mut contacts = found.contacts;
         if let Some(again) = again {
             self.whole = again.frames;

@@ -71,6 +71,7 @@ impl Campaign<'_> {
         let places = best_windows(&screen, &all_windows, regular.len());
         let selection = self.choose(at, &screen, &regular, &places, account);
         let found = self.find_contacts(at.residual_model);
+        let found = found.filter(|found| found.is_between_runners);
         // Contacts bias the base, so that many candidates seem to explain something: the
         // significant ones are rivals.
         let significant = (0..regular.len())
