@@ -69,12 +69,12 @@ def measured(command):
     """Output, wall and processor time [s] and peak memory [MB] of a process."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     begun = time.perf_counter()
-    said = subprocess.run(["/usr/bin/time", "-f", "%M", *map(str, command)], capture_output=True, text=True)
-    if said.returncode:
-        raise SystemExit(said.stderr)
+    output = subprocess.run(["/usr/bin/time", "-f", "%M", *map(str, command)], capture_output=True, text=True)
+    if output.returncode:
+        raise SystemExit(output.stderr)
     wall, after = time.perf_counter() - begun, resource.getrusage(resource.RUSAGE_CHILDREN)
     processor = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return said.stdout, wall, processor, int(said.stderr.split()[-1]) / 1024
+    return output.stdout, wall, processor, int(output.stderr.split()[-1]) / 1024
 
 
 def kufe(command, folder, points):
@@ -106,8 +106,8 @@ def main():
         size = np.sqrt(result["area_m2"] / nodes)
         side = 1.06 * max(result["length_m"], result["width_m"])
         cells = int(np.ceil(side / size))
-        said, *theirs = measured([sys.executable, __file__, "--tamaas", points, side, cells])
-        other = json.loads(said)
+        output, *theirs = measured([sys.executable, __file__, "--tamaas", points, side, cells])
+        other = json.loads(output)
         area, p_max = result["area_m2"], result["p_max_pa"]
         good &= abs(area / other["area"] - 1) < 0.03 and abs(p_max / other["p_max"] - 1) < 0.03
         costs = [f"{wall:.2f} s, {processor:.2f} s, {memory:.0f} MB" for wall, processor, memory in (cost, theirs)]

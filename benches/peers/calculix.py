@@ -48,8 +48,8 @@ def export(kufe, folder, cells, force, name):
     """Writes a deck; CPU time and kufe's figures."""
     with open(os.path.join(folder, "case.toml"), "w") as file:
         file.write(CASE.format(force=force))
-    cpu, said = timed([kufe, "export", "case.toml", "--calculix", f"{name}.inp", "--cells", str(cells), "--json"], folder)
-    return cpu, json.loads(said)
+    cpu, output = timed([kufe, "export", "case.toml", "--calculix", f"{name}.inp", "--cells", str(cells), "--json"], folder)
+    return cpu, json.loads(output)
 
 
 class Deck:

@@ -29,10 +29,10 @@ def measured(command, rounds=ROUNDS):
     best = None
     for _ in range(rounds):
         begun = time.perf_counter()
-        said = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+        output = subprocess.run(command, check=True, capture_output=True, text=True).stdout
         whole = time.perf_counter() - begun
         if best is None or whole < best[0]:
-            best = (whole, [float(word) for word in said.split()])
+            best = (whole, [float(word) for word in output.split()])
     return best
 
 

@@ -12,8 +12,8 @@ import numpy as np
 import kufe
 
 # %% [markdown]
-# A bobsled runner (rocker 30 m, section 5 mm) on 50 mm of ice under 1 kN. Nobody chooses a mesh: the case says how
-# accurate the peak must be, and the answer says how accurate it is.
+# A bobsled runner (rocker 30 m, section 5 mm) on 50 mm of ice under 1 kN. No mesh is chosen: the case states how
+# accurate the peak must be, and the result how accurate it is.
 
 # %%
 case = kufe.Case.example()

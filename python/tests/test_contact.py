@@ -309,6 +309,6 @@ def test_ctrl_c_ends_within_two_seconds(work, tmp_path):
     time.sleep(0.5)
     since = time.monotonic()
     process.send_signal(signal.SIGINT)
-    said, _ = process.communicate(timeout=60)
-    assert said == "interrupted\n"
+    printed, _ = process.communicate(timeout=60)
+    assert printed == "interrupted\n"
     assert time.monotonic() - since < 2.0

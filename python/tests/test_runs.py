@@ -241,7 +241,7 @@ def test_a_fit_finds_the_grip_that_runs_were_driven_with_and_validates_the_other
     difference = series["measured_n"] - series["model_n"]
     rmse = np.sqrt(np.mean(difference**2))
     assert rmse == pytest.approx(of_model.runs[2]["rmse_n"], rel=1e-6)
-    # The fit has seen every run: none is left to judge it by.
+    # The fit used every run: none remains to validate it.
     with pytest.raises(kufe.InputError, match="fitted to all 3"):
         kufe.validate(index, model, fit=fit)
     (folder / "fit.json").write_text(json.dumps(fit.result))

@@ -251,7 +251,7 @@ mod tests {
     }
 
     /// Forces on the mounts sum to the contact's, and so do their moments about the origin.
-    fn in_balance(solution: &Solution, loads: &RunnerLoads, said: &str) {
+    fn in_balance(solution: &Solution, loads: &RunnerLoads, name: &str) {
         let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
         for mount in &loads.mounts {
             let ([x, y, z], [fx, fy, fz]) = (mount.at, mount.force);
@@ -262,15 +262,15 @@ mod tests {
             }
         }
         let (fz, [x, y]) = (solution.fz, solution.centre_of_pressure);
-        println!("{said}: {force:?} N, {moment:?} N m, pressed with {fz} N at {x}, {y}");
+        println!("{name}: {force:?} N, {moment:?} N m, pressed with {fz} N at {x}, {y}");
         for (found, wanted) in force.into_iter().zip([0.0, 0.0, fz]) {
-            assert!((found - wanted).abs() < 1e-7 * fz, "{said}: {force:?} {fz}");
+            assert!((found - wanted).abs() < 1e-7 * fz, "{name}: {force:?} {fz}");
         }
         // Against the force over a hundredth of a metre.
         for (found, wanted) in moment.into_iter().zip([y * fz, -x * fz, 0.0]) {
             assert!(
                 (found - wanted).abs() < 1e-7 * 0.01 * fz,
-                "{said}: {moment:?} {wanted}"
+                "{name}: {moment:?} {wanted}"
             );
         }
     }
@@ -309,7 +309,7 @@ mod tests {
             ),
         ];
         for (mount, offset_x, tilt, count) in mounts {
-            let said = format!("{mount:?}");
+            let name = format!("{mount:?}");
             let shares: Vec<f64> = match &mount {
                 Mount::Loads(loads) => loads.iter().map(|load| load.share).collect(),
                 _ => Vec::new(),
@@ -322,21 +322,21 @@ mod tests {
             };
             let problem = problem(hull.clone(), (bob.height, mount), ice(), load);
             let (solution, loads) = one_mesh(&problem, 3);
-            assert_eq!(loads.mounts.len(), count, "{said}");
-            in_balance(&solution, &loads, &said);
+            assert_eq!(loads.mounts.len(), count, "{name}");
+            in_balance(&solution, &loads, &name);
             // What carries has its own share, without a moment about its middle.
             for (mount, share) in loads.mounts.iter().zip(shares) {
                 assert!(
                     (mount.force[2] / (800.0 * share) - 1.0).abs() < 1e-8,
-                    "{said}"
+                    "{name}"
                 );
                 assert!(
                     mount.moment.iter().all(|m| m.abs() < 1e-6),
-                    "{said}: {mount:?}"
+                    "{name}: {mount:?}"
                 );
             }
             let most = loads.mounts.iter().map(|mount| mount.von_mises);
-            assert!(most.fold(0.0, f64::max) <= loads.von_mises, "{said}");
+            assert!(most.fold(0.0, f64::max) <= loads.von_mises, "{name}");
         }
     }
 

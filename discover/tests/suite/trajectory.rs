@@ -90,10 +90,10 @@ fn misfits_of_forces_and_trajectory_decrease_alike_on_held_out_runs() {
         // Residuals of the truth are sensor noise; four fifths of the excess over it are closed, of
         // forces and trajectory alike.
         for what in [force, way[0], way[1]] {
-            let beyond = |gaps: &BTreeMap<String, f64>| {
+            let excess = |gaps: &BTreeMap<String, f64>| {
                 (gaps[what].powi(2) - floor[what].powi(2)).max(0.0).sqrt()
             };
-            let closed = 1.0 - beyond(&after) / beyond(&before);
+            let closed = 1.0 - excess(&after) / excess(&before);
             println!("{what}: {closed:.3} closed");
             assert!(closed > 0.8, "{what}: {closed}");
         }

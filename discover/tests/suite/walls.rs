@@ -76,14 +76,14 @@ fn walls_are_one_effect_with_a_force_per_run_and_in_the_next_model() {
     // by the yaw one.
     let next = Model::from_toml(found.next_model.as_deref().unwrap(), "next").unwrap();
     let locked = &report.held_out.runs;
-    let held: Vec<_> = recorded
+    let held_out: Vec<_> = recorded
         .into_iter()
         .filter(|run| locked.contains(&run.entry.run))
         .collect();
     let squares = |model: &Model| -> [f64; 2] {
         let vehicle = Vehicle::with_effects(model).unwrap();
         let options = PrepareOptions::default();
-        let prepared = prepare_all(&held, &vehicle, None, &options).unwrap();
+        let prepared = prepare_all(&held_out, &vehicle, None, &options).unwrap();
         let all: Vec<_> = prepared
             .iter()
             .flat_map(|run| residuals(run, &vehicle))

@@ -114,16 +114,20 @@ fn three_loggers_with_their_own_clocks_units_and_signs_give_the_run_back() {
     let imported = import(folder.path(), MAPPING).unwrap();
     let (run, note) = (&imported[0].run, &imported[0].note);
     for (name, delay) in [("gps", DELAYS[0]), ("steer", DELAYS[1])] {
-        let said = &note.loggers[name].clock;
-        assert_eq!(said.source, "found");
+        let clock = &note.loggers[name].clock;
+        assert_eq!(clock.source, "found");
         // The error is that of the delay found, which a sensor's own lag is part of.
-        assert!(said.delay_includes.is_some_and(|what| what.contains("lag")));
+        assert!(
+            clock
+                .delay_includes
+                .is_some_and(|what| what.contains("lag"))
+        );
         // Sensors without noise: the residual is that of splines between 20 samples a second and of
         // 9.80665 rounded to nine decimals.
         assert!(
-            (said.delay_s - delay).abs() < 2e-4,
+            (clock.delay_s - delay).abs() < 2e-4,
             "{name}: {:?} for {delay}",
-            said
+            clock
         );
     }
     // An error of the delay may put the first sample just after a row.
@@ -161,8 +165,8 @@ fn the_stated_error_of_a_delay_is_that_of_many_noisy_runs() {
             ("gps", DELAYS[0], &mut gps),
             ("steer", DELAYS[1], &mut steer),
         ] {
-            let said = &imported[0].note.loggers[name].clock;
-            let relation = &said.relations[0];
+            let clock = &imported[0].note.loggers[name].clock;
+            let relation = &clock.relations[0];
             // These runs have none of the slip that the stated error of a speed includes.
             let neglected: f64 = if name == "gps" { 0.03 } else { 0.0 };
             let sd_s = (relation.delay_sd_s.powi(2) - neglected.powi(2)).sqrt();
@@ -170,8 +174,8 @@ fn the_stated_error_of_a_delay_is_that_of_many_noisy_runs() {
             // A sensor's noise of one run leaves some milliseconds.
             assert!(sd_s < 0.02, "{name}, seed {seed}: {relation:?}");
             assert!(
-                (said.delay_s - delay).abs() < 0.02,
-                "{name}, seed {seed}: {said:?}"
+                (clock.delay_s - delay).abs() < 0.02,
+                "{name}, seed {seed}: {clock:?}"
             );
         }
     }
@@ -249,9 +253,9 @@ fn a_clock_that_cannot_be_found_is_refused_and_may_be_stated() {
         "time_unit = \"ms\"\ndelay_s = -3.2148",
     );
     let imported = import(folder.path(), &stated).unwrap();
-    let said = &imported[0].note.loggers["steer"].clock;
+    let clock = &imported[0].note.loggers["steer"].clock;
     assert_eq!(
-        (said.source, said.delay_s, said.delay_sd_s),
+        (clock.source, clock.delay_s, clock.delay_sd_s),
         ("stated", -3.2148, None)
     );
     let by_run = format!("{unrelated}\n[[run]]\nname = \"r1\"\ndelay_s.steer = -3.2\n");
@@ -296,15 +300,15 @@ fn a_speed_that_a_logger_repeats_until_the_next_is_not_late() {
     let path = folder.path().join("gps_r1.csv");
     let text = std::fs::read_to_string(&path).unwrap();
     // 20 values a second in 200 rows a second.
-    let mut held = "time,v_mps\n".to_string();
+    let mut repeated = "time,v_mps\n".to_string();
     for line in text.lines().skip(1) {
         let (time, speed) = line.split_once(',').unwrap();
         let time: f64 = time.parse().unwrap();
         for k in 0..10 {
-            held += &format!("{:.9},{speed}\n", time + 0.005 * f64::from(k));
+            repeated += &format!("{:.9},{speed}\n", time + 0.005 * f64::from(k));
         }
     }
-    std::fs::write(&path, held).unwrap();
+    std::fs::write(&path, repeated).unwrap();
     let imported = import(folder.path(), MAPPING).unwrap();
     let (run, note) = (&imported[0].run, &imported[0].note);
     let delay = note.loggers["gps"].clock.delay_s;
@@ -338,7 +342,7 @@ fn a_column_of_the_other_sign_in_two_loggers_is_told() {
     };
     let text = recording(&logger, 2.0, 63.0, 7);
     std::fs::write(folder.path().join("gps_r1.csv"), text).unwrap();
-    let told = |sign: &str| {
+    let is_reported = |sign: &str| {
         let also = format!(
             "files = \"gps_*.csv\"\nalso.yaw_rate_radps = {{ from = \"yaw_rate_radps\", unit = \"deg/s\"{sign} }}\n"
         );
@@ -348,7 +352,7 @@ fn a_column_of_the_other_sign_in_two_loggers_is_told() {
             text.contains("logger gps: \"yaw_rate_radps in both\" correlates by -1.00: sign = -1")
         })
     };
-    assert!(told("") && !told(", sign = -1"));
+    assert!(is_reported("") && !is_reported(", sign = -1"));
 }
 
 /// A run down a banked track with dips, row by row: time, specific force, rates and speed.

@@ -30,11 +30,11 @@ fn answered(text: &str, answers: &[(&str, &str)]) -> String {
     let mut question: Option<String> = None;
     for line in text.lines() {
         match question.take() {
-            Some(asked) => {
+            Some(question) => {
                 let (_, answer) = answers
                     .iter()
-                    .find(|(about, _)| asked.starts_with(&format!("# ? {about}")))
-                    .unwrap_or_else(|| panic!("no answer to {asked}"));
+                    .find(|(about, _)| question.starts_with(&format!("# ? {about}")))
+                    .unwrap_or_else(|| panic!("no answer to {question}"));
                 let bare = line.strip_prefix("# ").expect("a line to answer");
                 lines.push(
                     bare.replace("\"?\"", &format!("{answer:?}"))
@@ -105,7 +105,7 @@ fn what_is_guessed_of_two_loggers_is_imported_once_its_questions_are_answered() 
         (PathBuf::from("raw/gps_r1.csv"), log(&gps, "gps")),
     ];
     let text = guess_mapping(&samples);
-    for said in [
+    for line in [
         "clock = \"imu\"",
         "files = \"raw/imu_*.csv\"",
         "time_unit = \"ms\"",
@@ -119,20 +119,20 @@ fn what_is_guessed_of_two_loggers_is_imported_once_its_questions_are_answered() 
         "# ? track of the runs",
         "# Not used: \"Bremsdruck\"",
     ] {
-        assert!(text.contains(said), "{said:?} is not in:\n{text}");
+        assert!(text.contains(line), "{line:?} is not in:\n{text}");
     }
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("raw")).unwrap();
     std::fs::write(folder.path().join("raw/imu_r1.csv"), imu).unwrap();
     std::fs::write(folder.path().join("raw/gps_r1.csv"), gps).unwrap();
     // No sensor of gamma: its question is taken out.
-    let asked: Vec<&str> = text
+    let questions: Vec<&str> = text
         .lines()
         .filter(|line| !line.contains("gamma_rad"))
         .collect();
     let mut answers = vec![("alpha_rad", "rad")];
     answers.extend(INDEX);
-    let mapping = answered(&asked.join("\n"), &answers);
+    let mapping = answered(&questions.join("\n"), &answers);
     let imported = import(folder.path(), &mapping).unwrap();
     let (run, note) = (&imported[0].run, &imported[0].note);
     assert_eq!(note.run, "r1");

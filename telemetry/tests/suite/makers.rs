@@ -5,7 +5,7 @@ use std::process::Command;
 
 use crate::truth::import;
 
-/// Runs a script with a folder as its argument; `false`, and says so, where the interpreter or a
+/// Runs a script with a folder as its argument; `false`, with a message, where the interpreter or a
 /// module is missing.
 fn made(modules: &str, script: &str, folder: &Path) -> bool {
     let Some(interpreter) = kufe_outside::python(modules) else {

@@ -1,4 +1,4 @@
-//! One logger: units, signs, rates, gaps, and what is said of them.
+//! One logger: units, signs, rates, gaps, and how they are reported.
 
 use std::fmt::Write;
 
@@ -91,13 +91,13 @@ fn units_signs_zeros_and_delays_give_the_truth_back() {
                     "{rate} Hz, {name}, row {row}: {error:.2e} of {largest}"
                 );
             }
-            let said = &note.channels[name];
+            let reported = &note.channels[name];
             assert!(
-                (said.rate_hz / rate - 1.0).abs() < 1e-9,
+                (reported.rate_hz / rate - 1.0).abs() < 1e-9,
                 "{name}: {}",
-                said.rate_hz
+                reported.rate_hz
             );
-            assert_eq!(said.filter_hz, filtered.then_some(40.0));
+            assert_eq!(reported.filter_hz, filtered.then_some(40.0));
         }
         assert!((run.column("track_c").unwrap()[500] + 10.0).abs() < 1e-9);
         assert_eq!(note.channels["az_mps2"].recipe.unit_from, "file");
@@ -117,8 +117,8 @@ fn lost_rows_stay_lost_and_are_listed() {
         let t = imported[0].note.start_s + row as f64 * 0.01;
         assert_eq!(value.is_nan(), lost((t * 1e3).round() / 1e3), "{t}");
     }
-    let said = &imported[0].note.channels["v_mps"];
-    assert_eq!((said.missing_rows, said.gap_count), (51, 2));
+    let reported = &imported[0].note.channels["v_mps"];
+    assert_eq!((reported.missing_rows, reported.gap_count), (51, 2));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! A drive in formulas, whose sensors can be asked at any time, and files that loggers might write
+//! A drive in formulas, whose sensors can be evaluated at any time, and files that loggers might write
 //! of it.
 
 use std::f64::consts::TAU;
@@ -73,7 +73,7 @@ pub fn import(folder: &Path, mapping: &str) -> Result<Vec<Imported>, String> {
 /// One logger's way to write a column: the column's value to that of the file.
 pub type Writes<'a> = (&'a str, &'a dyn Fn(f64) -> f64, f64);
 
-/// A logger: its clock says `delay_s` more than the truth's, and in its own unit.
+/// A logger: its clock is `delay_s` ahead of the true time, in its own unit.
 pub struct Logger<'a> {
     pub rate_hz: f64,
     pub delay_s: f64,

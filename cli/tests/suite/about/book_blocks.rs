@@ -125,7 +125,7 @@ fn the_table_of_the_book_is_made_in_shards_read_by_pandas_and_used_by_simulators
     let ask = format!("{block}\nprint(result[result.dtype.names[1]][0])");
     if let Some(theirs) = python(&bench, "fmpy, numpy", &ask) {
         let ours = looked_up(&bench, "1500", "0", "smooth");
-        // fmpy remarks on the input left out, `curvature`, which is for those who know it.
+        // FMPy remarks that the optional input `curvature` is not set.
         let value = number(theirs.lines().last().unwrap_or_default());
         assert!((value / ours - 1.0).abs() < 1e-9, "{theirs}");
     }

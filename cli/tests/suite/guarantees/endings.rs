@@ -130,10 +130,10 @@ fn a_series_that_is_terminated_keeps_its_steps_leaves_5_and_resumes() {
     assert!(reported.success());
     let output = child.wait_with_output().expect("it ends");
     assert_eq!(output.status.code(), Some(5), "{}", errors(&output));
-    let left = names(&bench.path("out"));
+    let remaining = names(&bench.path("out"));
     assert!(
-        left.iter().all(|name| !name.starts_with(".kufe")),
-        "{left:?}"
+        remaining.iter().all(|name| !name.starts_with(".kufe")),
+        "{remaining:?}"
     );
     let rows = json(&bench.path("out/table.json"));
     let done = rows.as_array().expect("rows").len();

@@ -47,7 +47,7 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     visible.map(read).collect()
 }
 
-/// Where there is an index, all that it names is as one whole import left it.
+/// Where there is an index, all that it names is as one whole import wrote it.
 fn is_whole_or_absent(folder: &Path, whole: &[&BTreeMap<String, Vec<u8>>]) -> bool {
     if !folder.join("runs.csv").exists() {
         return false;
@@ -133,7 +133,7 @@ fn twenty_full_disks_under_an_import_leave_nothing() {
         .collect();
     let mut refused = 0;
     for step in 0..20 {
-        // The longest that a file may be, in blocks of 512 bytes; what is beyond fails as a full disk does.
+        // The longest that a file may be, in blocks of 512 bytes; longer ones fail as on a full disk.
         let blocks = largest * (step + 1) / 18 / 512;
         let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
         let output = Command::new("sh")

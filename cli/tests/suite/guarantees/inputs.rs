@@ -1,4 +1,4 @@
-//! Inputs that are no files, numbers beyond physics, and bodies that are cut: one clear line, soon, and no answer without a contact.
+//! Inputs that are no files, impossible numbers, and bodies that are cut: one clear line, soon, and no answer without a contact.
 
 use std::time::{Duration, Instant};
 

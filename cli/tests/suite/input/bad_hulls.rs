@@ -35,7 +35,7 @@ fn refused(bench: &Bench, hull: &str, expected: &[&str]) {
         assert!(printed.contains(part), "{part:?} is missing: {printed}");
     }
     assert!(output.stdout.is_empty());
-    assert!(!bench.path("out").exists(), "something was left behind");
+    assert!(!bench.path("out").exists(), "a file remains");
     assert!(
         bench.names().iter().all(|name| !name.starts_with('.')),
         "{:?}",

@@ -19,7 +19,7 @@ fn refused(bench: &Bench, text: &str, expected: &[&str]) {
         assert!(printed.contains(part), "{part:?} is missing: {printed}");
     }
     assert!(output.stdout.is_empty());
-    assert_eq!(bench.names(), before, "something was left behind");
+    assert_eq!(bench.names(), before, "a file remains");
 }
 
 fn changed(from: &str, to: &str) -> String {
@@ -150,7 +150,7 @@ fn an_output_in_a_file_is_refused_before_the_work() {
     assert_eq!(bench.names(), ["taken"]);
 }
 
-/// A limit on file sizes stands in for the full disk; the shell ignores its signal, so writes fail.
+/// A limit on file sizes replaces a full disk; the shell ignores its signal, so writes fail.
 #[cfg(unix)]
 #[test]
 fn a_disk_that_fills_up_leaves_nothing_half_written() {
@@ -192,7 +192,7 @@ fn a_full_disk_is_left_empty() {
         return;
     }
     let output = bench.kufe(&["press", "-o", "disk/out"]);
-    let left = names(&disk);
+    let remaining = names(&disk);
     assert!(mount("umount", &[]), "the disk stays mounted");
     assert_eq!(output.status.code(), Some(3), "{}", errors(&output));
     let printed = errors(&output);
@@ -200,7 +200,7 @@ fn a_full_disk_is_left_empty() {
         printed.contains("disk/out/") && printed.contains("cannot be written: No space left"),
         "{printed}"
     );
-    assert!(left.is_empty(), "{left:?}");
+    assert!(remaining.is_empty(), "{remaining:?}");
 }
 
 #[cfg(target_os = "linux")]

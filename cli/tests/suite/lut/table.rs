@@ -161,7 +161,7 @@ fn a_range_is_refined_until_it_meets_its_accuracy() {
     assert!(summary["interpolation_smooth"].as_f64().unwrap() <= 0.02);
     assert!(summary["solver_p_max"].as_f64().unwrap() <= 0.01);
     assert!(summary["checks"].as_u64().unwrap() >= 30);
-    // Held out: contacts solved afresh by `kufe press`.
+    // Independent contacts, solved by `kufe press`.
     for (fz, radius) in [(333.0, 55.0), (2345.0, -210.0), (3900.0, 90.0)] {
         let case = PARABOLOID.replace(
             "[load]\nfz_n = 1000.0",

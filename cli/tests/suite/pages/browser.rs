@@ -125,7 +125,7 @@ impl Browser {
         browser
     }
 
-    /// Asks the browser and waits for its answer.
+    /// Sends a command to the browser and waits for its answer.
     pub fn call(&mut self, method: &str, parameters: Value) -> Value {
         self.calls += 1;
         let mut message = json!({ "id": self.calls, "method": method, "params": parameters });

@@ -28,7 +28,7 @@ fn rims_follow_the_contact_between_points_and_hulls_leave_the_paper_of_a_cut() {
     browser.open(&address(&bench.path("out/report.html")), DESK);
     let areas: [f64; 3] = serde_json::from_value(browser.evaluate(RIMS)).expect("areas");
     let round = std::f64::consts::PI;
-    // Cells left out at the rim were 6 % of the patch; chords of a circle are shorter by 0.3 %.
+    // Cells excluded at the rim were 6 % of the patch; chords of a circle are shorter by 0.3 %.
     for (area, exact) in areas.iter().zip([round, 2.6 * 2.6 - round, 0.64 * round]) {
         assert!((area / exact - 1.0).abs() < 5e-3, "{areas:?}");
     }

@@ -34,7 +34,7 @@ fn a_comparison_has_both_results_their_differences_and_the_force_that_moved() {
     // Hertz: the peak grows as the third root of the force, 14 %, each known to 2 %.
     assert_eq!(row("p_max_pa")["exceeds_errors"], true);
     // More load raises the pressure everywhere, so that none of it acts elsewhere; a hundredth of
-    // the difference of 500 N is left to the interpolation at the rim.
+    // the difference of 500 N is that of the interpolation at the rim.
     let moved = number(&document["map"]["moved_n"]);
     assert!((0.0..5.0).contains(&moved), "{moved} N");
     let page = std::fs::read_to_string(bench.path("compared/comparison.html")).expect("a page");

@@ -127,7 +127,7 @@ fn hexahedra_from_elsewhere_bear_the_load_at_hertzs_peak() {
         .unwrap()
         .p_max;
     let p_max = number(&result, "p_max_pa");
-    println!("{p_max:.4e} beside Hertz's {hertz:.4e}");
+    println!("{p_max:.4e}, Hertz {hertz:.4e}");
     assert!((p_max / hertz - 1.0).abs() < 0.05, "{p_max} {hertz}");
     let file = std::fs::read(bench.path("out/runner.vtu")).expect("runner.vtu");
     let mesh = kufe_mesh::read_vtu(&file).expect("hexahedra");
@@ -208,7 +208,7 @@ fn hold_their_noise(meshes: &[f64], noises: &[f64]) {
                 );
                 continue;
             }
-            // Beyond the requested accuracy (4) the best answer has its error too; a clean mesh reaches it.
+            // Short of the requested accuracy (4) the best answer has its error too; a clean mesh reaches it.
             let code = output.status.code();
             assert!(
                 code == Some(0) || code == Some(4) && noise > 0.0,

@@ -25,7 +25,7 @@ fn a_smaller_rocker_radius_and_a_sharper_section_press_harder() {
     assert!(p[2] > 1.5 * p[1], "{p:?}");
 }
 
-/// All of the ice under the runner is at its bound but for the node that takes what is left of the load.
+/// All of the ice under the runner is at its bound but for the node that takes the rest of the load.
 #[test]
 fn ice_that_gives_way_bears_the_whole_load() {
     let bench = Bench::new();

@@ -179,7 +179,7 @@ fn a_check_says_of_a_worn_keel_and_of_a_hole_what_press_says() {
         .lines()
         .filter(|line| !(line.starts_with("f ") && numbers(line).iter().any(is_in_hole)));
     bench.write("hole.obj", kept.collect::<Vec<_>>().join("\n"));
-    let said = |name: &str, code: i32, expected: &str| {
+    let expect_outcome = |name: &str, code: i32, expected: &str| {
         let (hull, case) = (format!("{name}.obj"), format!("{name}.toml"));
         let words = ["hull", "check", &hull, "--fz-n", "250", "-o", &case];
         let printed = bench.succeeds(&words);
@@ -189,9 +189,9 @@ fn a_check_says_of_a_worn_keel_and_of_a_hole_what_press_says() {
         assert!(errors(&pressed).contains(expected), "{}", errors(&pressed));
         printed
     };
-    said("worn", 4, "its vertices leave the peak uncertain");
+    expect_outcome("worn", 4, "its vertices leave the peak uncertain");
     let no_vertex = "no vertex of the hull lies in the contact";
-    let printed = said("hole", 0, no_vertex);
+    let printed = expect_outcome("hole", 0, no_vertex);
     assert!(
         printed.contains(&format!("250 N: {no_vertex}")),
         "{printed}"
@@ -336,7 +336,7 @@ fn a_scan_away_from_its_origin_is_judged_and_meshed_as_one_at_it() {
     assert!((quarters / 4.0 - 1.0).abs() < 0.05, "{quarters}");
 }
 
-/// Beside the clean hull, whose answer has no noise.
+/// Compared with the clean hull, whose answer has no noise.
 #[test]
 fn noise_that_the_case_does_not_state_is_found_and_in_the_error() {
     let bench = Bench::new();

@@ -205,7 +205,7 @@ fn the_plastic_depth_in_the_vtu_file_is_the_groove() {
         String::from_utf8_lossy(&output.stderr)
     );
     let found: Vec<f64> = serde_json::from_slice(&output.stdout).expect("numbers");
-    // Deepest on the surface and left behind; none below, none ahead. VTU has the values of the solver's last mesh, in single precision.
+    // Deepest on the surface and behind the contact; none below, none ahead. VTU has the values of the solver's last mesh, in single precision.
     let depth = number(&result, "groove_depth_m");
     assert!(
         (found[0] / depth - 1.0).abs() < 1e-7 && found[2] == found[0],

@@ -167,7 +167,7 @@ fn an_import_is_whole_or_absent_and_replaces_only_its_own() {
         "expected a number",
     );
     assert!(!bench.path("runs").exists());
-    // Or is left out with its reason.
+    // Or is excluded with its reason.
     let output = bench.kufe(&["runs", "import", "mapping.toml", "-o", "runs"]);
     assert_eq!(output.status.code(), Some(5));
     assert!(errors(&output).contains("expected a number"));

@@ -151,7 +151,7 @@ fn a_hidden_temperature_is_named_and_acts_in_the_next_model() -> Outcome {
         slope["low"].as_f64() < Some(-0.03) && slope["high"].as_f64() > Some(-0.03),
         "{slope}"
     );
-    // With the next model nothing is left to be found.
+    // With the next model no effect is significant.
     let text = next(at)?;
     let again = report(at, &text)?;
     assert_eq!(again["verdict"], "none", "{}", again["sentence"]);
@@ -296,7 +296,7 @@ fn only_the_chosen_effects_are_searched() -> Outcome {
         Ok(classes.join(" "))
     };
     assert_eq!(names("temperature")?, "[\"temperature\"]");
-    // Humidity was not recorded; the speed is beyond the catalogue.
+    // Humidity was not recorded; a law of the speed is outside the catalogue.
     assert_eq!(names("humidity")?, "");
     assert!(!names("unknown,humidity")?.contains("\"temperature\""));
     let wrong = discover(

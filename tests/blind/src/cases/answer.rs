@@ -29,7 +29,7 @@ pub struct Answer {
     pub family: String,
     /// Case within the family.
     pub name: String,
-    /// Share asked for, where the family has sizes.
+    /// Requested share, where the family has sizes.
     pub wanted_share: Option<f64>,
     /// Seed.
     pub seed: u64,
@@ -40,7 +40,7 @@ pub struct Answer {
     pub model: Option<String>,
     /// What is hidden; empty for a null.
     pub hides: Vec<Hides>,
-    /// Names that may be claimed without being false, beside the hidden effects' classes.
+    /// Further names that may be reported without being wrong, in addition to the hidden effects' classes.
     pub tolerated: Vec<String>,
     /// True where a single firm name would say more than the data can.
     pub too_little_to_name: bool,

@@ -9,7 +9,7 @@ use crate::world::hidden::{ENTRIES, Kind};
 
 /// Shares of the residual's noise variance for effects in runs.
 pub const RUN_SHARES: [f64; 3] = [0.007, 0.02, 0.06];
-/// Those beside them in other worlds: gaps as large as the noise, and ten times its variance.
+/// Further shares in other worlds: misfits as large as the noise, and ten times its variance.
 pub const LARGE_SHARES: [f64; 2] = [1.0, 10.0];
 /// Shares for friction experiments, which have tens of rows instead of tens of thousands.
 pub const EXPERIMENT_SHARES: [f64; 3] = [0.5, 1.5, 4.0];
@@ -297,14 +297,14 @@ pub fn all() -> Vec<Spec> {
 /// The cases whose id starts with one of the comma-separated beginnings, `@0.02` behind it for a
 /// size; `all` for every case.
 ///
-/// Other worlds' cases of a stated size are only meant where a size stands there.
-pub fn chosen(asked: &str) -> Result<Vec<Spec>, CaseError> {
+/// Cases of other worlds with a stated size apply only where the request has a size.
+pub fn chosen(requested: &str) -> Result<Vec<Spec>, CaseError> {
     let mut found: Vec<Spec> = Vec::new();
-    for asked in asked.split(',').map(str::trim) {
-        let (begins, size) = match asked.split_once('@') {
+    for requested in requested.split(',').map(str::trim) {
+        let (begins, size) = match requested.split_once('@') {
             Some((begins, size)) => (begins, Some(format!("@{size}"))),
-            None if asked == "all" => ("", None),
-            None => (asked, None),
+            None if requested == "all" => ("", None),
+            None => (requested, None),
         };
         let hits: Vec<Spec> = all()
             .into_iter()
@@ -314,7 +314,7 @@ pub fn chosen(asked: &str) -> Result<Vec<Spec>, CaseError> {
             })
             .collect();
         if hits.is_empty() {
-            return Err(CaseError::Unknown(asked.to_owned()));
+            return Err(CaseError::Unknown(requested.to_owned()));
         }
         for hit in hits {
             if !found.contains(&hit) {

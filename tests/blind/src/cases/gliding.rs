@@ -16,7 +16,7 @@ const GLIDING: Shape = Shape {
     section_m: 0.004,
 };
 
-/// Gives every run the friction of groove and film, and says what of it the catalogue has names
+/// Gives every run the friction of groove and film, and states which parts of it the catalogue names
 /// for: the power of the speed and the slope over the temperature that it amounts to in the middle
 /// of what is driven; signatures of a cosine of `same` are one class.
 pub fn glide(campaign: &mut Campaign, sled: &mut Sled, gauge: &Gauge, same: f64) -> Vec<Hides> {

@@ -76,7 +76,7 @@ pub fn build(label: &Label, recipe: Recipe, seed: u64) -> Case {
             if recipe == Recipe::FilmOnOneTrack {
                 layout.sessions = vec![0; 12];
             }
-            // Better sensors, and said so: the film's share of the friction is small.
+            // Better sensors, as stated in the model: the film's share of the friction is small.
             noise = noise.times(0.3);
             tolerated.extend(["load".to_owned(), "plowing".to_owned()]);
         }
@@ -183,7 +183,7 @@ pub fn build(label: &Label, recipe: Recipe, seed: u64) -> Case {
             model: Some("model.toml".to_owned()),
             hides,
             tolerated,
-            // a twin's name alone says more than the data can
+            // one of two equivalent names states more than the data determine
             too_little_to_name: matches!(recipe, Recipe::TwoSessions(_)) || label.family == "twin",
             base: base.iter().map(|(k, v)| ((*k).to_owned(), *v)).collect(),
         },
@@ -381,7 +381,7 @@ fn model_file(
             n.accel_mps2, n.rate_radps, n.speed_mps, n.slip_rad, n.steer_rad, n.roll_split_rad
         );
     }
-    // The sensors of this world stand where they are said to, and none is late: its owner knows.
+    // The sensors of this world are where the model states, and none is late.
     text.push_str(
         "\n[tolerances]\ndelay_s = 0.0\nplace_m = 0.0\ngyro_scale = 0.0\ngyro_bias_radps = 0.0\naccel_scale = 0.0\n\
          accel_bias_mps2 = 0.0\nmass = 0.0\ninertia = 0.0\nsteer_scale = 0.0\nmisalignment_rad = 0.0\n\

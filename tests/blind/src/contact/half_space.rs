@@ -241,7 +241,7 @@ impl Grid {
         Ok(p)
     }
 
-    /// Pressures for a given approach, started from and left in `p`.
+    /// Pressures for a given approach, starting from `p`, which takes the result.
     fn press_by(
         &self,
         kernel: &Kernel,
@@ -375,8 +375,8 @@ mod tests {
         };
         let bed = thin.bed(0.5, 41);
         let r: f64 = 20.0 * 0.5 * 0.002;
-        let left = thin.point() / r + bed[20];
-        assert!(left.abs() < 0.02 * thin.point() / r, "{left}");
+        let difference = thin.point() / r + bed[20];
+        assert!(difference.abs() < 0.02 * thin.point() / r, "{difference}");
     }
 
     #[test]

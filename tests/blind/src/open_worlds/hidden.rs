@@ -1,4 +1,4 @@
-//! What a case may hide: effects of the catalogue, laws beyond it, and causes that no effect and no
+//! What a case may hide: effects of the catalogue, laws outside it, and causes that no effect and no
 //! law of one column can represent.
 
 /// How a hidden thing acts; the forces of [`super::ride`] and the readings of [`super::recorder`]

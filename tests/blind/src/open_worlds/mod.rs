@@ -55,7 +55,7 @@ pub enum Hiding {
     None,
     /// An effect of the catalogue.
     One,
-    /// A law beyond it.
+    /// A law outside it.
     Law,
     /// Two effects of the catalogue.
     Two,

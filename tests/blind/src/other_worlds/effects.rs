@@ -11,7 +11,7 @@ const fn late(name: &'static str, channel: usize, case: &'static str, size: f64)
         .called(case)
 }
 
-/// What a world may hide in a size that is asked for: all but lags of so many milliseconds.
+/// What a world may hide in a requested size: all but lags, which have fixed sizes.
 pub fn sized() -> impl Iterator<Item = Effect> {
     let in_ms = |e: &Effect| e.case.ends_with("-ms");
     let lags = [

@@ -74,17 +74,17 @@ pub fn model_file(sled: &Sled, wrong: &Wrong, source: &mut Source) -> String {
     let Some(stated) = wrong.stated.filter(|_| wrong.noise.is_none()) else {
         return text;
     };
-    let said = |channel: usize| NOISE[channel] * stated;
+    let noise_sd = |channel: usize| NOISE[channel] * stated;
     let _ = write!(
         text,
         "\n[noise]\naccel_mps2 = {:?}\nrate_radps = {:?}\nspeed_mps = {:?}\n\
          slip_rad = {:?}\nsteer_rad = {:?}\nroll_split_rad = {:?}\n",
-        said(0),
-        said(3),
-        said(6),
-        said(7),
-        said(8),
-        said(9)
+        noise_sd(0),
+        noise_sd(3),
+        noise_sd(6),
+        noise_sd(7),
+        noise_sd(8),
+        noise_sd(9)
     );
     text
 }

@@ -2,7 +2,7 @@
 
 use super::wrong::{Fault, SPEED};
 
-/// A hidden force, by the size that stands in its law.
+/// A hidden force, by the size in its law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum Force {
@@ -134,7 +134,7 @@ impl Hidden {
         }
     }
 
-    /// Whether it pushes: the sled and what is recorded of it are as they are said to be.
+    /// Whether it is a force: the sled and its sensors are as stated.
     pub fn is_force(&self) -> bool {
         use Acts::*;
         matches!(self.effect.acts, Force(_) | Wall | Bumper(_))

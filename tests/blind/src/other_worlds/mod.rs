@@ -3,7 +3,7 @@
 //! The sled is the published one, but everything that makes data of it is written anew: the road
 //! turns by rotation matrices, the equations of motion are those of speed, course and yaw,
 //! integrated at the rate of a logger by a predictor and a corrector, and the recorders have
-//! delays, filters, scales and biases of their own. A world says what is wrong in it besides noise;
+//! delays, filters, scales and biases of their own. A world states what is wrong in it besides noise;
 //! an effect may be hidden there or not.
 //!
 //! | world | what is wrong |

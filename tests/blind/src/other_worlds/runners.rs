@@ -139,7 +139,7 @@ pub fn push(sled: &Sled, now: &Now, [friction, grip]: [f64; 2], hidden: Option<&
         push
     };
     let ((sin_g, cos_g), (sin_d, cos_d)) = (now.split.sin_cos(), now.steer.sin_cos());
-    // The front runner stands turned in the body: its own load follows from the axle's by a fixed
+    // The front runner is rotated in the body: its own load follows from the axle's by a fixed
     // point.
     let mut own = now.load[0] / cos_g;
     for _ in 0..6 {

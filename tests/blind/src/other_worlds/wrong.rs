@@ -104,7 +104,7 @@ impl Fault {
         }
     }
 
-    /// What channel `c` says of the value `x` at time `t` [s], in time, `size` being the fault's.
+    /// Reading of channel `c` for the value `x` at time `t` [s], in time, `size` being the fault's.
     pub fn read(self, c: usize, size: f64, x: f64, t: f64) -> f64 {
         match self {
             Fault::Bias(at) if at == c => x + size,

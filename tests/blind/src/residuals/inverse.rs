@@ -1,7 +1,7 @@
 //! From recorded channels back to what the base model leaves unexplained.
 //!
 //! Written from the momentum equations on their own, in the other direction than the drive, so
-//! that it also checks it: without noise and hidden effects nothing is left.
+//! that it also checks it: without noise and hidden effects the residual is zero.
 
 use crate::world::drive::SAMPLE_S;
 use crate::world::sensors::Sample;

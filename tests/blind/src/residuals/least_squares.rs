@@ -1,6 +1,6 @@
 //! Least squares for a handful of columns, ordinary ones and with what is known beforehand.
 
-/// What is left of `target` after its projection on `columns`; collinear columns are dropped.
+/// Residual of `target` after its projection on `columns`; collinear columns are dropped.
 ///
 /// Modified Gram-Schmidt, twice, which is enough for a handful of columns.
 pub fn project_out(columns: &[Vec<f64>], target: &[f64]) -> Vec<f64> {
@@ -11,9 +11,9 @@ pub fn project_out(columns: &[Vec<f64>], target: &[f64]) -> Vec<f64> {
         for _ in 0..2 {
             remove(&basis, &mut rest);
         }
-        let left = dot(&rest, &rest);
-        if left > 1e-12 * size && left > 0.0 {
-            let scale = 1.0 / left.sqrt();
+        let remaining = dot(&rest, &rest);
+        if remaining > 1e-12 * size && remaining > 0.0 {
+            let scale = 1.0 / remaining.sqrt();
             rest.iter_mut().for_each(|x| *x *= scale);
             basis.push(rest);
         }
@@ -25,7 +25,7 @@ pub fn project_out(columns: &[Vec<f64>], target: &[f64]) -> Vec<f64> {
     rest
 }
 
-/// What is left of `target` after the fit `min |target - C p|^2 + sum_j (p_j / sd_j)^2`; an
+/// Residual of `target` after the fit `min |target - C p|^2 + sum_j (p_j / sd_j)^2`; an
 /// infinite `sd_j` leaves `p_j` free.
 ///
 /// Normal equations `(C'C + diag(1/sd^2)) p = C' target` by Cholesky, on columns of unit size;
@@ -110,8 +110,8 @@ mod tests {
     fn a_ridge_of_one_column_shrinks_as_the_formula_says_and_free_columns_as_a_projection() {
         let column = vec![vec![3.0, 4.0]];
         // p = c'y / (c'c + 1/sd^2) = 25 / (25 + 4)
-        let left = ridge_out(&column, &[0.5], &column[0]);
-        for (x, c) in left.iter().zip(&column[0]) {
+        let remaining = ridge_out(&column, &[0.5], &column[0]);
+        for (x, c) in remaining.iter().zip(&column[0]) {
             assert!((x - c * 4.0 / 29.0).abs() < 1e-12);
         }
         let columns: Vec<Vec<f64>> = (0..4)

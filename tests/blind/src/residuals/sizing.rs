@@ -1,6 +1,6 @@
 //! How large an effect is to be for a share of the noise's variance.
 
-/// What is asked of a size.
+/// The requirement on a size.
 #[derive(Debug, Clone, Copy)]
 pub struct Wanted {
     /// Share of the noise's variance.
@@ -15,7 +15,7 @@ pub struct Wanted {
 /// within the bounds if none there has it.
 ///
 /// Steps along `share ~ size^power`, the power taken from the last two sizes: some effects grow
-/// with the square of their parameter, or saturate. A share that is not a number says that the sled
+/// with the square of their parameter, or saturate. A share that is not a number means that the sled
 /// slid away: nothing as large is tried again.
 pub fn sized(
     start: f64,
@@ -58,7 +58,7 @@ mod tests {
 
     #[test]
     fn a_size_has_the_share_asked_for_or_stands_at_its_bound() {
-        let asked = |bounds, start, power, law: &dyn Fn(f64) -> f64| {
+        let solved = |bounds, start, power, law: &dyn Fn(f64) -> f64| {
             let wanted = Wanted {
                 share: 0.02,
                 within: 0.01,
@@ -67,14 +67,14 @@ mod tests {
             sized(start, power, wanted, law)
         };
         // Linear at first, then with the square of the parameter.
-        let (size, share) = asked([0.0, 5.0], 0.01, 2.0, &|x| (0.1 * x + 0.5 * x * x).powi(2));
+        let (size, share) = solved([0.0, 5.0], 0.01, 2.0, &|x| (0.1 * x + 0.5 * x * x).powi(2));
         assert!((share / 0.02 - 1.0).abs() < 0.01 && size < 1.0);
         // A limit: the lower, the more.
-        let (size, share) = asked([0.1, 20.0], 1.0, -4.0, &|x| 1e-3 / (x * x * x * x));
+        let (size, share) = solved([0.1, 20.0], 1.0, -4.0, &|x| 1e-3 / (x * x * x * x));
         assert!((share / 0.02 - 1.0).abs() < 0.01 && size < 1.0);
-        assert_eq!(asked([0.0, 0.3], 0.1, 2.0, &|x| 0.1 * x * x).0, 0.3);
+        assert_eq!(solved([0.0, 0.3], 0.1, 2.0, &|x| 0.1 * x * x).0, 0.3);
         // Slides away from 0.5 on.
-        let (size, share) = asked([0.0, 9.0], 2.0, 2.0, &|x| {
+        let (size, share) = solved([0.0, 9.0], 2.0, 2.0, &|x| {
             if x > 0.5 { f64::NAN } else { 0.01 * x }
         });
         assert!(share.is_finite() && size <= 0.5);

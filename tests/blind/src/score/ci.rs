@@ -60,8 +60,8 @@ pub fn missed(outcomes: &[Outcome]) -> Vec<String> {
     let mut check =
         |what: &str, value: Option<f64>, holds: &dyn Fn(f64) -> bool, goal: &str| match value {
             Some(value) if holds(value) => {}
-            Some(value) => lines.push(format!("{what}: {value:.3}, asked {goal}")),
-            None => lines.push(format!("{what}: nothing to judge, asked {goal}")),
+            Some(value) => lines.push(format!("{what}: {value:.3}, required {goal}")),
+            None => lines.push(format!("{what}: nothing to judge, required {goal}")),
         };
     let null: Rates = rates("null", &nulls);
     let effect: Rates = rates("effects", &effects);

@@ -25,7 +25,7 @@ const RUNS: [&str; 9] = [
     "clean-effect/wall-contact-by-run",
     "delays-effect/drag-area@10",
 ];
-/// Laws beyond the catalogue: nothing, of a column that the model has no name for, of a product, of
+/// Laws outside the catalogue: nothing, of a column that the model has no name for, of a product, of
 /// a sensor.
 const LAWS: [&str; 4] = [
     "clean-null/none",
@@ -167,8 +167,9 @@ pub fn constants(
             .into_iter()
             .filter(|spec| cases.iter().any(|id| *id == spec.id()))
             .collect();
-        let asked = |key: &&&str| only.is_empty() || only.iter().any(|word| key.contains(word));
-        let keys: Vec<&&str> = keys.iter().filter(asked).collect();
+        let is_selected =
+            |key: &&&str| only.is_empty() || only.iter().any(|word| key.contains(word));
+        let keys: Vec<&&str> = keys.iter().filter(is_selected).collect();
         if keys.is_empty() {
             continue;
         }
@@ -262,7 +263,7 @@ fn read(rules: &toml::Table, key: &str) -> Result<f64, CaseError> {
     value.as_float().or(whole).ok_or_else(unknown)
 }
 
-/// Puts a number at a dotted key that [`read`] has found, rounded where a whole one stands there.
+/// Puts a number at a dotted key that [`read`] has found, rounded where the present one is an integer.
 fn write(rules: &mut toml::Table, key: &str, number: f64) {
     let Some((first, rest)) = key.split_once('.') else {
         let number = match rules.get(key) {

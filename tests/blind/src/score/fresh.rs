@@ -26,13 +26,13 @@ pub fn compared(kufe: &Path, fresh: &Path, given: &Path, written: &Path) -> Resu
 
 fn on_runs(kufe: &Path, fresh: &Path, model: &Path) -> Result<Vec<OnRun>, String> {
     let model = model.to_str().ok_or("the model's path is no text")?;
-    let validated = said(kufe, fresh, &["validate", "runs.csv", "--model", model])?;
+    let validated = json_of(kufe, fresh, &["validate", "runs.csv", "--model", model])?;
     let runs = validated["runs"]
         .as_array()
         .ok_or("validation without runs")?;
     let on_run = |run: &Value| -> Option<(String, String, [f64; 3])> {
-        let left = &run["left_rms"];
-        let force = ["along_n", "side_n", "yaw_nm"].map(|key| left[key].as_f64());
+        let misfits = &run["left_rms"];
+        let force = ["along_n", "side_n", "yaw_nm"].map(|key| misfits[key].as_f64());
         let [Some(along), Some(side), Some(yaw)] = force else {
             return None;
         };
@@ -46,7 +46,7 @@ fn on_runs(kufe: &Path, fresh: &Path, model: &Path) -> Result<Vec<OnRun>, String
         let of = [
             "simulate", model, &track, "--replay", "runs.csv", "--run", &name,
         ];
-        let replayed = said(kufe, fresh, &of)?;
+        let replayed = json_of(kufe, fresh, &of)?;
         let differences = replayed["replay"]["differences"].as_array();
         let rms = |column: &str| -> Option<f64> {
             let of = differences?.iter().find(|d| d["column"] == column)?;
@@ -65,7 +65,7 @@ fn on_runs(kufe: &Path, fresh: &Path, model: &Path) -> Result<Vec<OnRun>, String
 }
 
 /// What a command prints with `--json`, run in a folder.
-fn said(kufe: &Path, folder: &Path, arguments: &[&str]) -> Result<Value, String> {
+fn json_of(kufe: &Path, folder: &Path, arguments: &[&str]) -> Result<Value, String> {
     let out = tempfile::tempdir().map_err(|error| error.to_string())?;
     let done = Command::new(kufe)
         .args(arguments)

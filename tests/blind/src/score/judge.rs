@@ -109,7 +109,7 @@ const INSTALLED: [(&str, &str); 15] = [
 ];
 
 /// Whether the report tells the effect, or one of its class, as an error of the installation: under
-/// `within_tolerance`, or in a remark as beyond it.
+/// `within_tolerance`, or in a remark as outside it.
 fn installed(report: &Value, hides: &Hides) -> bool {
     let list = |key: &str| report[key].as_array().cloned().unwrap_or_default();
     let (within, remarks) = (list("within_tolerance"), list("remarks"));
@@ -168,7 +168,7 @@ fn overlap(step: &Value, hides: &Hides) -> Option<f64> {
     if hides.places.is_empty() {
         return None;
     }
-    let told = stretches(step);
+    let reported = stretches(step);
     let inside =
         |list: &[(f64, f64)], s: f64| list.iter().any(|(from, to)| (*from..=*to).contains(&s));
     let truth: Vec<(f64, f64)> = hides
@@ -178,14 +178,14 @@ fn overlap(step: &Value, hides: &Hides) -> Option<f64> {
         .collect();
     let end = truth
         .iter()
-        .chain(&told)
+        .chain(&reported)
         .map(|x| x.1)
         .fold(0.0, f64::max)
         .min(1e5);
     let (mut both, mut any) = (0.0, 0.0);
     for k in 0..=(end * 10.0) as usize {
         let s = k as f64 / 10.0;
-        let (a, b) = (inside(&truth, s), inside(&told, s));
+        let (a, b) = (inside(&truth, s), inside(&reported, s));
         both += f64::from(u8::from(a && b));
         any += f64::from(u8::from(a || b));
     }
@@ -244,8 +244,8 @@ mod tests {
             &hides("yaw-rate-scale", &["yaw-inertia"])
         ));
         assert!(!installed(&within, &hides("mass", &[])));
-        let beyond = json!({"remarks": ["mass, relative: 4.0e-2  +- 1.0e-2, outside its tolerance of 0.01"]});
-        assert!(installed(&beyond, &hides("mass", &[])));
-        assert!(!installed(&beyond, &hides("speed-scale", &[])));
+        let outside = json!({"remarks": ["mass, relative: 4.0e-2  +- 1.0e-2, outside its tolerance of 0.01"]});
+        assert!(installed(&outside, &hides("mass", &[])));
+        assert!(!installed(&outside, &hides("speed-scale", &[])));
     }
 }

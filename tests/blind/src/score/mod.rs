@@ -1,4 +1,4 @@
-//! The finder on cases, and its reports held against the answers.
+//! Runs the finder on cases and compares its reports with the answers.
 
 pub mod ci;
 pub mod constants;

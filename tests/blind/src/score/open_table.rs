@@ -100,7 +100,7 @@ pub fn open_table(outcomes: &[Outcome]) -> String {
             .flat_map(|o| &o.found)
             .filter(|f| !is_beyond(&f.effect));
         let class = found.clone().filter_map(|f| f.class_size.map(|n| n as f64));
-        let beyond = || {
+        let of_causes = || {
             answers
                 .iter()
                 .filter(|o| o.found.iter().any(|f| is_beyond(&f.effect)))
@@ -117,8 +117,10 @@ pub fn open_table(outcomes: &[Outcome]) -> String {
             counted(answers.iter().map(|o| o.wrong_firm)),
             counted(found.clone().map(|f| f.in_class)),
             median(class.collect(), 1),
-            counted(beyond().map(|o| o.claims.iter().any(|c| is_firm(&c.effect, c.class.len())))),
-            counted(beyond().map(|o| is_flagged(o))),
+            counted(
+                of_causes().map(|o| o.claims.iter().any(|c| is_firm(&c.effect, c.class.len())))
+            ),
+            counted(of_causes().map(|o| is_flagged(o))),
             fresh(|fresh| is_worse(&fresh.written, &fresh.refitted, false)),
             fresh(|fresh| is_worse(&fresh.written, &fresh.refitted, true)),
             fresh(|fresh| is_worse(&fresh.written, &fresh.given, false)),
@@ -139,7 +141,7 @@ fn is_firm(effect: &str, class_size: usize) -> bool {
     class_size == 1 && !effect.starts_with("unknown:")
 }
 
-/// Whether the report says that more is wrong than it can name.
+/// Whether the report states that more is wrong than it names.
 fn is_flagged(outcome: &Outcome) -> bool {
     outcome.adequate == Some(false) || ["located", "inadequate"].contains(&outcome.verdict.as_str())
 }

@@ -25,7 +25,7 @@ pub struct Found {
     pub exact: bool,
     /// Named, or in the class of a named one.
     pub in_class: bool,
-    /// Told as an error of the installation, within its tolerance or beyond it.
+    /// Reported as an error of the installation, within its tolerance or outside it.
     #[serde(default)]
     pub installed: bool,
     /// Size of that class.
@@ -45,7 +45,7 @@ pub struct Outcome {
     pub id: String,
     /// Family.
     pub family: String,
-    /// Share asked for.
+    /// Requested share.
     pub share: Option<f64>,
     /// Seed.
     pub seed: u64,
@@ -70,7 +70,7 @@ pub struct Outcome {
     /// Processor time of the finder's run, where it can be read.
     #[serde(default)]
     pub cpu_seconds: Option<f64>,
-    /// Whether the report says that the answer suffices, where it says so.
+    /// Whether the report states that the model is adequate; `None` if it states nothing.
     #[serde(default)]
     pub adequate: Option<bool>,
     /// Models on fresh runs, where the case has such.

@@ -217,11 +217,11 @@ fn discover(
             Err(error) => return Err(error.to_string()),
         }
     };
-    let said = std::fs::read_to_string(&log).unwrap_or_default();
+    let log_text = std::fs::read_to_string(&log).unwrap_or_default();
     let _ = std::fs::remove_file(&log);
     let report = out.join("report.json");
     let Ok(text) = std::fs::read_to_string(&report) else {
-        let last = said
+        let last = log_text
             .lines()
             .rev()
             .find(|line| !line.trim().is_empty())

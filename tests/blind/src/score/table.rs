@@ -187,9 +187,9 @@ pub fn base_table(outcomes: &[Outcome]) -> String {
 const SHARES: [f64; 3] = [0.007, 0.02, 0.06];
 const NEAR: f64 = 0.95;
 
-/// What was said of effects in other worlds, by the share of the noise's variance that they have
-/// beyond what tolerances imitate; empty where there are none. Effects that met their bounds before
-/// they had the share that was asked of them are counted and left out.
+/// Results for effects in other worlds, by the share of the noise's variance that they have
+/// outside what tolerances imitate; empty where there are none. Effects that reached their bounds before
+/// the requested share are counted and omitted.
 pub fn by_share(outcomes: &[Outcome]) -> String {
     let all: Vec<(f64, Option<f64>, &Found, &Outcome)> = outcomes
         .iter()
@@ -200,11 +200,11 @@ pub fn by_share(outcomes: &[Outcome]) -> String {
     if all.is_empty() {
         return String::new();
     }
-    let (bound, free): (Vec<_>, Vec<_>) = all
-        .into_iter()
-        .partition(|(share, asked, ..)| asked.is_some_and(|asked| *share < NEAR * asked));
+    let (bound, free): (Vec<_>, Vec<_>) = all.into_iter().partition(|(share, requested, ..)| {
+        requested.is_some_and(|requested| *share < NEAR * requested)
+    });
     let mut text = String::from(
-        "| share after tolerances | effects | in class | reported as installation | nothing said | a false name |\n|---|---|---|---|---|---|\n",
+        "| share after tolerances | effects | in class | reported as installation | not reported | a wrong name |\n|---|---|---|---|---|---|\n",
     );
     let mut row = |what: String, holds: &dyn Fn(f64) -> bool| {
         let of: Vec<(&Found, &Outcome)> = free
@@ -276,14 +276,14 @@ mod tests {
 
     #[test]
     fn shares_count_from_their_row_on_and_bounds_are_left_out() {
-        let outcome = |asked: Option<f64>, share: f64, in_class: bool, installed: bool| {
+        let outcome = |requested: Option<f64>, share: f64, in_class: bool, installed: bool| {
             let found = json!([{"effect": "speed", "share": share, "exact": in_class, "in_class": in_class, "installed": installed}]);
             let claims = if in_class {
                 json!([{"effect": "speed", "class": ["speed"]}])
             } else {
                 json!([])
             };
-            let whole = json!({"id": "", "family": "clean-effect", "share": asked, "seed": 1, "verdict": "", "claims": claims,
+            let whole = json!({"id": "", "family": "clean-effect", "share": requested, "seed": 1, "verdict": "", "claims": claims,
                 "false_claim": false, "wrong_firm": false, "overconfident": false, "found": found, "base": [], "seconds": 1.0});
             serde_json::from_value::<Outcome>(whole).unwrap()
         };

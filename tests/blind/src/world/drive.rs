@@ -21,7 +21,7 @@ pub struct Plan {
     pub duration_s: f64,
     /// Steering that the line does not ask for [rad] over time.
     pub steering: Smooth,
-    /// Roll-split beyond the track's twist [rad] over time.
+    /// Roll-split in addition to the track's twist [rad] over time.
     pub roll_split: Smooth,
     /// Pitch rate over ice that is not the table's [rad/s] over time.
     pub pitch: Smooth,
@@ -90,7 +90,7 @@ struct Ride<'a> {
     plan: &'a Plan,
     hidden: &'a [Hidden],
     relaxation_m: f64,
-    /// The plan at the time asked last: two stages of a step share theirs.
+    /// The plan at the last requested time: two stages of a step share theirs.
     drawn: Cell<(f64, Drawn)>,
 }
 

@@ -123,7 +123,7 @@ pub fn film_drag_n(
     drag
 }
 
-/// Friction of one runner on the ice of one run, ready to be asked millions of times.
+/// Friction of one runner on the ice of one run, tabulated for millions of evaluations.
 #[derive(Debug, Clone)]
 pub struct Glide {
     /// mu at loads, speeds and curvatures, the last fastest.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// An effect that the base model lacks, or a fault of a sensor.
+/// An effect that is not in the base model, or a fault of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[allow(missing_docs)]
 pub enum Kind {

@@ -115,7 +115,7 @@ pub fn measure(
     let mut vibration: Vec<Ar1> = (0..3)
         .map(|_| Ar1::new(noise.colour, noise.accel_mps2, source))
         .collect();
-    // Every channel beside the accelerations, late by its own time.
+    // Every channel except the accelerations, late by its own time.
     let late = |value: &dyn Fn(&Truth) -> f64, lag: Kind| -> Vec<f64> {
         let values: Vec<f64> = truths.iter().map(value).collect();
         delayed(&values, size(lag) / SAMPLE_S)

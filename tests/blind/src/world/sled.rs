@@ -98,7 +98,7 @@ impl Default for Sled {
     }
 }
 
-/// What the ice and the air of a run are like, beside the sled's own motion.
+/// Ice and air of a run.
 #[derive(Debug, Clone, Default)]
 pub struct Conditions {
     /// Name of the track.
@@ -158,7 +158,7 @@ pub struct Motion {
     pub roll_acc_radps2: f64,
     /// Pitch rate [rad/s].
     pub pitch_rate_radps: f64,
-    /// A recorded extra channel, which only effects beyond the catalogue use.
+    /// A recorded extra channel, which only effects outside the catalogue use.
     pub extra: f64,
 }
 

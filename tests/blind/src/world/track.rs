@@ -122,7 +122,7 @@ impl Track {
         (self.slope_rad.len() - 1) as f64 * self.step_m
     }
 
-    /// Linear interpolation of one of its profiles, held at the ends.
+    /// Linear interpolation of one of its profiles, constant beyond the ends.
     pub fn at(&self, profile: &[f64], s_m: f64) -> f64 {
         let x = (s_m / self.step_m).clamp(0.0, (profile.len() - 1) as f64);
         let i = (x as usize).min(profile.len() - 2);

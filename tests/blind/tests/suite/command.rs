@@ -12,9 +12,12 @@ fn a_reader_that_has_seen_enough_of_the_list_may_go_away() {
         .spawn()
         .unwrap();
     drop(list.stdout.take());
-    let mut said = String::new();
+    let mut printed = String::new();
     let mut errors = list.stderr.take().unwrap();
-    errors.read_to_string(&mut said).unwrap();
+    errors.read_to_string(&mut printed).unwrap();
     let status = list.wait().unwrap();
-    assert!(status.success() && said.is_empty(), "{status}: {said}");
+    assert!(
+        status.success() && printed.is_empty(),
+        "{status}: {printed}"
+    );
 }

@@ -35,11 +35,11 @@ fn without_noise_and_effects_the_inverse_leaves_nothing() {
     let (campaign, sled) = (campaign(), Sled::default());
     for k in [0, 5, 10] {
         let samples = campaign.record(k, &sled, &[], &Noise::none(), 1);
-        let left = residuals(&sled, &campaign.runs[k].at, &samples, &|s| {
+        let remaining = residuals(&sled, &campaign.runs[k].at, &samples, &|s| {
             campaign.surveyed_slope(k, s)
         });
-        let inside = &left[5..left.len() - 5];
-        // the rates' central differences are what is left; the noise of the sensors leaves 0.04 to
+        let inside = &remaining[5..remaining.len() - 5];
+        // the rates' central differences are what is remaining; the noise of the sensors leaves 0.04 to
         // 0.15
         assert!(
             rms(inside.iter().map(|r| r.x_mps2)) < 2e-3,
@@ -118,7 +118,7 @@ fn signs_follow_the_conventions() {
     assert!(pair(&|i| (truths[i].motion.slip_r_rad, truths[i].specific_mps2[1])) > 0.8);
     // concave track (negative pitch rate) presses the sled down: az above g
     assert!(pair(&|i| (-truths[i].rates_radps[1], truths[i].specific_mps2[2] - 9.81)) > 0.8);
-    // steering left turns left
+    // steering remaining turns remaining
     assert!(pair(&|i| (truths[i].motion.delta_rad, truths[i].rates_radps[2])) > 0.1);
     assert!(
         truths.iter().all(|t| t.specific_mps2[0] < 0.0),

@@ -81,7 +81,7 @@ fn read(case: &Case) -> (Vec<Run>, Sled) {
 
 /// What an inversion leaves of rows, by channel: along, of the speed, across, about the vertical;
 /// low-passed or as it is.
-fn left(run: &Run, rows: &[[f64; 10]], sled: &Sled, filtered: bool) -> [Vec<f64>; 4] {
+fn residuals_of(run: &Run, rows: &[[f64; 10]], sled: &Sled, filtered: bool) -> [Vec<f64>; 4] {
     let samples: Vec<Sample> = rows
         .iter()
         .map(|r| Sample {
@@ -128,7 +128,7 @@ fn calm(run: &Run, sled: &Sled) -> Vec<[f64; 10]> {
             row[c] = value;
         }
     }
-    let off = left(run, &rows, sled, false);
+    let off = residuals_of(run, &rows, sled, false);
     for (k, row) in rows.iter_mut().enumerate() {
         row[0] -= off[0][k];
         row[1] -= off[2][k];
@@ -156,7 +156,7 @@ fn read_off(rows: &[[f64; 10]], (c, what, by): (usize, usize, f64)) -> Vec<[f64;
     other
 }
 
-/// Mean squares by channel of what is left of a case after the refit and of what tolerances spent
+/// Mean squares by channel of the residual of a case after the refit and of what tolerances explain
 /// on it, in units of `sd`, by normal equations as in a textbook; across and about the vertical
 /// over what they are from 6 Hz on, where there is noise alone: it goes with the stiffness of the
 /// sled.
@@ -187,7 +187,7 @@ fn mean_squares(case: &Case, sd: [f64; 4]) -> [f64; 4] {
     let mut rough: [Vec<f64>; 4] = Default::default();
     for run in &runs {
         let calm = calm(run, &sled);
-        let base = left(run, &calm, &sled, true);
+        let base = residuals_of(run, &calm, &sled, true);
         let put = |column: &mut [Vec<f64>; 4], part: [Vec<f64>; 4]| {
             for c in 0..4 {
                 let inside = &part[c][20..part[c].len() - 20];
@@ -200,11 +200,11 @@ fn mean_squares(case: &Case, sd: [f64; 4]) -> [f64; 4] {
             }
             part
         };
-        let own = left(run, &run.rows, &sled, true);
+        let own = residuals_of(run, &run.rows, &sled, true);
         put(&mut rough, own.clone().map(roughness));
         put(&mut target, own);
         for (column, &channel) in columns.iter_mut().zip(&channels) {
-            let mut part = less(left(run, &read_off(&calm, channel), &sled, true));
+            let mut part = less(residuals_of(run, &read_off(&calm, channel), &sled, true));
             // Derivatives of yaw rate and speed, too, are what the laws say.
             let (balance, off) = match channel {
                 (5, what, by) => (3, (what, by)),
@@ -223,7 +223,7 @@ fn mean_squares(case: &Case, sd: [f64; 4]) -> [f64; 4] {
         for (column, change) in columns[channels.len()..].iter_mut().zip(&changes) {
             let mut other = sled.clone();
             change(&mut other);
-            put(column, less(left(run, &calm, &other, true)));
+            put(column, less(residuals_of(run, &calm, &other, true)));
         }
     }
     let dot = |a: &[Vec<f64>; 4], b: &[Vec<f64>; 4]| -> f64 {
@@ -283,13 +283,13 @@ fn the_share_in_an_answer_is_that_of_the_files() {
         let squares = mean_squares(&case, sd);
         let over = pair.map(|c| 2.0 * squares[c] / (nulls[0][c] + nulls[1][c]) - 1.0);
         let measured = over.into_iter().fold(0.0, f64::max);
-        let said = case.answer.hides[0].share;
-        // Noise of a campaign scatters by 2 % from what its roughness says, that of those with
+        let stated = case.answer.hides[0].share;
+        // Noise of a campaign scatters by 2 % from what its roughness states, that of those with
         // nothing hidden with it; columns here come from what was recorded, the hidden effect with
         // it.
         assert!(
-            (measured - said).abs() < 0.04 + 0.15 * said,
-            "{id}: {measured} measured, {said} said"
+            (measured - stated).abs() < 0.04 + 0.15 * stated,
+            "{id}: {measured} measured, {stated} stated"
         );
     }
 }
@@ -307,8 +307,8 @@ fn a_case_of_a_stated_size_is_the_same_bits_for_its_seed() {
 
 #[test]
 fn a_size_is_meant_only_where_it_is_asked_for() {
-    let ids = |asked: &str| -> Vec<String> {
-        let specs = chosen(asked).unwrap();
+    let ids = |names: &str| -> Vec<String> {
+        let specs = chosen(names).unwrap();
         specs.iter().map(|spec| spec.id()).collect()
     };
     assert_eq!(ids("clean-effect/speed-grip"), ["clean-effect/speed-grip"]);

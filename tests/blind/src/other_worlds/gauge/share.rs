@@ -114,26 +114,26 @@ impl Gauge<'_> {
         let mut spreads = vec![1.0; tolerances];
         spreads.resize(still.columns.len(), f64::INFINITY);
         let effect = self.effect(hidden, still);
-        let left = ridge_out(&still.columns, &spreads, &effect);
+        let remaining = ridge_out(&still.columns, &spreads, &effect);
         // The least of the sum of squares with the tolerances' own is the effect's product with
-        // what is left of it.
-        let spent = (dot(&effect, &left) - dot(&left, &left)).max(0.0);
+        // what remains of it.
+        let spent = (dot(&effect, &remaining) - dot(&remaining, &remaining)).max(0.0);
         let used = self.used();
-        let count = left.len() / used.len();
+        let count = remaining.len() / used.len();
         let pair = if hidden.is_longitudinal() {
             [0, 1]
         } else {
             [2, 3]
         };
         used.iter()
-            .zip(left.chunks(count))
+            .zip(remaining.chunks(count))
             .filter(|(c, _)| pair.contains(*c))
-            .map(|(_, left)| (dot(left, left) + spent) / count as f64)
+            .map(|(_, remaining)| (dot(remaining, remaining) + spent) / count as f64)
             .fold(0.0, f64::max)
     }
 
     /// Residual channels that can be looked at: without a track table the speed's derivative has
-    /// nothing to be held against.
+    /// nothing to be compared with.
     fn used(&self) -> &'static [usize] {
         if self.wrong.bare {
             &[0, 2, 3]
@@ -202,9 +202,9 @@ impl Gauge<'_> {
             .collect();
         let sled = stated(self.sled, &run.start.plan);
         let of = |rows: &[Row]| self.residuals(1, run, rows, &sled);
-        let left = minus(&of(&noisy), &of(&run.rows));
+        let remaining = minus(&of(&noisy), &of(&run.rows));
         std::array::from_fn(|c| {
-            let values = left.iter().map(|at| at[c]).collect();
+            let values = remaining.iter().map(|at| at[c]).collect();
             inside(values, c, 1)
         })
     }
@@ -213,8 +213,8 @@ impl Gauge<'_> {
     fn residuals(&self, every: usize, run: &Ridden, rows: &[Row], sled: &Stated) -> Vec<Balances> {
         let slope = |s: f64| -self.roads[run.start.track].at(s).fall;
         let at = conditions(&run.start.plan);
-        let left = residuals_every(every, sled, &at, &samples(rows), &slope);
-        left.iter().map(balances).collect()
+        let remaining = residuals_every(every, sled, &at, &samples(rows), &slope);
+        remaining.iter().map(balances).collect()
     }
 
     /// Stacks what every so many rows of each run show at the compared ones, by channel and in
@@ -357,9 +357,9 @@ mod tests {
         let nothing = hidden("slip-offset").of_amount(0.0);
         let still = gauge.still(&nothing).unwrap();
         for run in &still.rides {
-            let left = gauge.residuals(1, run, &run.rows, &stated(&sled, &run.start.plan));
+            let remaining = gauge.residuals(1, run, &run.rows, &stated(&sled, &run.start.plan));
             for c in 0..4 {
-                let values = inside(left.iter().map(|at| at[c]).collect(), c, 1);
+                let values = inside(remaining.iter().map(|at| at[c]).collect(), c, 1);
                 let rms = (dot(&values, &values) / values.len() as f64).sqrt();
                 // Steps of 5 ms and derivatives of rows.
                 let noise = still.noise_sd[c];
@@ -397,7 +397,7 @@ mod tests {
         let inertia = hidden("yaw-inertia");
         let still = gauge.still(&inertia).unwrap();
         let rows = still.columns[0].len() / gauge.used().len();
-        // Imitated in full it would cost this; less of it, with something left, costs less
+        // Imitated in full it would cost this; less of it, with something remaining, costs less
         // together.
         let most = (inertia.size / 0.05).powi(2) / rows as f64;
         let share = gauge.share(&inertia);
