@@ -41,15 +41,12 @@ impl Campaign<'_> {
             let edges = as_candidate(&after.effects.active[e], &self.candidates.local)
                 .and_then(|local| local.window())
                 .map_or(0.0, |(from, to)| edges_m / (to - from).max(edges_m));
-            let wider = |end: f64| {
-                let way = end - est.value;
-                est.value + way.signum() * way.hypot(quantile * edges * est.value)
-            };
+            let wider = |way: f64| way.hypot(quantile * edges * est.value);
             parameters[last.owners[e - already]].push(Fitted {
                 name,
                 value: est.value,
-                low: wider(est.low),
-                high: wider(est.high),
+                low: est.value - wider(est.value - est.low),
+                high: est.value + wider(est.high - est.value),
                 unit,
             });
         }
