@@ -5,7 +5,7 @@ use crate::finding::{HeldOut, Step};
 use crate::joint::combine::{disagreement, together};
 use crate::joint::indexed::KindEvidence;
 use crate::options::Options;
-use crate::procedure::evidence::{Account, Dependence};
+use crate::procedure::evidence::{Account, Dependence, Unexplained};
 use crate::procedure::shared_effects::Amount;
 
 /// The kind of data whose model is a case.
@@ -106,11 +106,18 @@ impl<'a> Joint<'a> {
             ..one
         });
         account.depends.extend(depends);
-        if let Some(why) = own.unexplained {
+        if let Some(Unexplained { reason, decides }) = own.unexplained {
             // Reported with the names that other kinds of data have found.
-            let remark = prefixed(format!("a residual remains unidentified: {why}"));
+            let remark = prefixed(format!("a residual remains unidentified: {reason}"));
             account.remarks.push(remark);
-            account.unexplained.get_or_insert(prefixed(why));
+            account.unexplained.get_or_insert(Unexplained {
+                reason: prefixed(reason),
+                decides: if decides.is_empty() {
+                    decides
+                } else {
+                    prefixed(decides)
+                },
+            });
         }
         Ok((result, own.steps))
     }

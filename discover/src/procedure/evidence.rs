@@ -105,10 +105,19 @@ pub struct Account {
     pub remarks: Vec<String>,
     /// Assumptions without which a selected effect would not be significant.
     pub depends: Vec<Dependence>,
-    /// A measurement to make if data and model differ but no effect can be named.
-    pub unexplained: Option<String>,
+    /// Why no effect is named although data and model differ.
+    pub unexplained: Option<Unexplained>,
     /// Installation errors that exceed their tolerance, with the ratio of size to tolerance.
     pub outside_tolerance: Vec<(String, f64)>,
+}
+
+/// A difference of data and model without a named cause.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Unexplained {
+    /// Why the cause is not identified.
+    pub reason: String,
+    /// What would identify it; empty if unknown.
+    pub decides: String,
 }
 
 /// An assumption on which a selected effect depends.
@@ -197,7 +206,10 @@ impl Account {
     pub fn explain_removal(&mut self, reasons: Vec<String>) {
         if self.steps.is_empty() {
             self.depends.clear();
-            self.unexplained.get_or_insert(reasons.join("; "));
+            self.unexplained.get_or_insert_with(|| Unexplained {
+                reason: reasons.join("; "),
+                ..Unexplained::default()
+            });
         }
         self.remarks.extend(reasons);
     }

@@ -53,7 +53,7 @@ pub fn sentence(report: &Report, account: &Account, nothing: &str) -> String {
         Verdict::None if !nothing.is_empty() => nothing.to_owned(),
         Verdict::None => "No effect is significant: noise and installation errors explain the residual.".to_owned(),
         Verdict::NotIdentifiable => {
-            let why = account.unexplained.as_deref().unwrap_or_default();
+            let why = account.unexplained.as_ref().map_or("", |one| &one.reason);
             format!("Model and data differ, but these data do not identify the cause: {why}.")
         }
     }

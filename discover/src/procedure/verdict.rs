@@ -63,7 +63,11 @@ fn measurement(verdict: Verdict, account: &Account, described: &Description) -> 
                 places.join("; ")
             )
         }
-        Verdict::NotIdentifiable | Verdict::None => described.next_after_nothing.clone(),
+        Verdict::NotIdentifiable | Verdict::None => {
+            let known = account.unexplained.as_ref().map(|one| &one.decides);
+            let known = known.filter(|decides| !decides.is_empty());
+            known.unwrap_or(&described.next_after_nothing).clone()
+        }
         Verdict::Law => {
             let of_laws = account.steps.iter().filter(|s| s.law.is_some());
             let members = of_laws.flat_map(|s| &s.class);

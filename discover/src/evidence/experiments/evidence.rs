@@ -29,7 +29,7 @@ use crate::options::{OUTSIDE_CATALOGUE, Options};
 use crate::procedure::candidate::Candidate;
 use crate::procedure::evidence::{
     Account, Choice, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, SUPERFLUOUS,
-    Screen, Selection,
+    Screen, Selection, Unexplained,
 };
 use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::search::{Found, search_evidence};
@@ -230,11 +230,12 @@ impl Evidence for Experiments<'_> {
             fit = self.without(&fit, weak)?;
         }
         if account.steps.is_empty() && !self.is_clean(&fit) {
-            account.unexplained = Some(format!(
-                "the model's friction has {}; a law over pressure (b, c, d) where it has one mu, columns for what \
-                 else differed from row to row, or mu_sd equal to the scatter of repeated rows would explain it",
-                self.of_base(&fit)
-            ));
+            account.unexplained = Some(Unexplained {
+                reason: format!("the model's friction has {}", self.of_base(&fit)),
+                decides: "a law over pressure (b, c, d) where the model has one mu, columns for what else differed from \
+                          row to row, or mu_sd equal to the scatter of repeated rows"
+                    .to_owned(),
+            });
         }
         Ok(fit)
     }

@@ -34,7 +34,7 @@ use crate::options::Options;
 use crate::procedure::closed::{ClosedMisfit, change};
 use crate::procedure::evidence::{
     Account, Description, Evidence, ExtendedFit, HeldOutResults, Meaning, NO_SIZE, SUPERFLUOUS,
-    Screen, Selection,
+    Screen, Selection, Unexplained,
 };
 use crate::procedure::misfit_decrease::Decrease;
 use crate::procedure::search::{Found, search_evidence};
@@ -312,7 +312,10 @@ impl Evidence for Maps<'_> {
             fit = self.start.clone();
         }
         if account.steps.is_empty() && !self.is_clean(&fit.misfit) {
-            account.unexplained = Some("maps of the same runner at more loads and turned by a known angle, and a map of a ball of known radius, which separates the sensor from the runner".to_owned());
+            account.unexplained = Some(Unexplained {
+                reason: "no effect of the catalogue explains the difference of the maps".to_owned(),
+                decides: "maps of the same runner at more loads and turned by a known angle, and a map of a ball of known radius, which separates the sensor from the runner".to_owned(),
+            });
         }
         Ok(fit)
     }

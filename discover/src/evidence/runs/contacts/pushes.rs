@@ -67,7 +67,9 @@ impl Campaign<'_> {
         }
         self.training = frames.iter().map(without_contacts).collect();
         self.whole = frames;
-        account.unexplained = found.filter(|_| !is_selectable).map(|found| found.reason());
+        account.unexplained = found
+            .filter(|_| !is_selectable)
+            .map(|found| found.unexplained());
         account.remarks.push(format!(
             "single runs were pushed aside at places that others pass, possibly by a wall; their samples there are omitted: {}",
             descriptions.join(", ")

@@ -21,7 +21,7 @@ use crate::evidence::runs::model::residual_model::{CHANNEL_NAMES, ChannelRows, R
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::null::combined_p_value;
 use crate::procedure::candidate::Candidate;
-use crate::procedure::evidence::{ExtendedFit, Selection};
+use crate::procedure::evidence::{ExtendedFit, Selection, Unexplained};
 
 /// Random displacements of the contacts for the null distribution of the yaw residual.
 const TRIALS: u64 = 999;
@@ -42,12 +42,14 @@ pub struct FoundContacts {
 
 impl FoundContacts {
     /// Why contacts near a runner or beyond it are not named.
-    pub fn reason(&self) -> String {
-        let lever_m = self.contacts.lever_m.value;
-        format!(
-            "several runs were pushed aside at {}, about {lever_m:.1} m in front of the centre of gravity, by a wall or by a force of a runner, which marks on the wall or a video would distinguish",
-            places_in_words(&self.contacts)
-        )
+    pub fn unexplained(&self) -> Unexplained {
+        let (places, lever_m) = (places_in_words(&self.contacts), self.contacts.lever_m.value);
+        Unexplained {
+            reason: format!(
+                "several runs were pushed aside at {places}, about {lever_m:.1} m in front of the centre of gravity, by a wall or by a force of a runner"
+            ),
+            decides: format!("marks on the wall, or a video of the runs, at {places}"),
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use crate::evidence::runs::model::residual_model::CHANNEL_NAMES;
 use crate::evidence::runs::screen::levels::{min_p_value, screen_levels};
 use crate::evidence::runs::shared_effects::between;
 use crate::finding::Rival;
-use crate::procedure::evidence::{Account, Randomised, Selection};
+use crate::procedure::evidence::{Account, Randomised, Selection, Unexplained};
 use crate::procedure::rivals::NamedEffect;
 use crate::procedure::shared_effects::ScreenEstimate;
 
@@ -46,10 +46,15 @@ impl Campaign<'_> {
             let is_unexplained = differ < rules.alpha_column && account.unexplained.is_none();
             if is_unexplained && !enough(&levels.sessions) {
                 let needed = (levels.sessions..).find(enough).unwrap_or(levels.sessions);
-                account.unexplained = Some(format!(
-                    "sessions differ (p = {differ:.1e}), but {} training sessions are too few to identify the cause: {needed} at spread temperatures and humidities are needed",
-                    levels.sessions
-                ));
+                account.unexplained = Some(Unexplained {
+                    reason: format!(
+                        "sessions differ (p = {differ:.1e}), but {} training sessions are too few to identify the cause",
+                        levels.sessions
+                    ),
+                    decides: format!(
+                        "{needed} training sessions at spread temperatures and humidities"
+                    ),
+                });
             }
             return (None, screen_estimates);
         };
