@@ -47,7 +47,7 @@ fn a_base_that_does_not_fit_is_reported_and_a_law_over_pressure_fits() -> Outcom
         "{}",
         found["sentence"]
     );
-    let reported = found["sentence"].as_str().ok_or("no sentence")?;
+    let reported = format!("{} {}", found["sentence"], found["next_experiment"]);
     assert!(
         reported.contains("chi2") && reported.contains("b, c, d"),
         "{reported}"
