@@ -10,6 +10,7 @@ use crate::evidence::runs::contacts::model::{at_stretch, wall};
 use crate::evidence::runs::contacts::run_contacts::{
     contacts_of, residuals_without, without_contacts,
 };
+use crate::evidence::runs::contacts::selection::Lever;
 use crate::evidence::runs::model::residual_model::ResidualModel;
 use crate::evidence::runs::recordings::frame::Frame;
 use crate::procedure::evidence::Account;
@@ -23,7 +24,7 @@ struct Push {
 
 impl Campaign<'_> {
     /// Marks pushes that no other run shares; if contacts cannot be selected, also pushes that up
-    /// to half of the runs of a track share.
+    /// to half of the runs of a track share, and those beyond the runners.
     ///
     /// Training samples there are excluded, with a remark that names runs and places. Returns
     /// whether there are any. Pushes of held-out runs, detected together with these, do not count
@@ -34,14 +35,14 @@ impl Campaign<'_> {
             return false;
         };
         let found = self.find_contacts(model);
-        let is_selectable = found.as_ref().is_some_and(|found| found.is_between_runners);
+        let lever = found.as_ref().map(|found| found.lever);
         let learned = self.whole().len();
         let all: Vec<Frame> = self.whole().iter().chain(&self.held_out).cloned().collect();
         let residual = residuals_without(model, &all);
         let side: Vec<Vec<f64>> = residual.iter().map(|l| l[1].clone()).collect();
         let pushes = |seen: usize| {
             let runs = (&all[..seen], &side[..seen]);
-            self.pushes(effect, runs, learned, is_selectable)
+            self.pushes(effect, runs, learned, lever)
         };
         let of_training = pushes(learned);
         for push in pushes(all.len()) {
@@ -68,10 +69,10 @@ impl Campaign<'_> {
         self.training = frames.iter().map(without_contacts).collect();
         self.whole = frames;
         account.unexplained = found
-            .filter(|_| !is_selectable)
+            .filter(|found| found.lever != Lever::Between)
             .map(|found| found.unexplained());
         account.remarks.push(format!(
-            "single runs were pushed aside at places that others pass, possibly by a wall; their samples there are omitted: {}",
+            "runs were pushed aside, possibly by a wall; their samples there are omitted: {}",
             descriptions.join(", ")
         ));
         true
@@ -84,7 +85,7 @@ impl Campaign<'_> {
         effect: &'static Effect,
         (frames, side): (&[Frame], &[Vec<f64>]),
         learned: usize,
-        is_selectable: bool,
+        lever: Option<Lever>,
     ) -> Vec<Push> {
         let rules = self.options.rules.runs.contacts;
         let mut pushes = Vec::new();
@@ -98,10 +99,10 @@ impl Campaign<'_> {
             let hit: Vec<usize> = (0..own.len()).filter(|i| !own[*i].is_empty()).collect();
             let on = |f: &&Frame| f.track == stretch.track;
             let runs = frames[..learned].iter().filter(on).count();
-            let most = if is_selectable {
-                MIN_HITS - 1
-            } else {
-                runs / 2
+            let most = match lever {
+                Some(Lever::Between) => MIN_HITS - 1,
+                Some(Lever::Beyond) => runs,
+                Some(Lever::AtRunner) | None => runs / 2,
             };
             if hit.iter().filter(|run| **run < learned).count() > most {
                 continue;

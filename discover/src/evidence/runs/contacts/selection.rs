@@ -36,8 +36,18 @@ pub struct FoundContacts {
     pub p_value: f64,
     /// Reduction of the lateral sum of squares, in units of its variance.
     pub gain: f64,
-    /// Whether they act between the runners. A force further out may be one of a runner.
-    pub is_between_runners: bool,
+    pub lever: Lever,
+}
+
+/// Where contacts act.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lever {
+    /// Between the runners.
+    Between,
+    /// Near a runner, whose own force they may be.
+    AtRunner,
+    /// Beyond the runners, where no force of one runner acts.
+    Beyond,
 }
 
 impl FoundContacts {
@@ -46,7 +56,7 @@ impl FoundContacts {
         let (places, lever_m) = (places_in_words(&self.contacts), self.contacts.lever_m.value);
         Unexplained {
             reason: format!(
-                "several runs were pushed aside at {places}, about {lever_m:.1} m in front of the centre of gravity, by a wall or by a force of a runner"
+                "several runs were pushed aside at {places}, about {lever_m:.1} m in front of the centre of gravity, by a wall or by forces of the runners"
             ),
             decides: format!("marks on the wall, or a video of the runs, at {places}"),
         }
@@ -89,6 +99,13 @@ impl Campaign<'_> {
         if hit.p_value > rules.contacts.met_by_chance || p_value > rules.contacts.alpha {
             return None;
         }
+        let lever = if inside.contains(&lever_m.value) {
+            Lever::Between
+        } else if lever_m.low > sled.l_f_m || lever_m.high < -sled.l_r_m {
+            Lever::Beyond
+        } else {
+            Lever::AtRunner
+        };
         let mut friction = ratio(0);
         if !self.used[0] || friction.low <= 0.0 {
             friction = Default::default();
@@ -109,7 +126,7 @@ impl Campaign<'_> {
             frames,
             p_value,
             gain,
-            is_between_runners: inside.contains(&lever_m.value),
+            lever,
         })
     }
 
@@ -177,7 +194,8 @@ impl Campaign<'_> {
         // The first base was biased by the contacts; places are searched for again with an unbiased
         // one, unless so many runs differ that a whole track is excluded.
         let again = self.find_contacts(&base.residual_model);
-        let again = again.filter(|again| again.is_between_runners && again.gain > 0.5 * found.gain);
+        let again =
+            again.filter(|again| again.lever == Lever::Between && again.gain > 0.5 * found.gain);
         let mut contacts = found.contacts;
         if let Some(again) = again {
             self.whole = again.frames;

@@ -3,6 +3,7 @@
 use crate::evidence::runs::campaign::{Campaign, Current};
 use crate::evidence::runs::candidates::amplitude::Amplitude;
 use crate::evidence::runs::candidates::columns::unknown;
+use crate::evidence::runs::contacts::selection::Lever;
 use crate::evidence::runs::fit::noise_products::noise_products;
 use crate::evidence::runs::laws::selection::Law;
 use crate::evidence::runs::model::design::{Design, Products};
@@ -71,7 +72,7 @@ impl Campaign<'_> {
         let places = best_windows(&screen, &all_windows, regular.len());
         let selection = self.choose(at, &screen, &regular, &places, account);
         let found = self.find_contacts(at.residual_model);
-        let found = found.filter(|found| found.is_between_runners);
+        let found = found.filter(|found| found.lever == Lever::Between);
         // Contacts bias the base, so that many candidates seem to explain something: the
         // significant ones are rivals.
         let significant = (0..regular.len())
